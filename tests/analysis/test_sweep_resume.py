@@ -325,6 +325,7 @@ def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path
     assert out.read_bytes() == whole.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     path, out = study(tmp_path, members=6000, seconds=40.0), tmp_path / "a.parquet"

@@ -158,6 +158,7 @@ def command(*words: str) -> str:
     return " ".join([*TRAINER, *words])
 
 
+@pytest.mark.slow
 def test_the_first_exercise_by_the_keys_that_help_names(
     terminal: Terminal, ear: Callable[[Path], Ear], tmp_path: Path
 ) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.lanes import sample_cases
 
 import trainer
 from trainer.core import cache
@@ -87,6 +88,7 @@ def test_machine_code_goes_into_the_users_cache_folder_of_this_version_alone(
     assert int(files) > 0
 
 
+@pytest.mark.slow
 def test_the_users_own_numba_folder_is_the_parent_also_of_a_process_it_starts(
     tmp_path: Path,
 ) -> None:
@@ -219,14 +221,8 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("ending", CODE_SUFFIXES)
-@pytest.mark.parametrize(
-    "way",
-    [
-        pytest.param(way, marks=[] if way in {"flipped", "without a digest"} else pytest.mark.slow)
-        for way in DAMAGE
-    ],
-)
+@pytest.mark.parametrize("ending", sample_cases(CODE_SUFFIXES, CODE_SUFFIXES[0]))
+@pytest.mark.parametrize("way", sample_cases(DAMAGE, "flipped"))
 def test_damaged_machine_code_is_set_aside_and_compiled_again(
     compiled: Path, tmp_path: Path, way: str, ending: str
 ) -> None:
@@ -242,6 +238,7 @@ def test_damaged_machine_code_is_set_aside_and_compiled_again(
     assert hurt.is_file()
 
 
+@pytest.mark.slow
 def test_that_code_was_damaged_is_said_in_one_line(tmp_path: Path) -> None:
     cache = str(tmp_path)
     said(SINE, PACKAGE.parent, NUMBA_CACHE_DIR=cache)

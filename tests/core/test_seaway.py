@@ -472,6 +472,7 @@ def test_a_snapshot_of_the_state_alone_goes_on_to_the_same_bits(generator: float
     assert waves.run(200).tobytes() == first.tobytes()
 
 
+@pytest.mark.slow
 @pytest.mark.process
 @pytest.mark.long
 def test_without_jit_the_bits_are_the_same() -> None:

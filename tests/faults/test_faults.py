@@ -5,6 +5,7 @@ import os
 import random
 
 import pytest
+from helpers.lanes import sample_cases
 
 from faults import faults, recordings
 from faults.rig import Bench, Tried
@@ -55,7 +56,11 @@ def good_recording(bench: Bench) -> bytes:
 
 @posix
 @pytest.mark.long
-@pytest.mark.parametrize("way", recordings.DAMAGES, ids=lambda way: way.__name__)
+@pytest.mark.parametrize(
+    "way",
+    sample_cases(recordings.DAMAGES, recordings.pages_changed, recordings.texts_changed),
+    ids=lambda way: way.__name__,
+)
 def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
     bench: Bench, good_recording: bytes, way: recordings.Damage
 ) -> None:

@@ -2,16 +2,16 @@
 
 from typing import Final
 
-import pytest
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
+from helpers.lanes import sample_cases
 from helpers.waiting import await_that, eventually
 from trainer.session.stations.channels import CHANNELS
 
 LEAP_S: Final = 5.0  # to a moment that is not yet over when the page hears of it
 EACH_WAY: Final = ("mouse", "touch", "keyboard")
-WAYS: Final = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
+WAYS: Final = sample_cases(EACH_WAY, "keyboard")  # clicked is in all other tests
 
 # Where something on a page is wider or higher than its place, or lies beyond the window.
 CUT: Final = """() => {

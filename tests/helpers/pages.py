@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-import pytest
 from soak.session_process import Caller
 
 from helpers.installation import installed
+from helpers.lanes import sample_cases
 from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.waiting import PATIENCE, await_begun
@@ -28,9 +28,7 @@ SIZES: Final = {
     "4k": (3840, 2160),
 }
 OFTEN: Final = ("phone", "laptop")  # the sizes of the short run
-IN_SHORT: Final = [
-    pytest.param(size, marks=[] if size in OFTEN else pytest.mark.slow) for size in SIZES
-]
+IN_SHORT: Final = sample_cases(SIZES, *OFTEN)
 PALETTES: Final = ("dusk", "day", "night")
 QUIET: Final = (  # nothing but the page asks for anything
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from helpers.hands import see_whole
+from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, expect
@@ -38,7 +39,9 @@ def press(page: Page, key: str) -> None:
     page.keyboard.press("Enter")
 
 
-@pytest.mark.parametrize("size", [(360, 640), (640, 360), (1280, 720)])
+@pytest.mark.parametrize(
+    "size", sample_cases([(360, 640), (640, 360), (1280, 720)], (360, 640)), ids=str
+)
 def test_who_trains_has_both_aids_and_the_way_by_keyboard(
     allowing: Served, look: Look, size: tuple[int, int]
 ) -> None:

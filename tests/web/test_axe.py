@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 from helpers import node
+from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, Served
 from playwright.sync_api import Page, expect
 
@@ -20,10 +21,8 @@ def axe() -> str:
     return (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("size", ["phone", pytest.param("laptop", marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    "palette", ["dusk", *(pytest.param(each, marks=pytest.mark.slow) for each in PALETTES[1:])]
-)
+@pytest.mark.parametrize("size", sample_cases(["phone", "laptop"], "phone"))
+@pytest.mark.parametrize("palette", sample_cases(PALETTES, "dusk"))
 @pytest.mark.parametrize("name", [page.name for page in PAGES], ids=lambda name: name or "first")
 def test_a_page_has_no_barrier(
     shared: Served, look: Look, axe: str, name: str, palette: str, size: str

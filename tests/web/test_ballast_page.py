@@ -7,6 +7,7 @@ from typing import Final
 
 import pytest
 from helpers.hands import (
+    EACH_WAY,
     UNWORKED,
     WAYS,
     await_truth,
@@ -19,6 +20,7 @@ from helpers.hands import (
     work_frame,
     work_parts,
 )
+from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
@@ -100,7 +102,7 @@ def open_ballast(look: Look, session: Served, **how: object) -> Page:
     return page
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", sample_cases(EACH_WAY, "mouse"))
 def test_every_control_does_in_the_boat_what_it_says(
     shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:

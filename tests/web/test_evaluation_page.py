@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 
 import pytest
+from helpers.lanes import sample_cases
 from helpers.pages import served
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, expect
@@ -12,7 +13,7 @@ pytestmark = pytest.mark.process
 Look = Callable[..., Page]
 
 
-@pytest.mark.parametrize("size", ["phone", "laptop"])
+@pytest.mark.parametrize("size", sample_cases(["phone", "laptop"], "phone"))
 def test_the_bar_is_the_instructors_alone(look: Look, size: str) -> None:
     with served("first-depth-change") as session:
         page = look(session, "instructor", size=size)

@@ -498,6 +498,7 @@ def test_no_number_of_the_state_and_no_depth_of_the_ladder_is_cut(
         see_whole(page, (width, height), CUT)
 
 
+@pytest.mark.slow
 def test_a_whole_exercise_is_led_by_the_mouse_alone(serve: Serve, look: Look) -> None:
     """Chosen, begun, broken, looked back into, taken over, ended, judged, debriefed, left."""
     session = serve("steady-course")

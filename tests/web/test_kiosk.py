@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from helpers.hands import EACH_WAY, UNWORKED, see_whole, stop_clock, work
+from helpers.lanes import sample_cases
 from helpers.pages import Served, served
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
@@ -336,7 +337,7 @@ def test_the_language_is_chosen_by_one_key_and_forgotten_in_attract(
 
 
 @pytest.mark.parametrize("size", ["desk", "tablet", "phone", "phone-side", UPRIGHT])
-@pytest.mark.parametrize("language", [pytest.param("en", marks=pytest.mark.slow), "de"])
+@pytest.mark.parametrize("language", sample_cases(["en", "de"], "de"))
 def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, language: str) -> None:
     page = look(
         kiosk.session, "kiosk", size="desk" if size == UPRIGHT else size, query=f"?lang={language}"

@@ -1,13 +1,14 @@
 """Levers that are held, not hit: fingers on glass, one scale with the dial, words that are read."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Final
 
 import pytest
 from helpers.hands import await_truth, on_groove
+from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
@@ -28,12 +29,7 @@ LEAST_TEXT_PX: Final = 11.0
 each_lever = pytest.mark.parametrize(("name", "lever"), LEVERS, ids=[each[1] for each in LEVERS])
 
 
-def commit_s(cases: Sequence[Any], *quick: object) -> list[Any]:
-    """Return cases of which those that are not quick are left to the night."""
-    return [each if each in quick else pytest.param(each, marks=pytest.mark.slow) for each in cases]
-
-
-FOUR: Final = commit_s([PHONE, (768, 1024), (1366, 768), (1920, 1080)], PHONE, (1366, 768))
+FOUR: Final = sample_cases([PHONE, (768, 1024), (1366, 768), (1920, 1080)], PHONE, (1366, 768))
 
 SENT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
@@ -370,7 +366,7 @@ LARGEST: Final = """() => {
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", ["helm", pytest.param("planes", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", sample_cases(["helm", "planes"], "helm"))
 def test_the_own_control_is_the_biggest_instrument_of_its_page(
     shared: Served, look: Look, name: str
 ) -> None:
@@ -431,7 +427,7 @@ def small_texts(page: Page) -> list[Any]:
 
 @pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize(
-    "name", commit_s([page.name for page in PAGES], "trainee"), ids=lambda name: name or "first"
+    "name", sample_cases([page.name for page in PAGES], "trainee"), ids=lambda name: name or "first"
 )
 def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
     shared: Served, look: Look, name: str
@@ -501,7 +497,7 @@ TOUCHED: Final = """() => {
 
 @pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize(
-    "name", commit_s(["helm", "planes", "trainee", "diving", "observer"], "helm")
+    "name", sample_cases(["helm", "planes", "trainee", "diving", "observer"], "helm")
 )
 def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
     shared: Served, look: Look, name: str
@@ -547,7 +543,7 @@ CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   })"""
 
 
-@pytest.mark.parametrize("vessel", ["bb2", pytest.param("sdv-mk9", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("vessel", sample_cases(["bb2", "sdv-mk9"], "bb2"))
 def test_charts_are_as_wide_as_their_panel(serve: Serve, look: Look, vessel: str) -> None:
     served = serve("--vessel", vessel)
     page = look(served, "instructor")

@@ -7,6 +7,7 @@ from typing import Final
 
 import pytest
 from helpers.hands import read
+from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.time_line import drag, drawn, fly, settled
 from helpers.waiting import PATIENCE
@@ -242,7 +243,7 @@ def flown(*seconds: int, depth: int) -> list[str]:
 
 
 @pytest.mark.parametrize("jump", JUMP)
-@pytest.mark.parametrize("before", [0, 1, 3], ids="{} rows before the jump".format)
+@pytest.mark.parametrize("before", sample_cases([0, 1, 3], 1), ids="{} rows before the jump".format)
 def test_a_past_that_comes_after_a_jump_puts_nothing_back(
     shared: Served, look: Look, jump: list[str], before: int
 ) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pytest
 from helpers.hands import TOO_WIDE, see_whole
+from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -16,11 +17,7 @@ NAMES = [page.name for page in PAGES]
 SHORT = {"", "instructor", "scope"}  # the pages of the short run, where all would take minutes
 each_page = pytest.mark.parametrize("name", NAMES, ids=lambda name: name or "first")
 some_pages = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, id=name or "first", marks=[] if name in SHORT else pytest.mark.slow)
-        for name in NAMES
-    ],
+    "name", sample_cases(NAMES, *SHORT), ids=[name or "first" for name in NAMES]
 )
 
 # Pairs of tokens: what is written or drawn, on what; WCAG 2.2, 1.4.3 and 1.4.11.
@@ -89,7 +86,7 @@ def ready(page: Page) -> None:
 
 
 @each_page
-@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("language", sample_cases(["en", "de"], "de"))
 def test_a_page_fits_every_size(shared: Served, look: Look, name: str, language: str) -> None:
     page = look(shared, name, query=f"?lang={language}")
     ready(page)
@@ -146,7 +143,7 @@ FOCUS = """() => {
 }"""
 
 
-@each_page
+@some_pages
 def test_the_keyboard_alone_reaches_every_control(shared: Served, look: Look, name: str) -> None:
     page = look(shared, name)
     ready(page)

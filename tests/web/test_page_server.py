@@ -665,6 +665,7 @@ def test_a_server_that_is_stopped_is_begun_again_and_its_pages_come_back(
     await_that(lambda: instructor.ask("log")[0] and any("hangs" in x for x in instructor.said))
 
 
+@pytest.mark.slow
 @pytest.mark.clock
 def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve: Serve) -> None:
     session = serve()

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pytest
 from helpers.hands import EACH_WAY, work
+from helpers.lanes import sample_cases
 from helpers.pages import IN_SHORT, Served
 from playwright.sync_api import Browser, Page, expect
 
@@ -63,7 +64,7 @@ WANTED = {
 }
 
 
-@pytest.mark.parametrize("exercise", WANTED)
+@pytest.mark.parametrize("exercise", sample_cases(WANTED, "stern-plane-jam"))
 def test_the_first_page_has_the_stations_that_the_exercise_wants_first_and_large(
     serve: Serve, look: Look, exercise: str
 ) -> None:
@@ -87,6 +88,7 @@ def test_the_first_page_has_the_stations_that_the_exercise_wants_first_and_large
     assert large["height"] > small["height"]
 
 
+@pytest.mark.slow
 def test_the_first_page_follows_the_session_to_another_exercise(serve: Serve, look: Look) -> None:
     session = serve("steady-course")
     page = look(session)

@@ -20,6 +20,7 @@ import pytest
 from helpers import node
 from helpers.firefox import firefox
 from helpers.givers import giver_at
+from helpers.lanes import sample_cases
 from helpers.nursery import run_trainer
 from helpers.places import ROOT
 from helpers.recorded import record
@@ -311,7 +312,9 @@ def result_of(page: Page) -> list[list[str]]:
     return [row.locator("td").all_inner_texts() for row in page.locator("#task tbody tr").all()]
 
 
-@pytest.mark.parametrize("size", [(1366, 768), (360, 640), (844, 390)])
+@pytest.mark.parametrize(
+    "size", sample_cases([(1366, 768), (360, 640), (844, 390)], (360, 640)), ids=str
+)
 def test_a_mailed_run_begins_with_a_card_and_is_taken_over_there_by_one_key(
     opened: Open, drill: Path, size: tuple[int, int]
 ) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from helpers.hands import see_whole
+from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, WebSocket, expect
@@ -299,7 +300,7 @@ def test_each_instrument_that_a_step_may_light_up_is_on_the_page(serve: Serve, l
 # Sizes
 
 
-@pytest.mark.parametrize("language", [pytest.param("en", marks=pytest.mark.slow), "de"])
+@pytest.mark.parametrize("language", sample_cases(["en", "de"], "de"))
 def test_a_lessons_page_is_whole_at_every_size(serve: Serve, look: Look, language: str) -> None:
     page = look(serve("fifteen-metres-down"), "trainee", query=f"?lang={language}")
     expect(page.locator("#begin")).to_be_focused()
@@ -378,6 +379,7 @@ def test_nothing_hidden_reaches_the_line_of_who_trains(serve: Serve, look: Look)
 # The kiosk
 
 
+@pytest.mark.slow
 def test_a_lesson_can_be_the_kiosks_exercise_and_the_next_visitor_begins_anew(
     serve: Serve, look: Look, tmp_path: Path
 ) -> None:

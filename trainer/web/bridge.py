@@ -194,11 +194,11 @@ class Bridge:
         """
         code, why = NO_SESSION_CODE, "the session has closed the line"
         try:
-            async for text in whole_lines(reader):
-                await page.send_text(text)
-                if FULL_FACT not in text and DEBRIEF_FACT not in text:
+            async for lines in whole_lines(reader):
+                await page.send_text(lines)
+                if FULL_FACT not in lines and DEBRIEF_FACT not in lines:
                     continue
-                for sentence in text.split("\n"):
+                for sentence in lines.split("\n"):
                     if fact := fact_of(sentence, "no-room"):
                         why = f"no room: {fact[2]} stations are here; close a page"
                         code = NO_ROOM_CODE
