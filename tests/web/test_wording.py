@@ -232,8 +232,7 @@ def reword(line: WebSocketRoute) -> None:
     line.on_message(server.send)
 
     def hand(message: str | bytes) -> None:
-        lines = str(message).splitlines()
-        line.send("\r\n".join(map(reworded, lines)) + "\r\n" * str(message).endswith("\n"))
+        line.send("\n".join(map(reworded, str(message).split("\n"))))
 
     server.on_message(hand)
 

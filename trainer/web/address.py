@@ -12,8 +12,6 @@ import webbrowser
 from dataclasses import dataclass
 from typing import Final
 
-import segno
-
 from trainer.web.gate import LOOPBACK_HOSTS, WILDCARD_HOSTS
 
 # An address for documents (RFC 5737). A UDP socket connected to it sends nothing; the system only
@@ -59,6 +57,8 @@ def announce_address(address: Address) -> str:
     text = f"pages at {address.url}"
     if address.here:
         return text
+    import segno  # noqa: PLC0415  a tenth of the start, and most servers draw nothing
+
     drawn = io.StringIO()
     segno.make(address.url, error="l").terminal(drawn, compact=True, border=2)
     return f"{text}\n{drawn.getvalue().rstrip()}"
