@@ -151,7 +151,7 @@ def draw_page(browser: Browser, session: Served, what: tuple[str, str, str], pat
         if name == "kiosk":
             page.locator("#start").click()
         page.wait_for_selector(THERE)
-        page.wait_for_timeout(1500)  # pointers settle
+        page.wait_for_timeout(4000)  # pointers settle, and the past has come
         page.screenshot(path=path)
 
 
