@@ -35,6 +35,7 @@ from trainer.config.vessel import load_vessel
 @click.option("--wasm", is_flag=True, help="Only an hour by the core for WebAssembly, in node.")
 @click.option("--machines", is_flag=True, help="Only the hour on other processors, in emulators.")
 @click.option("--instructions", is_flag=True, help="Only the instructions of a tick, by valgrind.")
+@click.option("--waits", is_flag=True, help="Only what whole commands take of the processor.")
 @click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(*, vessel: str, seconds: int, against: str | None, as_json: bool, **parts: bool) -> None:

@@ -6,7 +6,18 @@ from typing import Final
 from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
-from bench import control, fleet, footprint, identify, instructions, machines, parts, peers, wasm
+from bench import (
+    control,
+    fleet,
+    footprint,
+    identify,
+    instructions,
+    machines,
+    parts,
+    peers,
+    waits,
+    wasm,
+)
 from trainer.analysis.bench import same_bits as whole
 from trainer.analysis.bench.same_bits import SameBits, fly_hour
 from trainer.analysis.bench.sections import Section, or_left_out
@@ -45,5 +56,6 @@ SECTIONS: Final = {
     "instructions": or_left_out(
         ConfigError, Section(lambda _wanted: instructions.measure(), instructions.lines)
     ),
+    "waits": Section(lambda _wanted: waits.time_waits(), waits.lines),
     "identify": Section(lambda _wanted: identify.identify_speed(SAMPLES), identify.lines),
 }
