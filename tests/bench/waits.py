@@ -1,7 +1,7 @@
 """What users wait for: processor seconds of whole commands, each in a process of its own.
 
 Processor time is of the command and all that it starts. It is nearly the same at any load, where a
-clock on the wall is not. Each command runs once before it counts, so that what numba keeps is there.
+clock on the wall is not. Each command runs once before it counts, so that numba has kept its code.
 """
 
 import resource
