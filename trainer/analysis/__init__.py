@@ -1,4 +1,4 @@
-"""The engineer's programs: 1969's, manoeuvres, the guide, reduction, sweeps, debriefs.
+"""The engineer's programs: 1969's, manoeuvres, the guide, reduction, sweeps.
 
 Makers of boats: ``estimate`` from the drawing of a hull, ``gains``, ``reduce``. Flyers:
 ``manoeuvres``, ``sweep``, ``fleet``. Judges: ``guide``, ``check``, ``check_cases``, ``validation``

@@ -1,6 +1,6 @@
 """The command line.
 
-Begin with ``main``, the group of commands; it imports a command when that is typed. A module holds
+Begin with ``main``, the group of commands; each imports what it needs when it runs. A module holds
 one command or a few; ``options`` and ``types`` are what several share. The Python face lies here
 too: ``boat`` is a session run by calls, ``calls`` has manoeuvres, sweeps and fits.
 

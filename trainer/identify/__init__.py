@@ -10,9 +10,9 @@ Nothing is imported before one of the names is used. docs/python.md has more.
 
 The rooms in here each know those before them: ``kernels`` (numbers only), ``model``, ``record``,
 ``fitting``, ``judge``, then ``ships`` (those that are not linear) and ``pages``. Begin with
-``record.study``, what is asked, and ``judge.fitted``, which carries it out. ``options`` is the
-command's, ``monte_carlo`` and ``experiment`` fly or draw many records, ``fitted_ship`` is the face
-above. How a fit is found and judged stays here; other rooms use records, ships and pages.
+``record.study``, what is asked, and ``judge.fitted``, which carries it out. ``options`` are the
+command's, ``experiment`` flies a record, ``monte_carlo`` many, ``fitted_ship`` is the face above.
+How a fit is found and judged stays here; other rooms use records, ships and pages.
 """
 
 __all__ = ["FittedShip", "ManoeuvringShip", "fit"]

@@ -1,6 +1,6 @@
 """The programs of 1969: a boat's numbers, and two runs of it compared.
 
-Each module is one program or two, with its page; the first line names it as the report does (EC140,
+Each module is one program or two, with its page; most first lines have the report's name (EC140,
 ZC590, ...). Begin with ``characteristic`` (roots of the linear boat) or ``neutral`` (planes for
 level flight), which other programs use as well. All modules are open to commands.
 """
