@@ -39,7 +39,7 @@ FIRST: Final = {  # in a group of the menu, before the documents of that reader
     ],
     "Reference": [{"Python, by its docstrings": "api.md"}],
 }
-FACES: Final = (trainer, trainer.identify)
+FACES: Final = {trainer: trainer.__all__, trainer.identify: trainer.identify.PYTHON_FACE}
 SAILED: Final = "stern-plane-jam.html"
 SAIL_LINE: Final = re.compile(r"^trainer run .* --recording .*$", re.MULTILINE)
 GROUP: Final = re.compile(r"^## For (?:the )?(.*?)\n(.*?)(?=^## |\Z)", re.MULTILINE | re.DOTALL)
@@ -156,7 +156,7 @@ def pictures_page() -> str:
 
 def api_page() -> str:
     """Return a page of all that Python calls, for mkdocstrings to fill from the sources."""
-    names = [f"{face.__name__}.{name}" for face in FACES for name in face.__all__]
+    names = [f"{face.__name__}.{name}" for face, names in FACES.items() for name in names]
     return API_HEAD + "".join(f"::: {name}\n\n" for name in names)
 
 

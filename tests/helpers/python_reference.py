@@ -17,7 +17,7 @@ HEAD = "## Every name\n"
 def reference() -> str:
     """Return the reference as Markdown, from its heading to the end of the page."""
     own = [(f"trainer.{name}", getattr(trainer, name)) for name in trainer.__all__]
-    own += [(f"trainer.identify.{name}", getattr(identify, name)) for name in identify.__all__]
+    own += [(f"trainer.identify.{name}", getattr(identify, name)) for name in identify.PYTHON_FACE]
     return "\n".join([HEAD, *(line for each in own for line in _entry(*each))]).rstrip() + "\n"
 
 

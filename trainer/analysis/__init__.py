@@ -1,1 +1,20 @@
-"""The engineer's programs: 1969's, manoeuvres, the guide, reduction, sweeps, debriefs."""
+"""The engineer's programs: 1969's, manoeuvres, the guide, reduction, sweeps.
+
+Makers of boats: ``estimate`` from the drawing of a hull, ``gains``, ``reduce``. Flyers:
+``manoeuvres``, ``sweep``, ``fleet``. Judges: ``guide``, ``check``, ``check_cases``, ``validation``
+(do an exercise's marks order skill?). ``programs`` are those of 1969, ``bench`` measures this
+machine.
+
+Begin with ``manoeuvres``: most others fly them. A program and its page are what commands use; a
+``fleet`` of boats side by side, crews for validation (``trainees``, ``newcomer``) and the figures
+of an exercise's texts (``stated``) stay here. ``workers`` are the processes that all fly in.
+"""
+
+# The modules that other rooms may use.
+# fmt: off
+__all__ = [
+    "bench", "boat_page", "check", "check_cases", "check_cases_page", "check_page", "estimate",
+    "exercise_page", "gains", "guide", "manoeuvres", "programs", "readiness", "recording_export",
+    "reduce", "seaway", "series", "sweep", "validation", "validation_page", "workers",
+]
+# fmt: on

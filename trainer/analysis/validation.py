@@ -34,7 +34,7 @@ from trainer.debrief.attainable import orders_beside_crew
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
 from trainer.io.recording.facts import REFERENCE_GIVER
-from trainer.io.recording.queries import RecordedOrder
+from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
 
 MARK_DECIMALS: Final = 6  # of marks [%] that are ranked: a difference in the last bits is a tie

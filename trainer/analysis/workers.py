@@ -1,7 +1,8 @@
 """Worker processes that end when the process that started them does, however it ends.
 
-Guides, reductions and sweeps fly in them. A pool of Python's own goes on working when its parent is
-killed, so each worker watches for the parent's end.
+Guides, reductions and sweeps fly in them, one for each processor unless a user says how many. A
+pool of Python's own goes on working when its parent is killed, so each worker watches for the
+parent's end.
 """
 
 import os
@@ -9,6 +10,13 @@ import signal
 import threading
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import connection, get_context, parent_process
+
+
+def processor_count() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def worker_pool(count: int) -> ProcessPoolExecutor:

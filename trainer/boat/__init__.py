@@ -1,1 +1,22 @@
-"""A boat put together from its file, and the orders that it obeys."""
+"""A boat put together from its file, and the orders that it obeys.
+
+Begin with ``assemble``, which turns a vessel file into the core's records, and ``boat``, which
+ticks them; ``machine_code`` calls the compiled kernels. Orders are carried out, or refused with a
+reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``. ``limits``, ``depths``,
+``grounding`` and ``pilot`` look at each tick and call out (``calls`` says how urgent).
+``reference_crew`` flies an exercise by its rules. ``linear`` and ``stability`` judge a boat.
+
+``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
+machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
+from outside the core, stays here.
+"""
+
+# The modules that other rooms may use.
+# fmt: off
+__all__ = [
+    "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
+    "crew_orders", "depths", "envelope", "export", "flown_ticks", "grounding", "helm", "limits",
+    "linear", "machine_code", "mute_crew", "pilot", "platforms", "reference_crew", "sea_orders",
+    "ship", "stability", "world",
+]
+# fmt: on

@@ -235,6 +235,7 @@ class Boat:
             self.world.write(self.state)  # once for all
             chart = EMPTY_CHART if self.chart is None else self.chart
             return int(fly(self.records, chart, places.astype(np.float64), rows))
+        # A current, the pull of ships or a raised periscope is written by Python, before each tick.
         numbers = self.records.state.view(np.float64)
         for row in rows:
             if status := self.tick():
@@ -253,6 +254,8 @@ class Boat:
         ``keep`` says how many of the rows flown these are. If it is fewer, the boat goes back and
         flies to there again, with the same bits. Return the status, and the rows kept.
         """
+        # Nobody looks on the way, because that would leave the machine code at each tick. What
+        # gauges show, a collapse or a collision is found in the rows.
         begun, start = self.ticks, self.snapshot()
         status = self.fly(places, rows)
         flown = rows[: self.ticks - begun]

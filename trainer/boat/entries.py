@@ -2,7 +2,8 @@
 
 ``machine_code`` calls the shipped object by this table, ``export/lowering`` makes it, and the
 modules for a browser and for C have some of its rows. Arguments go by address, or as numbers of
-double precision, also where the kernel takes whole ones.
+double precision, also where the kernel takes whole ones. A kernel is called with records of the
+kinds written here, because numba would compile it anew for others, while a user waits.
 """
 
 from collections.abc import Callable, Iterator

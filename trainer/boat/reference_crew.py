@@ -1,7 +1,8 @@
 """The reference crew works by its rules and its hands, through the boat's ordinary orders.
 
 Debriefs and checks of exercises fly runs with it, to see what an exercise allows. It sees what the
-gauges show, and gives nothing that a crew could not type.
+gauges show, and gives nothing that a crew could not type. But it reads them without noise and does
+not tire, so its marks are a ceiling for people.
 """
 
 import math

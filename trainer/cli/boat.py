@@ -31,7 +31,7 @@ from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrderMemory
 from trainer.io.recording.facts import station
-from trainer.io.recording.queries import Moment, RecordedOrder
+from trainer.io.recording.recording import Moment, RecordedOrder
 from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, Cell
 from trainer.session.agenda import Agenda

@@ -300,7 +300,7 @@ def guide(vessel: str, **options: Any) -> None:
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     """Return the guide's book of some legs, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents
-    from trainer.analysis.guide.programme import processor_count
+    from trainer.analysis.workers import processor_count
 
     count = len(contents.guide_tasks(file, legs))
     with show_progress(count, "flying") as step:
@@ -310,8 +310,8 @@ def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
 def write_uncertainty(file: Any, cores: int | None) -> None:
     """Fly and write the table of u_input; ConfigError if the boat has no published figures."""
     from trainer.analysis.guide import uncertainty
-    from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.guide.trials import load_published, trials_path
+    from trainer.analysis.workers import processor_count
     from trainer.config.files import ConfigError, renew_file
 
     path = trials_path(file)

@@ -67,9 +67,9 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Fly the members and return a table of pyarrow; show progress on a terminal."""
-    from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.sweep.job import open_job
     from trainer.analysis.sweep.sweep import RESUME_NOTE, carry_out, cluster_crew, process_crew
+    from trainer.analysis.workers import processor_count
 
     crew = process_crew(options["jobs"] or processor_count())
     if options["scheduler"] is not None:

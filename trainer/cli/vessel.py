@@ -192,8 +192,8 @@ def reduce(vessel: str, **options: Any) -> None:
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """
-    from trainer.analysis.guide.programme import processor_count
     from trainer.analysis.reduce import page, reduction, verdict
+    from trainer.analysis.workers import processor_count
     from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
 

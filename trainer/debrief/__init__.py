@@ -1,1 +1,18 @@
-"""A recording is judged as an exercise: measures, marks, a page."""
+"""A recording is judged as an exercise: measures, marks, a page.
+
+Begin with ``trajectory``, what was sailed to the end of a branch. ``measures`` and ``episodes`` are
+read from it, ``scoring`` and ``judgement`` make marks of them, ``data`` gathers what ``sections``
+and ``charts`` show, ``page`` writes it. ``rehearsal`` flies an exercise without a session, by its
+reference crew or nobody; ``attainable`` asks what a careful crew could still earn.
+
+``beside``, ``evaluator`` and ``progress`` are started by name as processes of their own. Other
+rooms judge a run, rehearse an exercise, or write a page; what a page consists of stays here.
+"""
+
+# The modules that other rooms may use.
+# fmt: off
+__all__ = [
+    "attainable", "beside", "episodes", "evaluator", "forms", "history", "judgement", "page",
+    "progress", "progress_words", "rehearsal", "scoring", "trajectory",
+]
+# fmt: on

@@ -48,8 +48,13 @@ from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver, GiverKind
-from trainer.io.recording.queries import ExcessRows
-from trainer.io.recording.recording import Branch, RecordedEvent, RecordedOrder, Recording
+from trainer.io.recording.recording import (
+    Branch,
+    ExcessRows,
+    RecordedEvent,
+    RecordedOrder,
+    Recording,
+)
 from trainer.session.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
 from trainer.session.journal import restore_world
 from trainer.session.plan import Plan

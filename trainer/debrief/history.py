@@ -31,8 +31,7 @@ from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
 from trainer.io.lines import plain
 from trainer.io.outputs import renew_whole
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
-from trainer.io.recording.file import RecordingError, erase_header
-from trainer.io.recording.queries import ExcessRows
+from trainer.io.recording.recording import ExcessRows, RecordingError, erase_header
 from trainer.session.header import (
     FAMILIARISATION_KEY,
     TRAINEES_KEY,

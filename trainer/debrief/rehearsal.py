@@ -39,7 +39,7 @@ from trainer.io.recording.facts import (
     Giver,
     GiverKind,
 )
-from trainer.io.recording.queries import RecordedEvent, RecordedOrder
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.session.journal import WorldOrders
 from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan

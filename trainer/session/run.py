@@ -27,8 +27,7 @@ from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
 from trainer.io.recording.absence import NoRecording
-from trainer.io.recording.file import TakenError
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import Recording, RecordingError, TakenError
 from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account

@@ -1,1 +1,12 @@
-"""Stations in a browser: pages, and the server that carries their lines to a session."""
+"""Stations in a browser: pages, and the server that carries their lines to a session.
+
+The server is a process of its own, which dies or hangs without the session. Begin with ``server``
+(pages, tokens, files) and ``bridge`` (a page's line, both ways); ``gate`` and ``admission`` say who
+may ask and who may stay. ``pages`` and ``words`` make the HTML, ``packing`` and ``modules`` its
+scripts, which lie in ``assets/js``: ``protocol``, ``model``, ``tab``, elements, ``stations``.
+
+Other rooms start the server by ``launch``, or make one page a file by ``single_file``.
+"""
+
+# The modules that other rooms may use.
+__all__ = ["launch", "single_file"]

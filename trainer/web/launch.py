@@ -208,6 +208,7 @@ def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
             f"--cert {cert}, --key {key}: not a certificate and its own key, both PEM, the key "
             "without a password"
         ) from None
+    # every browser would refuse it later, and this machine would not hear why
     if why := out_of_date(server, cert):
         raise ConfigError(f"--cert {cert}: {why}: no browser takes it; make a new one")
     return Certificate(cert, key)

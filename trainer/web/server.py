@@ -227,7 +227,7 @@ def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicor
         ws_max_size=MAX_FRAME_BYTES,
         ws_ping_interval=10.0,  # a page that is asleep or gone does not answer, and is closed
         ws_ping_timeout=20.0,
-        ws_per_message_deflate=False,  # lines are short, and thirty pages are many
+        ws_per_message_deflate=False,  # lines are short; and what is never inflated is no bomb
         server_header=False,
         timeout_graceful_shutdown=1,
         ssl_certfile=certificate.cert if certificate else None,

@@ -1,1 +1,9 @@
-"""Many boats flown side by side, each with the bits that it has alone."""
+"""Many boats flown side by side, each with the bits that it has alone.
+
+Begin with ``ensemble``, the only module used from outside: a fleet in one call. ``lanes`` lay boats
+side by side in one array, ``tick`` calls one boat's kernels for every lane, ``member`` flies one as
+it would be alone.
+"""
+
+# The modules that other rooms may use.
+__all__ = ["ensemble"]

@@ -5,7 +5,6 @@ guide, ``check`` and the search for a compact set take their legs from here, so 
 by the flights that a reader sees. Flights are spread over processes, because a guide has hundreds.
 """
 
-import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -81,13 +80,6 @@ class Task:
 
 
 FlightTable = dict[Task, Flight | str]  # in words why there is no flight
-
-
-def processor_count() -> int:
-    """Return how many processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @cache

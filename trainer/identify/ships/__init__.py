@@ -1,1 +1,10 @@
-"""Ships that are not linear, identified by the extended Kalman filter."""
+"""Ships that are not linear, identified by the extended Kalman filter.
+
+Begin with ``fit``, the start, the search and the deviations, by the ``likelihood`` and with
+``priors`` from books; these three stay here. ``records`` read trials, ``results`` and ``page``
+report a fit, ``published`` lays other figures beside it, ``vehicle`` sails the ship, ``trials``
+plans new records.
+"""
+
+# The modules that other rooms may use.
+__all__ = ["page", "proposal", "published", "records", "results", "trials", "vehicle"]

@@ -27,9 +27,17 @@ from typing import Final
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import CHECKPOINT_STATEMENT, Checkpointer
 from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
-from trainer.io.recording.file import FILE_FORMAT, TOUCH_STATEMENT, RecordingError, wall_time
+from trainer.io.recording.file import (
+    FILE_FORMAT,
+    TOUCH_STATEMENT,
+    RecordingError,
+    TakenError,
+    erase_header,
+    wall_time,
+)
 from trainer.io.recording.queries import (
     Branch,
+    ExcessRows,
     Moment,
     Past,
     RecordedEvent,
@@ -41,12 +49,15 @@ from trainer.io.recording.queries import Row as Answer
 __all__ = [
     "FILE_FORMAT",
     "Branch",
+    "ExcessRows",
     "Moment",
     "RecordedEvent",
     "RecordedOrder",
     "RecordedTick",
     "Recording",
     "RecordingError",
+    "TakenError",
+    "erase_header",
 ]
 
 BATCH_ROWS: Final = 256  # [rows] of a kind gathered at most

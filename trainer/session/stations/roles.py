@@ -299,7 +299,9 @@ class GuessWaits:
     """The waits for the answers to wrong tokens, by machine.
 
     Only the answer waits, and the line that has guessed. A right token is admitted at once, even
-    from a machine from which others have guessed, because wrong tokens must shut nobody out.
+    from a machine from which others have guessed, because wrong tokens must shut nobody out. So who
+    hangs up instead of waiting may guess again on a new line: to stop that, right tokens of that
+    machine would have to wait too.
     """
 
     clock: Callable[[], float] = time.monotonic

@@ -40,7 +40,8 @@ MAX_NAP_NS: Final = SECOND_NS // 2  # [ns]
 SPIN_TIME_NS: Final = 300_000  # [ns]
 MIN_TIME_SPEED, MAX_TIME_SPEED = 0.1, 100.0  # [-] speeds a pacer accepts
 MAX_CATCH_UP = 5  # [-] late ticks run back to back before the rest are given up
-# Oversleeping longer than this (and than a period) is not scheduling: the process was stopped.
+# Oversleeping longer than this (and than a period) is not scheduling: the process was stopped. Such
+# a gap is not made up: the boat would rush through it as soon as the process goes on.
 STOPPED_TIME_NS = SECOND_NS // 4  # [ns]
 # A tick may block for a while and is then late by its own doing; off the processor for more than
 # this many periods (and STOPPED_TIME_NS) it was a stopped process too, or a debugger, which looks

@@ -28,9 +28,13 @@ from trainer.session.time.pacer import (
     Policy,
 )
 
-SWITCH_INTERVAL_S: Final = 120e-6  # [s] after which a thread may ask another for the interpreter
-TICK_PRIORITY: Final = 20  # real-time priority of the thread that ticks (docs/timing.md)
-OTHER_PRIORITY: Final = 10  # and of the others
+# [s] after which a thread may ask another for the interpreter. Python's own 5 ms would outlast the
+# spinning before a tick (SPIN_TIME_NS); by this, a busy thread has handed it over when that is due.
+SWITCH_INTERVAL_S: Final = 120e-6
+# Real-time priorities. All threads have one, not only that which ticks: it may have to wait for the
+# interpreter, and so for whatever keeps the thread that holds it off the processor.
+TICK_PRIORITY: Final = 20  # of the thread that ticks
+OTHER_PRIORITY: Final = 10  # of the others
 THREADS_FOLDER: Final = Path("/proc/self/task")
 SET_TIMER_SLACK: Final = 29  # of prctl
 IN_USE: Final = 1 | 2 | 4  # of mlockall: now and later, but nothing that is merely set aside
