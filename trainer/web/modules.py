@@ -7,7 +7,7 @@ of a page into one script; ``packing`` joins what all stations share, and the re
 import json
 import re
 from collections.abc import Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -37,13 +37,20 @@ def collect_modules(
 ) -> Sources:
     """Return the sources of a module and its imports; ``replaced`` has other files for some."""
     sources = {} if found is None else found
-    source = (ASSETS_FOLDER / replaced.get(entry, entry)).read_text(encoding="utf-8")
-    for _, path in IMPORT_STATEMENT.findall(source):
-        wanted = resolve_module(entry, path)
+    source, imported = read_module(entry, ASSETS_FOLDER / replaced.get(entry, entry))
+    for wanted in imported:
         if wanted not in sources:
             collect_modules(wanted, replaced, sources)
     sources[entry] = source
     return sources
+
+
+@cache  # the pages share most of their modules
+def read_module(module: str, path: Path) -> tuple[str, tuple[str, ...]]:
+    """Return the source of a module, which stands in a file, and the modules that it imports."""
+    source = path.read_text(encoding="utf-8")
+    found = IMPORT_STATEMENT.findall(source)
+    return source, tuple(resolve_module(module, wanted) for _, wanted in found)
 
 
 def resolve_module(module: str, path: str) -> str:
@@ -62,6 +69,7 @@ def wrap_modules(sources: Sources) -> str:
     return "".join(wrap_module(path, source) for path, source in sources.items())
 
 
+@cache
 def wrap_module(path: str, source: str) -> str:
     """Return one module as a function; UnknownFormError."""
     text = EXPORT_KEYWORD.sub("", IMPORT_STATEMENT.sub(partial(replace_import, path), source))

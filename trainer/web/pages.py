@@ -138,6 +138,7 @@ def name_of(form: Form) -> str:
     return form.name or heading_word(form)
 
 
+@cache  # each page is rendered twice
 def lessons() -> list[dict[str, Any]]:
     """Return the exercises in the course's order, without the names of their files.
 
@@ -151,6 +152,7 @@ def lessons() -> list[dict[str, Any]]:
     ]
 
 
+@cache
 def led_lessons() -> list[dict[str, Any]]:
     """Return the lessons that lead step by step; their names tell nothing that is hidden."""
     return [

@@ -37,8 +37,13 @@ OWN_NAME: Final = "English"  # a catalogue has the language's own name of itself
 
 def catalogues(folder: Path | None = None) -> dict[str, Catalogue]:
     """Return the catalogues by their languages, such as "de"; ConfigError if one is wrong."""
-    paths = sorted((folder or LOCALE_FOLDER).glob("*.po"))
-    return {path.stem: read_catalogue(path) for path in paths}
+    return read_catalogues(folder or LOCALE_FOLDER)
+
+
+@cache  # each page asks for them, and to read them is half of what a server does before it serves
+def read_catalogues(folder: Path) -> dict[str, Catalogue]:
+    """Return the catalogues in a folder by their languages; ConfigError if one is wrong."""
+    return {path.stem: read_catalogue(path) for path in sorted(folder.glob("*.po"))}
 
 
 def read_catalogue(path: Path) -> Catalogue:
