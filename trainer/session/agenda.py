@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_PLACES, Boat
-from trainer.boat.casualties import problem_of, scale_of
+from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Place
@@ -104,8 +104,8 @@ class Agenda:
         made = self._made(order, self.boat.time)
         if isinstance(made, Refused):
             return made
-        if why := self._problem(made):
-            return Refused(why)
+        if refused := self._problem(made):
+            return refused
         self._take(made)
         return f"planned: {made.ahead}"
 
@@ -185,15 +185,15 @@ class Agenda:
         except ConfigError as error:
             return Refused(str(error))
 
-    def _problem(self, made: PlannedOrder) -> str:
-        """Return why an order cannot be planned, "" if it can."""
+    def _problem(self, made: PlannedOrder) -> Refused | None:
+        """Return why an order cannot be planned, None if it can."""
         if len(self.planned) >= MAX_PLANS:
-            return f"{MAX_PLANS} orders are planned: cancel one"
+            return Refused(f"{MAX_PLANS} orders are planned: cancel one")
         if made.condition and not scale_of(self.boat, made.condition.quantity):
-            return f"{self.boat.file.path.name} has no {made.condition.quantity}"
+            return Refused(f"{self.boat.file.path.name} has no {made.condition.quantity}")
         if not made.condition and made.seconds < self.boat.time:
-            return f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}"
-        return problem_of(self.boat, made.order) if made.order.name == "casualty" else ""
+            return Refused(f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}")
+        return casualty_refusal(self.boat, made.order) if made.order.name == "casualty" else None
 
     def _take(self, made: PlannedOrder) -> None:
         self.planned[made.number] = made

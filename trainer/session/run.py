@@ -26,6 +26,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
 from trainer.io.recording.recording import Recording, RecordingError
@@ -140,7 +141,8 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     if paths or options.serve or not options.headless:
         path, recording = create_recording(paths, header_of(options, texts, boat), state)
     files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
-    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
+    single = Refused("this session is begun for one run")
+    barred = single if any(files) or keeps_no_time(options) else None
     prepared = PreparedRun(
         plan,
         boat,

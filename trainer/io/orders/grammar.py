@@ -449,7 +449,7 @@ def unit_after(number: Number, rest: tuple[TokenReading, ...]) -> Unit:
 
 @dataclass(frozen=True)
 class Refused:
-    """Why an order changed nothing."""
+    """A "no": why an order changes nothing, or why something may not be done or be so."""
 
     reason: str
 
