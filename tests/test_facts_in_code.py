@@ -1,6 +1,7 @@
 """No decision is made on English: code asks a field, never the words that people read."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +22,16 @@ NOTATIONS = {
     "trainer/io/recording/format_1.py": "recordings of before, which hold words alone",
     "trainer/io/nmea.py": "sentences of NMEA, which begin with $",
 }
+
+# Functions whose text says how something stands, and which refuse nothing: what it tells
+STATES = {
+    "trainer/cli/boat.py: lost": "how a boat was lost, for the Python face",
+    "trainer/identify/fitted_ship.py: doubt": "a result of a fit, for the Python face",
+    "trainer/identify/ships/results.py: _doubt": "the same, for its page",
+    "trainer/io/recording/recording.py: behind": "how the disk keeps up",
+}
+# "Return why nobody may", and then what it is where anybody may
+TEXT_OF_NO = re.compile(r"^\w+ why\b[^.]*(\"\"|''|or nothing)|(\"\"|'') (if|where) \w+ (may|can)\b")
 
 
 def texts(tree: ast.AST) -> Iterator[ast.expr]:
@@ -97,3 +108,36 @@ def test_a_decision_on_words_is_found(code: str) -> None:
 )
 def test_a_decision_on_a_field_is_none(code: str) -> None:
     assert not list(texts(ast.parse(code)))
+
+
+def answers_by_text(tree: ast.AST) -> Iterator[str]:
+    """Yield the functions whose docstring promises a reason or "" as the answer yes."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and isinstance(node.returns, ast.Name):
+            says = " ".join((ast.get_docstring(node) or "").split())
+            if node.returns.id == "str" and TEXT_OF_NO.search(says):
+                yield node.name
+
+
+def test_a_function_that_may_refuse_answers_by_a_type() -> None:
+    paths = sorted((ROOT / "trainer").rglob("*.py"))
+    found = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in paths
+        for name in answers_by_text(ast.parse(path.read_text(encoding="utf-8")))
+    }
+    assert found == set(STATES), "answer by `Refused | None`, or tell in STATES what it is"
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        'Return why a line may not take another role, "" where it may.',
+        "Return why a step is too long for a sea,\n    '' if it fits.",
+        "Return why nothing compiles here, and what helps; or nothing.",
+        'Return the reason of a refusal, "" if it may go on.',
+    ],
+)
+def test_an_answer_of_no_by_a_text_is_found(says: str) -> None:
+    code = f"def barred() -> str:\n    '''{says}'''"
+    assert list(answers_by_text(ast.parse(code))) == ["barred"]
