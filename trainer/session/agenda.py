@@ -17,7 +17,7 @@ from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Place
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.status_line import clock
@@ -179,9 +179,9 @@ class Agenda:
         number = self._last + 1
         if order.word != "when":
             return PlannedOrder(number, inner, order.value + (now if order.word == "in" else 0.0))
-        text = order.text.removeprefix("when ").removesuffix(f" then {inner.text}")
+        words = condition_words(order, inner)
         try:
-            return PlannedOrder(number, inner, condition=compile_condition(text, WHEN_PLACE))
+            return PlannedOrder(number, inner, condition=compile_condition(words, WHEN_PLACE))
         except ConfigError as error:
             return Refused(str(error))
 
