@@ -371,9 +371,8 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refu
         return Refused(f"severity {severity:g}: {severity_rule(casualty.kind)}")
     if not 0.0 <= ramp <= MAX_RAMP_S:
         return Refused(f"ramp {ramp:g} s: must be 0 to {MAX_RAMP_S:g} s")
-    if casualty.measure.sudden and ramp:
-        return Refused(f"{casualty.kind} comes at once: it has no ramp")
-    return None
+    ramped = casualty.measure.sudden and ramp
+    return Refused(f"{casualty.kind} comes at once: it has no ramp") if ramped else None
 
 
 def _carries(boat: Boat, kind: str) -> bool:

@@ -82,6 +82,5 @@ def _lacking(line: ConformityLine) -> Refused | None:
         return Refused("names no test that shows it")
     if line.state == FULLY_MET and line.lacks:
         return Refused("lacks nothing; say in part")
-    if line.state == IN_PART and not line.lacks:
-        return Refused("must say what it lacks")
-    return None
+    silent = line.state == IN_PART and not line.lacks
+    return Refused("must say what it lacks") if silent else None

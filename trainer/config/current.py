@@ -159,11 +159,9 @@ def _tide_problem(tide: Tide) -> Refused | None:
             "the strongest is the major one"
         )
     mean = {"mean_set_deg": tide.mean_set_deg, "mean_drift_kn": tide.mean_drift_kn}
-    mean_keys = [key for key, value in mean.items() if value is not None]
-    if len(mean_keys) == 1:
-        lacking = next(key for key in mean if key not in mean_keys)
-        return Refused(f"tide has {mean_keys[0]} and lacks {lacking}: give both, or neither")
-    return None
+    has, lacks = sorted(mean, key=lambda key: mean[key] is None)
+    whole = (mean[has] is None) == (mean[lacks] is None)
+    return None if whole else Refused(f"tide has {has} and lacks {lacks}: give both, or neither")
 
 
 def current_schema() -> dict[str, Any]:

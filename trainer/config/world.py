@@ -53,9 +53,8 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
             if name in table:
                 tables[name] = read(table[name], Place(path.name, name), path)
     if "bottom" in tables:
-        ships = tables.get("contact", ())
-        found = filter(None, (_aground(tables["bottom"], ship) for ship in ships))
-        problems += [refused.reason for refused in found]
+        refusals = (_aground(tables["bottom"], ship) for ship in tables.get("contact", ()))
+        problems += [refused.reason for refused in refusals if refused]
     raise_problems(problems)
     return tables
 

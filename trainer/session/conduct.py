@@ -54,7 +54,6 @@ from trainer.session.stations.roles import (
     TRAINEE,
     TRAINEE_ROLE,
     Role,
-    not_for_visitors,
 )
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Station
 from trainer.session.step_guide import StepGuide
@@ -241,10 +240,6 @@ class Conduct:
         attached = "1 station is" if others == 1 else f"{others} stations are"
         within = f"type quit again within {QUIT_AGAIN_WITHIN_S:g} s to end it for all, or detach"
         return Refused(f"{attached} attached: {within}")
-
-    def not_for(self, role: Role) -> Refused | None:
-        """Return why a role may not begin a crew's run again, None if it may."""
-        return None if self.visitors else not_for_visitors(role)
 
     def go_on(self, order: Order) -> None:
         """Note that time goes on; announce who of the crew is not ready."""

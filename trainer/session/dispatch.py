@@ -48,7 +48,7 @@ from trainer.session.jump import end_replay, follow_jump
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
 from trainer.session.run_faces import Due
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, not_for_visitors
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], Refused | None]
@@ -156,7 +156,8 @@ def quit_gate(order: Order, station: Station | None, session: Parts) -> Refused 
 
 def visitor_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return why a visitor may not begin this run again."""
-    return session.conduct.not_for(station.role) if station and order.name == "restart" else None
+    asked = order.name == "restart" and not session.conduct.visitors
+    return not_for_visitors(station.role) if station and asked else None
 
 
 def lost_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:

@@ -245,18 +245,13 @@ class BackgroundTask:
 class NextExercises:
     """The exercises that may follow in this process, or why another process is needed."""
 
-    problem: Callable[[str], Refused | None] = lambda _: None  # with an exercise
+    load: Callable[[str], object] = str  # ConfigError if it cannot
     barred: Refused | None = Refused("this session is one run")  # noqa: RUF009 (it is frozen)
 
-
-def problem_with(load: Callable[[str], object]) -> Callable[[str], Refused | None]:
-    """Return a function that says why an exercise cannot be loaded, None if it can."""
-
-    def problem(name: str) -> Refused | None:
+    def problem(self, name: str) -> Refused | None:
+        """Return why an exercise cannot be loaded, None if it can."""
         try:
-            load(name)
+            self.load(name)
         except ConfigError as error:
             return Refused(str(error))
         return None
-
-    return problem

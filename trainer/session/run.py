@@ -37,7 +37,7 @@ from trainer.session.agenda import Agenda
 from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
-from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises, problem_with
+from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import in_hand
@@ -149,7 +149,7 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         History(boat, recording),
         str(path or ""),
         begun,
-        NextExercises(problem_with(load_exercise), barred),
+        NextExercises(load_exercise, barred),
     )
     try:
         return fly_session(prepared, options)

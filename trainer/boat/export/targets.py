@@ -55,7 +55,7 @@ def of_this_machine(name: str) -> bool:
 
 
 def lacking_compiler(name: str) -> Refused | None:
-    """Return why nothing compiles for a target here, and what helps; or nothing."""
+    """Return why nothing compiles for a target here, and what helps; None if it does."""
     target, host = CPU_TARGETS[name], binding.get_process_triple().partition("-")[0]
     if name in PROCESSOR_LEVELS and host != "x86_64":
         return Refused(f"this machine is {host}; give --cpu {NATIVE_NAME}")
@@ -69,11 +69,9 @@ def lacking_compiler(name: str) -> Refused | None:
 
 
 def lacking_linker(target: Platform, program: str) -> Refused | None:
-    """Return that a linker is not here, with its packages; or nothing."""
-    if shutil.which(program):
-        return None
-    hint = f"Debian and Ubuntu: apt install {target.packages}"
-    return Refused(f"there is no {program!r} here. {hint}")
+    """Return that a linker is not here, with its packages; None if it is."""
+    lack = f"there is no {program!r} here. Debian and Ubuntu: apt install {target.packages}"
+    return None if shutil.which(program) else Refused(lack)
 
 
 def list_targets() -> list[str]:

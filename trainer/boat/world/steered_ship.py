@@ -52,9 +52,8 @@ class SteeredShip:
 
     def unfit(self, now: SteeredState, speed: float) -> Refused | None:
         """Return why the ship cannot go at a speed [m/s], None if it can."""
-        if now.speed == 0.0 < speed:
-            return Refused("it has lost its way, and its equations do not tell how it gathers any")
-        return None
+        why = "it has lost its way, and its equations do not tell how it gathers any"
+        return Refused(why) if now.speed == 0.0 < speed else None
 
     def _held(self, speed: float) -> tuple[float, float]:
         """Return the rudder [rad] and revolutions [1/s] that hold a speed [m/s]."""

@@ -19,7 +19,7 @@ from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
 from trainer.session.stations.aids import NO_AIDS
-from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
+from trainer.session.stations.channels import EVENTS_CHANNEL
 from trainer.session.stations.roles import Role, hears_kind
 from trainer.session.stations.station import Fact, News, Request, Station
 from trainer.session.stations.subscriptions import display, unknown_channel, why_barred
@@ -134,9 +134,7 @@ def refusal(channel: str, role: Role) -> Refused | None:
     """Return why a channel's past is not for a role, None when it is."""
     if channel in PRESENT_CHANNELS:
         return Refused(f"{channel} tells of what is now: it has no past")
-    if channel not in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
-        return unknown_channel(channel, role)
-    return why_barred(channel, role)
+    return unknown_channel(channel, role) or why_barred(channel, role)
 
 
 def read_states(kept: Path, span: TickSpan) -> list[TickState]:
