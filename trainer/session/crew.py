@@ -420,8 +420,7 @@ class CrewTalk:
 
         An order to the planes is refused while the depth guard holds them.
         """
-        planes = order.name in (*PLANE_AXES, "planes")
-        if planes and self._guarded and self.guard.holds(self.boat):
+        if self._guarded and order.name in (*PLANE_AXES, "planes") and self.guard.holds(self.boat):
             deepest = self.guard.deepest
             return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
         taken = in_hand(order, self.worked, self.allowed)

@@ -278,7 +278,7 @@ def rate_of(channel: str, wished: float) -> float:
 
 
 def unknown_channel(channel: str, role: Role) -> Refused | None:
-    """Return why there is no such channel, naming the nearest of ``role``; None if there is."""
+    """Return why there is no such channel, with the nearest of ``role``; None if known."""
     if channel in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
         return None
     channels = (*role.channels, EVENTS_CHANNEL)
