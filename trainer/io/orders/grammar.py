@@ -461,7 +461,7 @@ def unit_after(number: Number, rest: tuple[TokenReading, ...]) -> Unit:
 
 @dataclass(frozen=True)
 class Refused:
-    """A "no": why an order changes nothing, or why something may not be done or be so."""
+    """A "no": why an order changes nothing, or why something may not be."""
 
     reason: str
 
