@@ -1,6 +1,7 @@
 """No decision is made on English: code asks a field, never the words that people read."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,17 +11,42 @@ from helpers.places import ROOT
 WORDS_FOR_PEOPLE = frozenset(
     ("why", "told", "text", "who", "reason", "answer", "says", "verdict", "outcome")
 )
-QUESTIONS = frozenset(("startswith", "endswith"))
+QUESTIONS = frozenset(("startswith", "endswith", "removeprefix", "removesuffix"))
+PATTERN_QUESTIONS = frozenset(
+    ("match", "search", "fullmatch", "findall", "finditer", "sub", "split")
+)
+# Attributes that hold the names which code has for things; all others may hold prose
+CODE_NAMES = frozenset(
+    ("name", "word", "kind", "key", "unit", "quantity", "platform", "address", "path")
+)
 GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is decided on
 # Texts that are a notation and no prose, by file: what they are
 NOTATIONS = {
+    "trainer/analysis/bench/end_to_end.py": "sentences of programs",
     "trainer/analysis/exercise_page.py": "lines of TOML",
     "trainer/analysis/reduce/vessel_text.py": "lines of TOML",
     "trainer/config/tables.py": "numbers",
+    "trainer/config/soundings.py": "names of files",
+    "trainer/config/steps.py": "orders in backquotes",
     "trainer/console/client.py": "sentences of programs, which begin with $",
+    "trainer/console/drawing/dials.py": "orders as they are typed",
+    "trainer/console/journal.py": "orders as they are typed",
+    "trainer/console/own_session.py": "the line by which a session says where it listens",
+    "trainer/debrief/sections.py": "the place at the head of an event",
+    "trainer/debrief/ships_met.py": "marks as the crew types them",
     "trainer/io/recording/format_1.py": "recordings of before, which hold words alone",
     "trainer/io/nmea.py": "sentences of NMEA, which begin with $",
 }
+
+# Functions whose text says how something stands, and which refuse nothing: what it tells
+STATES = {
+    "trainer/cli/boat.py: lost": "how a boat was lost, for the Python face",
+    "trainer/identify/fitted_ship.py: doubt": "a result of a fit, for the Python face",
+    "trainer/identify/ships/results.py: _doubt": "the same, for its page",
+    "trainer/io/recording/recording.py: behind": "how the disk keeps up",
+}
+# "Return why nobody may", and then what it is where anybody may
+TEXT_OF_NO = re.compile(r"^\w+ why\b[^.]*(\"\"|''|or nothing)|(\"\"|'') (if|where) \w+ (may|can)\b")
 
 
 def texts(tree: ast.AST) -> Iterator[ast.expr]:
@@ -36,10 +62,17 @@ def texts(tree: ast.AST) -> Iterator[ast.expr]:
     def said(node: ast.expr) -> bool:
         return is_literal(node) or (isinstance(node, ast.Name) and node.id in constants)
 
+    def begun(node: ast.expr) -> bool:
+        return any(map(said, node.values if isinstance(node, ast.JoinedStr) else [node]))
+
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-            asked = node.func.attr in QUESTIONS and is_for_people(node.func.value)
-            if asked and any(map(said, node.args)):
+            by, of = node.func.attr, node.func.value
+            if by in QUESTIONS and (is_for_people(of) or is_prose(of)):
+                found = any(map(begun, node.args))
+            else:
+                found = by in PATTERN_QUESTIONS and any(map(is_prose, node.args))
+            if found:
                 yield node
         elif isinstance(node, ast.Compare):
             sides = [node.left, *node.comparators]
@@ -58,6 +91,11 @@ def is_for_people(node: ast.expr) -> bool:
     """Return whether an expression is named as words for people are."""
     name = node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
     return name in WORDS_FOR_PEOPLE
+
+
+def is_prose(node: ast.expr) -> bool:
+    """Return whether an expression is an attribute that may hold prose."""
+    return isinstance(node, ast.Attribute) and node.attr.islower() and node.attr not in CODE_NAMES
 
 
 def modules() -> list[Path]:
@@ -86,6 +124,10 @@ def test_no_code_decides_by_words_that_people_read() -> None:
         'x = who == "schedule"',
         'x = said.reason in ("lost", "won")',
         'x = card.verdict.outcome == "won"',
+        'x = order.text.removeprefix("when ")',
+        'x = run.label.removesuffix(f" by {name}")',
+        'x = re.fullmatch("hit .*", event.said)',
+        "x = EVENT_PATTERN.match(event.text)",
     ],
 )
 def test_a_decision_on_words_is_found(code: str) -> None:
@@ -93,7 +135,46 @@ def test_a_decision_on_words_is_found(code: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "code", ['x = order.name == "depth"', 'x = why == ""', "x = each.giver == GUARD"]
+    "code",
+    [
+        'x = order.name == "depth"',
+        'x = why == ""',
+        "x = each.giver == GUARD",
+        'x = each.name.removeprefix("bank_")',
+    ],
 )
 def test_a_decision_on_a_field_is_none(code: str) -> None:
     assert not list(texts(ast.parse(code)))
+
+
+def answers_by_text(tree: ast.AST) -> Iterator[str]:
+    """Yield the functions whose docstring promises a reason or "" as the answer yes."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and isinstance(node.returns, ast.Name):
+            says = " ".join((ast.get_docstring(node) or "").split())
+            if node.returns.id == "str" and TEXT_OF_NO.search(says):
+                yield node.name
+
+
+def test_a_function_that_may_refuse_answers_by_a_type() -> None:
+    paths = sorted((ROOT / "trainer").rglob("*.py"))
+    found = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in paths
+        for name in answers_by_text(ast.parse(path.read_text(encoding="utf-8")))
+    }
+    assert found == set(STATES), "answer by `Refused | None`, or tell in STATES what it is"
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        'Return why a line may not take another role, "" where it may.',
+        "Return why a step is too long for a sea,\n    '' if it fits.",
+        "Return why nothing compiles here, and what helps; or nothing.",
+        'Return the reason of a refusal, "" if it may go on.',
+    ],
+)
+def test_an_answer_of_no_by_a_text_is_found(says: str) -> None:
+    code = f"def barred() -> str:\n    '''{says}'''"
+    assert list(answers_by_text(ast.parse(code))) == ["barred"]

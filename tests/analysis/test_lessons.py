@@ -266,7 +266,7 @@ def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Callable[..., Crewed
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     ship.leaves(ship.instructor)
-    ship.conduct.following = type(ship.conduct.following)(barred="")
+    ship.conduct.following = type(ship.conduct.following)(barred=None)
     ship.fly(20)
     assert ship.say(trainee, "next trim-by-hand") == ("ok", "next: trim-by-hand")
     assert ship.session.control.following == "trim-by-hand"
@@ -326,7 +326,7 @@ def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(
         ship.leaves(ship.instructor)
         ship.conduct.exercise, ship.conduct.following = (
             before,
-            type(ship.conduct.following)(barred=""),
+            type(ship.conduct.following)(barred=None),
         )
         ship.fly(20)
         assert ship.say(trainee, "next") == ("ok", "next: the one after this")

@@ -99,17 +99,20 @@ def test_a_sea_above_nyquist_is_refused_for_the_step_with_one_that_would_do(
 ) -> None:
     sea = np.array(settings_of(f"sea_state = {degree}"))
 
-    assert step_problem(sea, longest) == ""
-    told = step_problem(sea, 1.05 * longest)
-    assert told.startswith("a sea above Nyquist for the step: its peak of ")
-    assert told.endswith(f'at most 1.3; take a step of {longest:g} s or generator = "cosines"')
-    assert step_problem(sea, longest + 0.001) != ""
-    assert step_problem(np.array(settings_of("wind_kn = 0.01")), 0.1).endswith(
-        'at most 1.3; take generator = "cosines"'
+    assert step_problem(sea, longest) is None
+    refused = step_problem(sea, 1.05 * longest)
+    assert refused
+    assert refused.reason.startswith("a sea above Nyquist for the step: its peak of ")
+    assert refused.reason.endswith(
+        f'at most 1.3; take a step of {longest:g} s or generator = "cosines"'
     )
+    assert step_problem(sea, longest + 0.001)
+    refused = step_problem(np.array(settings_of("wind_kn = 0.01")), 0.1)
+    assert refused
+    assert refused.reason.endswith('at most 1.3; take generator = "cosines"')
     for others in ('generator = "cosines"', 'generator = "filter-1969"'):
-        assert step_problem(np.array(settings_of(f"sea_state = {degree}\n{others}")), 2.0) == ""
-    assert step_problem(np.array(settings_of("sea_state = 0")), 2.0) == ""
+        assert step_problem(np.array(settings_of(f"sea_state = {degree}\n{others}")), 2.0) is None
+    assert step_problem(np.array(settings_of("sea_state = 0")), 2.0) is None
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from textual.pilot import Pilot
 from trainer.console.app import Console
 from trainer.console.own_session import can_fork, sail_beside
 from trainer.io import paths
+from trainer.io.orders.grammar import Refused
 
 
-async def attend(pilot: Pilot[str], app: Console) -> None:
+async def attend(pilot: Pilot[Refused], app: Console) -> None:
     """Order a depth, look at its answer, and end the run."""
     while not app.model.joined:
         await pilot.pause(0.05)

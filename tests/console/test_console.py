@@ -44,7 +44,7 @@ from trainer.console.model import CasualtyOffer, SessionModel
 from trainer.console.pane import GROUND_COLOUR, INKS, Pane, plain
 from trainer.console.readings import ChannelReadings
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, refusal
 
@@ -114,7 +114,7 @@ def test_every_key_of_a_station_sends_its_order(role: str) -> None:
 
 
 def test_every_key_of_the_instructor_sends_its_order() -> None:
-    async def press(pilot: Pilot[str], _app: Console) -> None:
+    async def press(pilot: Pilot[Refused], _app: Console) -> None:
         for keys, _ in KEYSTROKES:
             await pilot.press(*keys)
 
@@ -123,7 +123,7 @@ def test_every_key_of_the_instructor_sends_its_order() -> None:
 
 
 def test_what_is_typed_before_the_order_line_is_open_is_not_obeyed() -> None:
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         app.set_focus(None)
         await pilot.press(*typed("depth -5"))
 
@@ -132,14 +132,14 @@ def test_what_is_typed_before_the_order_line_is_open_is_not_obeyed() -> None:
 
 
 def test_the_keys_that_stop_and_wake_a_terminal_do_nothing_and_ctrl_c_asks() -> None:
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press("ctrl+s", "ctrl+q", "ctrl+p")
         assert len(app.screen_stack) == 1
         await pilot.press("ctrl+c")
         assert "Leave?" in shown(app)
 
     app, talk = at_the_console(press)
-    assert app.return_value is None
+    assert app.return_code is None
     assert talk.orders == []
 
 
@@ -150,7 +150,7 @@ def test_escape_leaves_every_dialog_and_orders_nothing() -> None:
 
 
 def test_a_dialog_that_a_key_has_ended_takes_no_second_one() -> None:
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press("f4")
         dialog = app.screen
         for _ in range(2):  # both wait in its queue before it is taken away
@@ -190,7 +190,7 @@ def test_after_a_refusal_the_keys_start_from_where_the_surface_is() -> None:
     talk = tape("helm")
     talk.refuses = frozenset({"rudder right 10"})
 
-    async def press(pilot: Pilot[str], _app: Console) -> None:
+    async def press(pilot: Pilot[Refused], _app: Console) -> None:
         await pilot.press("shift+right")
         await pilot.pause(0.15)
         await pilot.press("right")
@@ -214,7 +214,7 @@ def test_the_same_words_can_be_typed_at_a_station_whose_keys_are_controls() -> N
 
 @pytest.mark.parametrize("role", sorted(KEYS))
 def test_the_brackets_change_the_time_of_the_charts_on_every_screen(role: str) -> None:
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         for key, minutes in (
             *(("left_square_bracket", 1), ("left_square_bracket", 1)),
             *(("right_square_bracket", 2), ("right_square_bracket", 5)),
@@ -232,7 +232,7 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
     for k in range(60):
         talk.say(sentences.event(k, k / 2.0, "exercise", f"happening {k}"))
 
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.pause(0.15)
         newest = "happening 59"
         assert newest in shown(app)
@@ -273,7 +273,7 @@ def test_what_is_sent_and_answered_stands_in_the_log() -> None:
     talk = tape()
     talk.refuses = frozenset({"rudder left 90"})
 
-    async def order(pilot: Pilot[str], app: Console) -> None:
+    async def order(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press(*typed("depth 70"), "enter", *typed("rudder left 90"), "enter")
         await seen(pilot, app, "> depth 70\n")
         assert "depth 70: done" in shown(app)
@@ -283,7 +283,7 @@ def test_what_is_sent_and_answered_stands_in_the_log() -> None:
 
 
 def test_tab_completes_and_the_arrows_bring_orders_back() -> None:
-    async def order(pilot: Pilot[str], app: Console) -> None:
+    async def order(pilot: Pilot[Refused], app: Console) -> None:
         entry = app.query_one(Entry)
         await pilot.press(*typed("casu"), "tab")
         assert entry.value == "casualt"  # casualty or casualties
@@ -321,7 +321,7 @@ def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
 
 @pytest.mark.parametrize("role", LAYOUTS)
 def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> None:
-    async def resize(pilot: Pilot[str], app: Console) -> None:
+    async def resize(pilot: Pilot[Refused], app: Console) -> None:
         for width, height in SIZES:
             await pilot.resize_terminal(width, height)
             await pilot.pause(0.12)
@@ -340,7 +340,7 @@ def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> Non
 
 
 def test_the_first_screen_says_the_state_at_a_glance() -> None:
-    async def look(_pilot: Pilot[str], app: Console) -> None:
+    async def look(_pilot: Pilot[Refused], app: Console) -> None:
         text = shown(app)
         for words in (
             "RUNNING x1", "depth    60.0 > 80.0 m", "> 090", "pitch   2.0 down",
@@ -355,7 +355,7 @@ def test_the_first_screen_says_the_state_at_a_glance() -> None:
 
 
 def test_the_ballast_station_has_tanks_valves_and_air_on_a_small_screen() -> None:
-    async def look(_pilot: Pilot[str], app: Console) -> None:
+    async def look(_pilot: Pilot[Refused], app: Console) -> None:
         text = shown(app)
         for words in ("auxiliary", "30.8 t", "main bank", "25.0 MPa 100 %", "OPEN", "compressor"):
             assert words in text, words
@@ -369,7 +369,7 @@ def test_nothing_is_said_by_colour_alone(monkeypatch: pytest.MonkeyPatch) -> Non
     talk = tape()
     talk.tick(121, time="frozen", casualty_1="stern-stuck", replay="yes", held="depth")
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         assert app.no_color
         text = shown(app)
         for words in ("FROZEN", "REPLAY", "HELD: depth", "broken  stern-stuck", "BLOWING"):
@@ -403,7 +403,7 @@ def test_a_false_gauge_is_called_out_to_the_instructor_alone() -> None:
     for channel, depth in (("motion", "60.0"), ("gauges", "72.5")):
         talk.say(sentences.state(channel, 121, 60.5, values(channel, depth=depth)))
 
-    async def look(_pilot: Pilot[str], app: Console) -> None:
+    async def look(_pilot: Pilot[Refused], app: Console) -> None:
         assert "depth     60.3  GAUGE 72.5" in shown(app) or "60.0  GAUGE 72.5" in shown(app)
 
     at_the_console(look, talk)
@@ -538,7 +538,7 @@ WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "
 
 @pytest.mark.parametrize("role", LAYOUTS)
 def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
-    async def act(pilot: Pilot[str], app: Console) -> None:
+    async def act(pilot: Pilot[Refused], app: Console) -> None:
         for tick, number in enumerate(WILD, start=200):
             for channel in talk.channels:
                 told = [number if value[-1:].isdigit() else value for value in values(channel)]
@@ -634,7 +634,7 @@ def test_keys_before_the_instructor_s_line_is_there_are_typed_into_it() -> None:
 def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
     talk = tape()
 
-    async def lose(pilot: Pilot[str], app: Console) -> None:
+    async def lose(pilot: Pilot[Refused], app: Console) -> None:
         talk.connected = False
         talk.items.append(LineLoss("the session has closed the line"))
         await seen(pilot, app, "NO LINE: the session has closed the line; trying again")
@@ -697,33 +697,33 @@ def test_a_session_that_says_nothing_more_is_called_out() -> None:
 def test_a_console_that_is_not_let_in_says_why_and_ends() -> None:
     talk = tape()
 
-    async def bar(pilot: Pilot[str], _app: Console) -> None:
+    async def bar(pilot: Pilot[Refused], _app: Console) -> None:
         talk.items.append(RoleRefusal("wrong token"))
         await pilot.pause(0.2)
 
-    assert at_the_console(bar, talk)[0].return_value == "wrong token"
+    assert at_the_console(bar, talk)[0].return_value == RoleRefusal("wrong token")
 
 
 def test_the_end_of_the_session_is_shown_and_ends_the_console_that_ordered_it() -> None:
     over = sentences.fact(120, 60.0, "over", "")
     talk = tape()
 
-    async def end(pilot: Pilot[str], app: Console) -> None:
+    async def end(pilot: Pilot[Refused], app: Console) -> None:
         talk.say(over)
         await seen(pilot, app, "THE SESSION IS OVER")
         await pilot.press("f10")
 
-    assert at_the_console(end, talk)[0].return_value == ""
+    assert at_the_console(end, talk)[0].return_code == 0
 
     other = tape()
 
-    async def quits(pilot: Pilot[str], _app: Console) -> None:
+    async def quits(pilot: Pilot[Refused], _app: Console) -> None:
         await pilot.press("f10", "q")
         await pilot.pause(0.15)
         other.say(over)
         await pilot.pause(0.2)
 
-    assert at_the_console(quits, other)[0].return_value == ""
+    assert at_the_console(quits, other)[0].return_code == 0
 
 
 class Harbour:
@@ -824,7 +824,7 @@ def test_the_first_drawing_of_a_screen_has_what_had_come_by_then(
             first.setdefault(pane.id, strip.text)
         return strip
 
-    async def look(pilot: Pilot[str], _app: Console) -> None:
+    async def look(pilot: Pilot[Refused], _app: Console) -> None:
         await pilot.pause()
 
     monkeypatch.setattr(Pane, "render_line", noting)

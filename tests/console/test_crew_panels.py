@@ -21,6 +21,7 @@ from trainer.console.app import Console
 from trainer.console.client import LineLoss, RoleTaken
 from trainer.console.pane import Pane
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Refused
 
 FIELDS = (
     "course", "course_side", "course_error", "course_since",
@@ -56,7 +57,7 @@ def screen_of(
 ) -> Console:
     """Look at a screen until it shows some words, the last of them in blue; return it."""
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         for text in words:
             await seen(pilot, app, text)
         for text in absent:
@@ -148,7 +149,7 @@ def test_a_colon_begins_an_order_also_while_one_is_to_be_repeated() -> None:
 def test_enter_on_the_open_and_empty_line_repeats_too() -> None:
     talk = ordered("helm", COURSE)
 
-    async def press(pilot: Pilot[str], app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press("enter")
         new(talk, "course 045")
         await seen(pilot, app, "NEW ORDER")
@@ -161,7 +162,7 @@ def test_an_order_is_new_until_it_is_repeated() -> None:
     talk = ordered("helm", COURSE)
     new(talk, "course right to 045")
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         await seen(pilot, app, "NEW ORDER  course right to 045   Enter repeats it")
         await seen(pilot, app, "NEW: 045")
         assert inks_of(app, "NEW: 045") == {"new"}
@@ -230,7 +231,7 @@ def test_who_has_given_an_order_does_not_repeat_it() -> None:
     talk = ordered("diving", DEPTH)
     talk.facts["order depth 60"] = [("crew-order", "depth 60 m")]
 
-    async def give(pilot: Pilot[str], app: Console) -> None:
+    async def give(pilot: Pilot[Refused], app: Console) -> None:
         app.model.order("order depth 60")
         await seen(pilot, app, "order depth 60: done")
         assert "NEW" not in shown(app)
@@ -314,7 +315,7 @@ def test_the_bell_rings_for_limits_orders_and_casualties_unless_it_is_off(
     talk = tape("instructor")
     rung: list[None] = []
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         app.bell = lambda: rung.append(None)  # type: ignore[method-assign]
         if silent:
             await pilot.press("ctrl+g")
@@ -376,7 +377,7 @@ def test_a_control_that_is_not_ready_or_not_there_is_named(role: str, key: str, 
         else:
             talk.items = talk.items[:2]  # the line, and nothing shown on it yet
 
-        async def press(pilot: Pilot[str], app: Console, told: str = told) -> None:
+        async def press(pilot: Pilot[Refused], app: Console, told: str = told) -> None:
             await pilot.press(key)
             await seen(pilot, app, told)
 

@@ -18,6 +18,7 @@ from trainer.console.layouts import LAYOUTS, Layout
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, beside, cut, fit, length, line, plain
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Refused
 from trainer.session.stations.channels import CHANNELS
 
 WIDEST = 400  # [columns] where nothing is short of room
@@ -126,7 +127,7 @@ def allowed(model: SessionModel) -> Iterator[str]:
 def test_the_instructor_reads_revolutions_and_tanks_whole_at_every_size(
     size: tuple[int, int],
 ) -> None:
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         await seen(pilot, app, "-157 > -168")
         text = shown(app)
         assert "depth  1987.6 > 1876.5 m" in text

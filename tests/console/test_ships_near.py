@@ -5,6 +5,7 @@ from textual.pilot import Pilot
 
 from trainer.console.app import Console
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Refused
 from trainer.session.stations.channels import CHANNELS
 
 WIDE = (170, 60)
@@ -28,7 +29,7 @@ def test_a_ship_near_is_listed_with_its_closest_approach() -> None:
     row = [FERRY.get(name, "") for name, _ in FIELDS]
     talk.say(sentences.state("contacts", 121, 60.5, row))
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         await seen(pilot, app, " ferry     045   2310 270 12   410  188")
 
     at_the_console(look, talk, "instructor", WIDE)
@@ -41,7 +42,7 @@ def test_the_periscope_tells_its_bearing_as_a_course_and_what_is_in_the_view() -
     talk.say(sentences.names("scope", fields))
     talk.say(sentences.state("scope", 121, 60.5, [shown.get(name, "") for name, _ in fields]))
 
-    async def look(pilot: Pilot[str], app: Console) -> None:
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
         await seen(pilot, app, "bearing 000  off the bow 4.0 deg  power 6.0 x")
         await seen(pilot, app, "in the view: tanker 001")
 

@@ -15,6 +15,7 @@ from trainer.console.keys import KEYS
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
+from trainer.io.orders.grammar import Refused
 from trainer.io.orders.sentences import fact, names, parse_sentence, state
 
 
@@ -153,7 +154,7 @@ def test_who_begins_to_type_types_and_no_letter_of_an_order_moves_a_control() ->
     model, line = told()
     screen = Console(model)
 
-    async def press(pilot: Pilot[str]) -> None:
+    async def press(pilot: Pilot[Refused]) -> None:
         await pilot.pause(0.2)
         await pilot.press(*"bow", "space", *"planes", "space", *"rise", "space", *"15")
         await pilot.pause(0.1)

@@ -16,6 +16,7 @@ from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import Pane, plain
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Refused
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.channels import CHANNELS
 
@@ -115,7 +116,7 @@ def sight_of(talk: Tape, role: str = "instructor", clock: float = 100.0) -> Sess
 
 
 Done = TypeVar("Done")
-Act = Callable[[Pilot[str], Console], Awaitable[None]]
+Act = Callable[[Pilot[Refused], Console], Awaitable[None]]
 
 
 def run_aside(work: Coroutine[Any, Any, Done]) -> Done:
@@ -146,7 +147,7 @@ def shown(app: Console) -> str:
     return "\n".join(plain(p.lines) for p in app.screen.query(Pane) if p.display and p.size.height)
 
 
-async def seen(pilot: Pilot[str], app: Console, text: str) -> None:
+async def seen(pilot: Pilot[Refused], app: Console, text: str) -> None:
     """Wait until a text is on the screen."""
     end = time.monotonic() + PATIENCE
     while text not in shown(app):
@@ -157,7 +158,7 @@ async def seen(pilot: Pilot[str], app: Console, text: str) -> None:
 def pressed(keys: tuple[str, ...], role: str = "instructor", talk: Tape | None = None) -> list[str]:
     """Return what is ordered by pressing keys."""
 
-    async def press(pilot: Pilot[str], _app: Console) -> None:
+    async def press(pilot: Pilot[Refused], _app: Console) -> None:
         for key in keys:
             await pilot.press(key)
 

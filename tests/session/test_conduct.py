@@ -17,7 +17,7 @@ from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
 from trainer.config.derived import ALL_QUANTITIES, Condition
 from trainer.config.exercise import load_exercise
-from trainer.config.files import shipped_names
+from trainer.config.files import ConfigError, shipped_names
 from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
@@ -452,8 +452,12 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
     assert "quit, then trainer run backing" in ship.refused("next backing")
-    problem = {"backing": "", "nothing": "no exercise nothing"}
-    ship.conduct.following = NextExercises(problem.__getitem__, "")
+
+    def load(name: str) -> None:
+        if name == "nothing":
+            raise ConfigError("no exercise nothing")
+
+    ship.conduct.following = NextExercises(load, None)
     assert "end exercise" in ship.refused("next backing")
     ship.fly(20)
     assert ship.refused("next nothing") == "no exercise nothing"
@@ -481,7 +485,7 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     for place, each in enumerate([run, *done]):
         add_run("Ann", replace(each, branch=place))
     ship = crewed(seconds=5.0)
-    ship.conduct.following = NextExercises(lambda _: "", "")
+    ship.conduct.following = NextExercises(barred=None)
     trainee = ship.comes("trainee")
     ship.say(ship.instructor, "detach")
     ship.fly(20)

@@ -129,7 +129,7 @@ def test_only_the_instructor_orders_it() -> None:
     assert isinstance(order, Order)
     assert refusal(ROLES["instructor"], order) is None
     whose = {refusal(role, order) for name, role in ROLES.items() if name != "instructor"}
-    assert all(each and "is the instructor's" in each for each in whose)
+    assert all(each and "is the instructor's" in each.reason for each in whose)
 
 
 # What is judged

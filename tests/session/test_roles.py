@@ -111,7 +111,9 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
     ],
 )
 def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
-    assert (refusal(ROLES[role], order(line)) or "").endswith(why)
+    refused = refusal(ROLES[role], order(line))
+    assert refused
+    assert refused.reason.endswith(why)
 
 
 @pytest.mark.parametrize("line", ["rudder auto", "stern auto", "bow planes auto", "course auto"])
@@ -139,7 +141,8 @@ def test_every_channel_of_a_role_exists_and_the_instructor_has_all() -> None:
 @pytest.mark.parametrize("channel", ["motion", "sea", "casualties", "ledger"])
 def test_the_truth_is_for_the_instructor_alone(channel: str) -> None:
     assert channel_refusal(ROLES["instructor"], channel) is None
-    assert all(channel in (channel_refusal(ROLES[role], channel) or "") for role in TRAINEES)
+    refused = [channel_refusal(ROLES[role], channel) for role in TRAINEES]
+    assert all(each and channel in each.reason for each in refused)
 
 
 @pytest.mark.parametrize("kind", ["exercise", "watch", "refused", "trouble", "never heard of"])

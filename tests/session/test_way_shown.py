@@ -129,7 +129,7 @@ def test_while_the_way_is_shown_nobody_else_moves_the_boat_or_time_but_to_stop_i
 def test_what_is_shown_is_not_evaluated(jam: Crewed, monkeypatch: pytest.MonkeyPatch) -> None:
     evaluation = jam.session.evaluation
     woken: list[int] = []
-    monkeypatch.setattr(evaluation, "why_none", "")
+    monkeypatch.setattr(evaluation, "why_none", None)
     monkeypatch.setattr(evaluation, "_wake", lambda: woken.append(jam.recording.branch))
     shows(jam)
     jam.fly(SHOWN_TICKS + 5)

@@ -217,8 +217,8 @@ def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[
 def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> SeaReport:
     """Return the sea, its effect on a boat at ``depths`` [m], and its series."""
     settings = sea_settings(file, vessel.fluid.g)
-    if problem := step_problem(settings, step):
-        raise ConfigError(f"{file.path.name}: {problem}")
+    if refused := step_problem(settings, step):
+        raise ConfigError(f"{file.path.name}: {refused.reason}")
     sea = describe_sea(file, settings, vessel.fluid.g)
     if sea.height_m == 0.0:
         return SeaReport(sea, vessel.name, step, (), None, ())

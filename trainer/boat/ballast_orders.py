@@ -43,19 +43,19 @@ def order_ballast(boat: Boat, order: Order) -> Reply:
     """Carry out an order about tanks or air."""
     if not boat.vessel.fitted:
         return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
-    lacking = _lacking(boat, order)
-    return Refused(f"this boat has no {lacking}") if lacking else _DUTIES[order.name](boat, order)
+    return _lacking(boat, order) or _DUTIES[order.name](boat, order)
 
 
-def _lacking(boat: Boat, order: Order) -> str:
-    """Return the tank or compressor that an order needs and the boat lacks, or ""."""
+def _lacking(boat: Boat, order: Order) -> Refused | None:
+    """Return that the boat lacks a tank or compressor which an order needs, None if not."""
     if order.name == "compressor" and not boat.vessel.compressor_rate:
-        return "compressor"
+        return Refused("this boat has no compressor")
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
-    missing = [name for name in _needs(order) if not held[name]]
-    return (
-        missing[0].replace("_", " ") + (" tank" * (missing[0] in PUMPED_TANKS)) if missing else ""
-    )
+    for name in _needs(order):
+        if not held[name]:
+            kind = " tank" * (name in PUMPED_TANKS)
+            return Refused(f"this boat has no {name.replace('_', ' ')}{kind}")
+    return None
 
 
 def _needs(order: Order) -> tuple[str, ...]:

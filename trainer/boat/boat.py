@@ -159,8 +159,8 @@ class Boat:
         ConfigError if the step is too long for it.
         """
         wanted = sea_settings(sea, self.vessel.g)
-        if problem := step_problem(wanted, self.method.step):
-            raise ConfigError(f"{sea.path.name}: {problem}")
+        if refused := step_problem(wanted, self.method.step):
+            raise ConfigError(f"{sea.path.name}: {refused.reason}")
         self.sea = sea
         self.state.sea_height = 0.0
         self.order_sea(wanted, 0.0)

@@ -124,10 +124,10 @@ def ordered_casualty(order: Order) -> tuple[str, float | None, float | None]:
     return order.subject, numbers[0] if numbers else None, ramp
 
 
-def problem_of(boat: Boat, order: Order) -> str:
-    """Return why an order ``casualty`` would be refused at any time, '' if not."""
+def casualty_refusal(boat: Boat, order: Order) -> Refused | None:
+    """Return why an order ``casualty`` would be refused at any time, None if not."""
     chosen = _chosen(boat, *ordered_casualty(order))
-    return chosen.reason if isinstance(chosen, Refused) else ""
+    return chosen if isinstance(chosen, Refused) else None
 
 
 def _chosen(
@@ -139,8 +139,7 @@ def _chosen(
         return casualty
     wanted = casualty.severity if severity is None else severity
     ramp = casualty.ramp_s if ramp_s is None else ramp_s
-    wrong = _wrong(boat, casualty, wanted, ramp)
-    return Refused(wrong) if wrong else (casualty, wanted, ramp)
+    return _wrong(boat, casualty, wanted, ramp) or (casualty, wanted, ramp)
 
 
 def clear_casualty(boat: Boat, name: str) -> Reply:
@@ -364,17 +363,16 @@ def _end(boat: Boat, casualty: Casualty) -> int:
     )
 
 
-def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> str:
-    """Return why this cannot happen to the boat, '' if it can."""
+def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refused | None:
+    """Return why this cannot happen to the boat, None if it can."""
     if not _carries(boat, casualty.kind):
-        return f"{boat.file.path.name} has nothing for {casualty.kind} to act on"
+        return Refused(f"{boat.file.path.name} has nothing for {casualty.kind} to act on")
     if severity not in casualty.measure.limits:
-        return f"severity {severity:g}: {severity_rule(casualty.kind)}"
+        return Refused(f"severity {severity:g}: {severity_rule(casualty.kind)}")
     if not 0.0 <= ramp <= MAX_RAMP_S:
-        return f"ramp {ramp:g} s: must be 0 to {MAX_RAMP_S:g} s"
-    if casualty.measure.sudden and ramp:
-        return f"{casualty.kind} comes at once: it has no ramp"
-    return ""
+        return Refused(f"ramp {ramp:g} s: must be 0 to {MAX_RAMP_S:g} s")
+    ramped = casualty.measure.sudden and ramp
+    return Refused(f"{casualty.kind} comes at once: it has no ramp") if ramped else None
 
 
 def _carries(boat: Boat, kind: str) -> bool:

@@ -33,8 +33,8 @@ def order_sea(boat: Boat, order: Order) -> Reply:
         wanted[HEIGHT] = significant_height(sea, boat.vessel.g)
         wanted[OMEGA] = peak_frequency(sea, boat.vessel.g)
         wanted[GAMMA], wanted[PEAKED] = 1.0, 0.0
-    if problem := step_problem(wanted, boat.method.step):
-        return Refused(problem)
+    if refused := step_problem(wanted, boat.method.step):
+        return refused
     boat.order_sea(wanted, boat.sea.sea.ramp_s)
     return f"{order.text}: {sea_text(wanted)}, within {boat.sea.sea.ramp_s:g} s"
 

@@ -17,6 +17,7 @@ from trainer.config.files import (
     shipped_path,
 )
 from trainer.config.schema import Choice, Rows, Text, optional, read_record, required
+from trainer.io.orders.grammar import Refused
 
 FULLY_MET: Final = "has"
 IN_PART: Final = "in part"
@@ -65,9 +66,9 @@ def parse_conformity(text: str, file: str) -> tuple[ConformityLine, ...]:
         lines = read_record(Conformity, table, place, ()).lines
         raise_problems(
             [
-                place.inside(f"lines[{i}]").wrong("state", line.state, lacking)
+                place.inside(f"lines[{i}]").wrong("state", line.state, refused.reason)
                 for i, line in enumerate(lines)
-                if (lacking := _lacking(line))
+                if (refused := _lacking(line))
             ]
         )
     except ConfigError as wrong:
@@ -75,12 +76,11 @@ def parse_conformity(text: str, file: str) -> tuple[ConformityLine, ...]:
     return lines
 
 
-def _lacking(line: ConformityLine) -> str:
-    """Return what a line of its state should say and does not, "" if nothing."""
+def _lacking(line: ConformityLine) -> Refused | None:
+    """Return what a line of its state should say and does not, None if nothing."""
     if line.state == FULLY_MET and not line.test:
-        return "names no test that shows it"
+        return Refused("names no test that shows it")
     if line.state == FULLY_MET and line.lacks:
-        return "lacks nothing; say in part"
-    if line.state == IN_PART and not line.lacks:
-        return "must say what it lacks"
-    return ""
+        return Refused("lacks nothing; say in part")
+    silent = line.state == IN_PART and not line.lacks
+    return Refused("must say what it lacks") if silent else None

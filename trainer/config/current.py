@@ -22,6 +22,7 @@ from trainer.config.schema import (
     with_default,
     within,
 )
+from trainer.io.orders.grammar import Refused
 
 LUNAR_TIDE_PERIOD_H: Final = 12.4206  # [h] between tides: M2, the moon's
 MIN_CHANGE_TIME_S: Final = 60.0  # [s] of a change, below which the water's own acceleration is felt
@@ -129,39 +130,38 @@ class Current:
 def read_current(value: object, place: Place, _path: Path) -> Current:
     """Return the current of one table; ConfigError with all that is wrong."""
     current = read_record(Current, value, place, ("note",))
-    if problem := _problem(current):
-        raise ConfigError(place.problem(problem))
+    if refused := _problem(current):
+        raise ConfigError(place.problem(refused.reason))
     return current
 
 
-def _problem(current: Current) -> str:
-    """Return why the keys make no current, "" where they do."""
+def _problem(current: Current) -> Refused | None:
+    """Return why the keys make no current, None where they do."""
     keys = [item.name for item in fields(Current) if item.name != "ramp_s"]
     present = [key for key in keys if getattr(current, key) is not None]
     forms = [name for name, own in CURRENT_FORMS.items() if any(key in present for key in own)]
+    every_form = ", ".join(CURRENT_FORMS)
     if len(forms) != 1:
         have = f"has {', '.join(present)}" if present else "has none of them"
-        return f"{have}: give one of {', '.join(CURRENT_FORMS)}"
+        return Refused(f"{have}: give one of {every_form}")
     (form,) = forms
     lacking = [key for key in CURRENT_FORMS[form] if key not in present]
     if lacking:
-        return f"has {present[0]} and lacks {lacking[0]}: give one of {', '.join(CURRENT_FORMS)}"
-    return _tide_problem(current.tide) if current.tide else ""
+        return Refused(f"has {present[0]} and lacks {lacking[0]}: give one of {every_form}")
+    return _tide_problem(current.tide) if current.tide else None
 
 
-def _tide_problem(tide: Tide) -> str:
-    """Return why a tide is none, "" where it is one."""
+def _tide_problem(tide: Tide) -> Refused | None:
+    """Return why a tide is none, None where it is one."""
     if abs(tide.minor_kn) > tide.major_kn:
-        return (
+        return Refused(
             f"tide minor_kn = {tide.minor_kn:g}: is more than major_kn = {tide.major_kn:g}; "
             "the strongest is the major one"
         )
     mean = {"mean_set_deg": tide.mean_set_deg, "mean_drift_kn": tide.mean_drift_kn}
-    mean_keys = [key for key, value in mean.items() if value is not None]
-    if len(mean_keys) == 1:
-        lacking = next(key for key in mean if key not in mean_keys)
-        return f"tide has {mean_keys[0]} and lacks {lacking}: give both, or neither"
-    return ""
+    has, lacks = sorted(mean, key=lambda key: mean[key] is None)
+    whole = (mean[has] is None) == (mean[lacks] is None)
+    return None if whole else Refused(f"tide has {has} and lacks {lacks}: give both, or neither")
 
 
 def current_schema() -> dict[str, Any]:

@@ -39,6 +39,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.sea.filter_1969 import PEAK_FACTOR
 from trainer.core.sea.sea import COSINES, HEIGHT, OLD, OMEGA
 from trainer.core.sea.wave_filter import RAISED_PEAKEDNESS, STEEPEST_TURN
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 HEADING_FIELDS: Final[Mapping[str, Kind]] = {
@@ -232,17 +233,17 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
     )
 
 
-def step_problem(wanted: Numbers, step: float) -> str:
-    """Return why a step [s] is too long for a sea, '' if it fits. The sea is by ``sea_settings``.
+def step_problem(wanted: Numbers, step: float) -> Refused | None:
+    """Return why a step [s] is too long for a sea, None if it fits. The sea is by ``sea_settings``.
 
     Only the wave filter has this limit, because it folds frequencies above Nyquist into its bands.
     """
     turn = wanted[OMEGA] * step
     if wanted[HEIGHT] == 0.0 or wanted[COSINES] + wanted[OLD] > 0.0 or turn <= STEEPEST_TURN:
-        return ""
+        return None
     longest = math.floor(1000.0 * STEEPEST_TURN / wanted[OMEGA]) / 1000.0
     shorter = f"a step of {longest:g} s or " if longest > 0.0 else ""
-    return (
+    return Refused(
         f"a sea above Nyquist for the step: its peak of {wanted[OMEGA]:.3g} rad/s turns "
         f"{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}"
         'generator = "cosines"'

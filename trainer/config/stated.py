@@ -23,6 +23,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.score_rules import MeasuredQuantity, parse_quantity
+from trainer.io.orders.grammar import Refused
 from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder, parse_entry
 from trainer.io.orders.table import BOAT_ORDERS
 
@@ -218,21 +219,21 @@ def _read_row(row: StatedRow, page: str, place: Place) -> StatedValue:
         orders = tuple(entries)
     raise_problems(problems)
     stated = StatedValue(row=row, conditions=conditions, measured=measured, orders=orders)
-    if problem := _unlike(stated):
-        raise ConfigError(place.wrong("says", row.says, problem))
+    if refused := _unlike(stated):
+        raise ConfigError(place.wrong("says", row.says, refused.reason))
     return stated
 
 
-def _unlike(stated: StatedValue) -> str:
-    """Return a problem if the words of a row differ from its numbers, "" if not."""
+def _unlike(stated: StatedValue) -> Refused | None:
+    """Return a problem if the words of a row differ from its numbers, None if not."""
     figures = [*figures_of(stated.row.says)]
     kind, size = TEXT_UNITS.get(stated.unit, ("", 1.0))
     if not any(figure.is_of(stated.target, kind, size) for figure in figures):
-        return f"has no figure that is {stated.target:g} {stated.unit}"
+        return Refused(f"has no figure that is {stated.target:g} {stated.unit}")
     strange = [
         each.text for each in figures if each.kind in JUDGED_KINDS and not stated.states(each)
     ]
-    return f"{quote(strange[0])} is no number of this row" if strange else ""
+    return Refused(f"{quote(strange[0])} is no number of this row") if strange else None
 
 
 def _lacking(row: StatedRow, place: Place) -> Iterator[str]:

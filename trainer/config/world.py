@@ -23,6 +23,7 @@ from trainer.config.contacts import (
 from trainer.config.current import current_schema, read_current
 from trainer.config.files import Place, collecting, raise_problems
 from trainer.config.schema import record_schema
+from trainer.io.orders.grammar import Refused
 
 # By the name of the table: a function of its content, its place and the exercise's path.
 WORLD_READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
@@ -52,15 +53,14 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
             if name in table:
                 tables[name] = read(table[name], Place(path.name, name), path)
     if "bottom" in tables:
-        problems += filter(
-            None, (_aground(tables["bottom"], ship) for ship in tables.get("contact", ()))
-        )
+        refusals = (_aground(tables["bottom"], ship) for ship in tables.get("contact", ()))
+        problems += [refused.reason for refused in refusals if refused]
     raise_problems(problems)
     return tables
 
 
-def _aground(bottom: Bottom, ship: Contact) -> str:
-    """Return a problem at the first place with too little water for a ship, "" without.
+def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
+    """Return a problem at the first place with too little water for a ship, None without.
 
     Places beyond the chart are not judged, because their depth is only that of its edge.
     """
@@ -70,8 +70,9 @@ def _aground(bottom: Bottom, ship: Contact) -> str:
         if depth < least and is_charted(bottom, north, east):
             message = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
             draws = f"a {ship.row.type} draws {ship.type.draught:g} m"
-            return ship.place.problem(f"points: {message}: {draws}, so {least:.1f} m at least")
-    return ""
+            problem = f"points: {message}: {draws}, so {least:.1f} m at least"
+            return Refused(ship.place.problem(problem))
+    return None
 
 
 def _places(ship: Contact) -> Iterator[tuple[float, float]]:

@@ -54,6 +54,7 @@ from trainer.console.layouts import LAYOUTS, Place
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Pane, fit, line
 from trainer.console.timeline import TimelineView
+from trainer.io.orders.grammar import Refused
 
 FORGET_TIME_S: Final = 1.5  # [s] after a key, when a new one begins from what the boat shows again
 SURFACE_CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
@@ -136,8 +137,8 @@ class Levers:
         return value if now - when < FORGET_TIME_S else shown
 
 
-class Console(App[str], inherit_bindings=False):
-    """The screen of one station. It ends with a message for the terminal, "" for none."""
+class Console(App[Refused], inherit_bindings=False):
+    """The screen of one station. It ends with the session's refusal of the role, if any."""
 
     CSS_PATH = "console.tcss"
     TITLE = "trainer"
@@ -249,7 +250,7 @@ class Console(App[str], inherit_bindings=False):
         if not self.model.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):
-            self.exit("")
+            self.exit()
         elif words:
             self.model.order(words)
             self._look()
@@ -463,14 +464,14 @@ class Console(App[str], inherit_bindings=False):
         for words in done.orders:
             self.model.order(words)
         if done.leave:
-            self.exit("")
+            self.exit()
 
     def _leave(self) -> None:
         """Leave; the instructor is asked whether the run ends too."""
         if self.model.instructs and self.model.joined and not self.model.over:
             self._open(leave_question(own=self.own))
         else:
-            self.exit("")
+            self.exit()
 
 
 def idle_reason(act: MoveAction | PumpAction, model: SessionModel) -> str:

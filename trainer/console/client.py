@@ -16,7 +16,7 @@ from trainer.io.client import dial
 from trainer.io.line import Line
 from trainer.io.lines import OverlongLine
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import MAX_LINE_LETTERS
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, Refused
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
@@ -44,11 +44,8 @@ class LineLoss:
     why: str
 
 
-@dataclass(frozen=True)
-class RoleRefusal:
+class RoleRefusal(Refused):
     """The session refuses the role for good."""
-
-    why: str
 
 
 @dataclass(frozen=True)

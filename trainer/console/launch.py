@@ -18,6 +18,7 @@ from trainer.console.client import Client, Item, RoleTaken
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.io import paths
+from trainer.io.orders.grammar import Refused
 from trainer.io.serial_line import LinkError
 
 CLOSE_TIMEOUT_S: Final = 2.0  # [s] for the line to be closed
@@ -33,9 +34,8 @@ def attend_session(url: str | None, role: str, token: str | None) -> int:
         visit.client.dial()
     except LinkError as error:
         raise ConfigError(str(error)) from None
-    why = visit.show()
-    if why:
-        raise ConfigError(why)
+    if refused := visit.show():
+        raise ConfigError(refused.reason)
     return 0 if visit.model.joined or visit.model.over else 1
 
 
@@ -58,7 +58,7 @@ class Visit:
         forget_size()
         return cls(client, model, Console(model, own=own))
 
-    def show(self) -> str:
+    def show(self) -> Refused | None:
         """Show the screen until its user leaves. Return why the session did not let it in."""
         self.client.start()
         gc.freeze()  # the first picture waits for nobody to look through what draws it
@@ -67,22 +67,22 @@ class Visit:
         last.daemon = True
 
         def end(*_: object) -> None:
-            self.console.exit("")
+            self.console.exit()
             if not last.ident:
                 last.start()
 
         handlers = {number: signal.signal(number, end) for number in ending_signals()}
         try:
-            why = self.console.run()
+            refused = self.console.run()
             while self.model.chair:
                 self._change_chair()
-                why = self.console.run()
+                refused = self.console.run()
         finally:
             last.cancel()
             for number, handler in handlers.items():
                 signal.signal(number, handler)
             self.client.close(CLOSE_TIMEOUT_S)
-        return why or ""
+        return refused
 
     def _change_chair(self) -> None:
         """Make the screen of the role that the line has taken, which has seen nothing yet."""

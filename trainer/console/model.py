@@ -116,7 +116,7 @@ class SessionModel:
     greeted: bool = False  # the session has taken the role once
     joined: bool = False
     trouble: str = ""  # with the line
-    barred: str = ""
+    barred: RoleRefusal | None = None
     over: bool = False
     ended: bool = False  # by an order of this screen
     briefing: list[str] = field(default_factory=list)
@@ -242,7 +242,7 @@ class SessionModel:
             elif isinstance(item, LineLoss):
                 self._lose(item.why)
             elif isinstance(item, RoleRefusal):
-                self.joined, self.barred, self.trouble = False, item.why, item.why
+                self.joined, self.barred, self.trouble = False, item, item.reason
 
     def _send(self, words: str, *, quiet: bool) -> bool:
         if not quiet:

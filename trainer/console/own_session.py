@@ -190,14 +190,14 @@ def show_console(
         visit = Visit.prepare(reach, role, token, own=True)
         gc.freeze()
         gc.enable()
-        why = visit.show() if voyage.await_word(*FIRST_WORDS) else ""
+        refused = visit.show() if voyage.await_word(*FIRST_WORDS) else None
     except BaseException:
         voyage.session.terminate()
         raise
     begun = visit.model.greeted
     if not begun and voyage.session.ended() is None:
         voyage.session.terminate()
-        raise ConfigError(why) if why else click.Abort
+        raise ConfigError(refused.reason) if refused else click.Abort
     return voyage.account(END_TIMEOUT_S if begun and not visit.model.over else SUMMARY_TIMEOUT_S)
 
 

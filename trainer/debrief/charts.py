@@ -69,6 +69,7 @@ class RunBeside:
     """A run drawn under that of the page: its name, and its lines."""
 
     label: str
+    heading: str  # of its orders' row
     trajectory: Trajectory
     style: str
 
@@ -78,10 +79,10 @@ def runs_beside(debrief: DebriefData) -> tuple[RunBeside, ...]:
     comparison = debrief.compared
     if comparison is None:
         return ()
-    runs = [RunBeside("reference", comparison.reference.trajectory, BESIDE_STYLE)]
+    runs = [RunBeside("reference", "reference", comparison.reference.trajectory, BESIDE_STYLE)]
     if comparison.from_here is not None:
-        label = f"reference from {clock(comparison.from_here.since or 0.0)}"
-        runs.append(RunBeside(label, comparison.from_here.trajectory, FROM_HERE_STYLE))
+        run, since = comparison.from_here, f"from {clock(comparison.from_here.since or 0.0)}"
+        runs.append(RunBeside(f"reference {since}", since, run.trajectory, FROM_HERE_STYLE))
     return tuple(runs)
 
 
@@ -290,7 +291,8 @@ def draw_timeline(debrief: DebriefData, ground: ChartGround) -> Markup:
     numbered = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
     crew = [each.tick * debrief.step for each in debrief.crew]
     rows = [*_casualties(debrief, ground), *_labelled(numbered, "ordered", debrief, ground)]
-    rows += [_strokes(crew, "crew", ground), *_reference(debrief, ground), _shown(debrief, ground)]
+    rows += [_strokes(crew, "crew", "order", ground), *_reference(debrief, ground)]
+    rows.append(_shown(debrief, ground))
     rows += [_calls(debrief, ground), _marks(debrief, ground)]
     scores = enumerate((each.attained.tick for each in debrief.card.scores), start=1)
     placed = [(tick, f"S{i}") for i, tick in scores if tick is not None]
@@ -324,13 +326,12 @@ def _reference(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
         orders = (each for each in run.trajectory.orders if each.giver == REFERENCE_GIVER)
-        heading = run.label.removeprefix("reference ")
-        yield _strokes([each.tick * debrief.step for each in orders], heading, ground)
+        seconds = [each.tick * debrief.step for each in orders]
+        yield _strokes(seconds, run.heading, "order-beside", ground)
 
 
-def _strokes(seconds: list[float], heading: str, ground: ChartGround) -> str:
+def _strokes(seconds: list[float], heading: str, style: str, ground: ChartGround) -> str:
     """Return a row with a stroke for each of some times [s]."""
-    style = "order" if heading == "crew" else "order-beside"
     places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
     drawn = "".join(rule(style, x, 4.0, x, ROW_HEIGHT_PX - 4.0) for x in places)
     return drawn and drawn + _heading(heading)

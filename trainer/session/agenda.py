@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_PLACES, Boat
-from trainer.boat.casualties import problem_of, scale_of
+from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Place
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.status_line import clock
@@ -104,8 +104,8 @@ class Agenda:
         made = self._made(order, self.boat.time)
         if isinstance(made, Refused):
             return made
-        if why := self._problem(made):
-            return Refused(why)
+        if refused := self._problem(made):
+            return refused
         self._take(made)
         return f"planned: {made.ahead}"
 
@@ -179,21 +179,21 @@ class Agenda:
         number = self._last + 1
         if order.word != "when":
             return PlannedOrder(number, inner, order.value + (now if order.word == "in" else 0.0))
-        text = order.text.removeprefix("when ").removesuffix(f" then {inner.text}")
+        words = condition_words(order, inner)
         try:
-            return PlannedOrder(number, inner, condition=compile_condition(text, WHEN_PLACE))
+            return PlannedOrder(number, inner, condition=compile_condition(words, WHEN_PLACE))
         except ConfigError as error:
             return Refused(str(error))
 
-    def _problem(self, made: PlannedOrder) -> str:
-        """Return why an order cannot be planned, "" if it can."""
+    def _problem(self, made: PlannedOrder) -> Refused | None:
+        """Return why an order cannot be planned, None if it can."""
         if len(self.planned) >= MAX_PLANS:
-            return f"{MAX_PLANS} orders are planned: cancel one"
+            return Refused(f"{MAX_PLANS} orders are planned: cancel one")
         if made.condition and not scale_of(self.boat, made.condition.quantity):
-            return f"{self.boat.file.path.name} has no {made.condition.quantity}"
+            return Refused(f"{self.boat.file.path.name} has no {made.condition.quantity}")
         if not made.condition and made.seconds < self.boat.time:
-            return f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}"
-        return problem_of(self.boat, made.order) if made.order.name == "casualty" else ""
+            return Refused(f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}")
+        return casualty_refusal(self.boat, made.order) if made.order.name == "casualty" else None
 
     def _take(self, made: PlannedOrder) -> None:
         self.planned[made.number] = made

@@ -43,8 +43,8 @@ class Aids:
         name = order.name
         if order.word == "off":
             answer: Reply = f"{name} off" if self._on.pop(name, None) else Refused(f"{name} is off")
-        elif why := self._barred(name):
-            return Refused(why)
+        elif refused := self._barred(name):
+            return refused
         else:
             self._on[name] = order, giver
             answer = self._switch_on(name, order.value)
@@ -56,16 +56,16 @@ class Aids:
         for order, giver in () if self.history.flown.barred else self._on.values():
             self.history.answered(self.history.order(giver, order), STAYS_ON)
 
-    def _barred(self, name: str) -> str:
-        """Return why an aid may not be switched on, "" if it may."""
+    def _barred(self, name: str) -> Refused | None:
+        """Return why an aid may not be switched on, None if it may."""
         if self.plan is None:
-            return f"this session has no {name}"
+            return Refused(f"this session has no {name}")
         if name == GHOST and not self.plan.crew.rules:
             kind = "exercise" if self.plan.title else "free run"
-            return f"this {kind} has no reference crew, whose run the ghost is"
+            return Refused(f"this {kind} has no reference crew, whose run the ghost is")
         if name not in self.plan.aids:
-            return f'this exercise does not allow it: its file has no aids = ["{name}"]'
-        return ""
+            return Refused(f'this exercise does not allow it: its file has no aids = ["{name}"]')
+        return None
 
     def _switch_on(self, name: str, seconds: float) -> Reply:
         """Have an aid made in a thread, if it is not there yet; return the answer."""

@@ -25,18 +25,14 @@ class Chair:
     history: History
     seen: tuple[Order, Giver] | None = None  # the first change to or from the instructor's role
 
-    def barred(self, order: Order, station: Station) -> str:
-        """Return why a line may not take another role, "" where it may."""
+    def barred(self, order: Order, station: Station) -> Refused | None:
+        """Return why a line may not take another role, None where it may."""
         if ROLES[order.word] is station.role:
-            return f"you {station.role.part} already"
+            return Refused(f"you {station.role.part} already")
         others = [each for each in self.log.stations if each is not station]
         attached = [each.line.name for each in others if not each.line.ended]
-        if not attached:
-            return ""
-        return (
-            f"you {station.role.part}: a line keeps its role while others are attached "
-            f"({', '.join(attached)})"
-        )
+        kept = f"you {station.role.part}: a line keeps its role while others are attached"
+        return Refused(f"{kept} ({', '.join(attached)})") if attached else None
 
     def change(self, order: Order, giver: Giver, station: Station | None) -> Reply:
         """Give a line its new role; return the answer."""

@@ -44,12 +44,12 @@ class Command:
         elif self.asker:
             self._alarm.set(self.until - self.clock())
 
-    def elsewhere(self, station: Station) -> str:
-        """Return which other instructor has command, "" where this one has it."""
+    def elsewhere(self, station: Station) -> Refused | None:
+        """Return which other instructor has command, None where this one has it."""
         self._settle(station)
         if self.holder is station or self.holder is None:
-            return ""
-        return f"{self.holder.line.name} has command: take command asks for it"
+            return None
+        return Refused(f"{self.holder.line.name} has command: take command asks for it")
 
     def ask(self, asked: Request) -> Reply:
         """Ask the holder for command. A holder who does not answer in time loses it."""

@@ -37,9 +37,6 @@ from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import (
-    EXERCISE_OVER,
-    OVER_TEXT,
-    TRAINEE_OVER_TEXT,
     BackgroundTask,
     DebriefSource,
     ExerciseEnd,
@@ -57,7 +54,6 @@ from trainer.session.stations.roles import (
     TRAINEE,
     TRAINEE_ROLE,
     Role,
-    not_for_visitors,
 )
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Station
 from trainer.session.step_guide import StepGuide
@@ -66,6 +62,11 @@ ResultT = TypeVar("ResultT")
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
 # roles that are not counted when the crew is asked whether it is ready
 NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE)
+# after the end of the exercise, by role
+WAYS_ON: Final = {
+    TRAINEE: "again, again from 2 min, next or quit",
+    INSTRUCTOR_ROLE.name: "again, again from 2 min, next, debrief, release marks or quit",
+}
 
 
 @dataclass
@@ -215,35 +216,30 @@ class Conduct:
 
     # The gates, for which see ``dispatch``
 
-    def past_its_end(self, order: Order, role: Role, *, after_end: bool) -> str:
-        """Return why the end of the exercise bars an order, "" if it does not."""
+    def past_its_end(self, order: Order, role: Role, *, after_end: bool) -> Refused | None:
+        """Return why the end of the exercise bars an order, None if it does not."""
         if not self.ending.over:
-            return ""
+            return None
         if order.name == "again" and order.subject == PRESENT_MOMENT:
-            return "here is the end of the exercise: again from 2 min, or from a moment kept"
-        if after_end:
-            return ""
-        if role is TRAINEE_ROLE:
-            return TRAINEE_OVER_TEXT
-        return OVER_TEXT if role is INSTRUCTOR_ROLE else f"{EXERCISE_OVER}: the instructor goes on"
+            return Refused(
+                "here is the end of the exercise: again from 2 min, or from a moment kept"
+            )
+        way_on = WAYS_ON.get(role.name, "the instructor goes on")
+        return None if after_end else Refused(f"the exercise is over: {way_on}")
 
-    def unconfirmed(self, station: Station) -> str:
-        """Return why ``quit`` has to be said again, "" where it need not be.
+    def unconfirmed(self, station: Station) -> Refused | None:
+        """Return why ``quit`` has to be said again, None where it need not be.
 
         It ends the session for all, so it has to be said twice where others are attached.
         """
         others = sum(1 for each in self._others(station))
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
-            return ""
+            return None
         self._quitting = station, self.clock()
         attached = "1 station is" if others == 1 else f"{others} stations are"
         within = f"type quit again within {QUIT_AGAIN_WITHIN_S:g} s to end it for all, or detach"
-        return f"{attached} attached: {within}"
-
-    def not_for(self, role: Role) -> str:
-        """Return why a role may not begin a crew's run again, "" if it may."""
-        return "" if self.visitors else not_for_visitors(role)
+        return Refused(f"{attached} attached: {within}")
 
     def go_on(self, order: Order) -> None:
         """Note that time goes on; announce who of the crew is not ready."""
@@ -307,9 +303,9 @@ class Conduct:
             self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
         self.remember()
-        if self._unmarked:
+        if unmarked := self._unmarked:
             fact = Fact("marks", f"{ending.outcome},")
-            self.log.tell("time", f"no marks: {self._unmarked}", fact=fact)
+            self.log.tell("time", f"no marks: {unmarked.reason}", fact=fact)
         elif self.debriefing and self.kept:
             self._begin_judging(self.debriefing.judge, self.kept)
 
@@ -339,11 +335,11 @@ class Conduct:
         self._begin("progress", hear, tell)
 
     @property
-    def _unmarked(self) -> str:
-        """Return why this exercise ends without marks, "" where it has some."""
+    def _unmarked(self) -> Refused | None:
+        """Return why this exercise ends without marks, None where it has some."""
         if self.debriefing is None or self.kept is None:
-            return "this session is not recorded"
-        return "" if self.scored else "nothing in this exercise has marks"
+            return Refused("this session is not recorded")
+        return None if self.scored else Refused("nothing in this exercise has marks")
 
     def _begin_judging(self, judge: Callable[[Path, int], Judgement], kept: Path) -> None:
         recording = self.control.history.recording
@@ -403,7 +399,7 @@ class Conduct:
         if not ending.over:
             return Refused("the exercise is not over: type end exercise first")
         if ending.marks is None:
-            return Refused(self._unmarked or "there are no marks yet")
+            return self._unmarked or Refused("there are no marks yet")
         self._release_marks(ending.marks)
         return "everybody has the marks"
 
@@ -476,8 +472,8 @@ class Conduct:
         if not name:
             names = [each.name for each in course()]
             return LongAnswer(names, "type next NAME to begin one of these")
-        if why := self._no_next(name):
-            return Refused(why)
+        if refused := self._no_next(name):
+            return refused
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
             name_told = name if station.role is INSTRUCTOR_ROLE else ""
@@ -511,15 +507,15 @@ class Conduct:
             return ",".join(f"{name}:{how}" for name, how in best if how)
         return ""
 
-    def _no_next(self, name: str) -> str:
-        """Return why that exercise cannot follow, "" if it can."""
+    def _no_next(self, name: str) -> Refused | None:
+        """Return why that exercise cannot follow, None if it can."""
         elsewhere = self.following.barred
         if not elsewhere and not all(each.visits for each in self.log.stations):
-            elsewhere = "this session has lines of its own"
+            elsewhere = Refused("this session has lines of its own")
         if elsewhere:
-            return f"{elsewhere}: quit, then trainer run {name}"
+            return Refused(f"{elsewhere.reason}: quit, then trainer run {name}")
         if not self.ending.over:
-            return "this exercise is not over: type end exercise first"
+            return Refused("this exercise is not over: type end exercise first")
         return self.following.problem(name)
 
     def _history(self, asked: Request) -> None:

@@ -415,16 +415,16 @@ class CrewTalk:
         }
         return [(key, value) for key, value in values.items() if value]
 
-    def in_hand(self, order: Order) -> str:
-        """Return why work by hand forbids an automatic order, "" if it does not.
+    def in_hand(self, order: Order) -> Refused | None:
+        """Return why work by hand forbids an automatic order, None if it does not.
 
         An order to the planes is refused while the depth guard holds them.
         """
-        planes = order.name in (*PLANE_AXES, "planes")
-        if planes and self._guarded and self.guard.holds(self.boat):
-            return f"the boat levels by itself before {self.guard.deepest:g} m: try again soon"
+        if self._guarded and order.name in (*PLANE_AXES, "planes") and self.guard.holds(self.boat):
+            deepest = self.guard.deepest
+            return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
         taken = in_hand(order, self.worked, self.allowed)
-        return f"{taken.why}, or the instructor says allow {taken.axis}" if taken else ""
+        return Refused(f"{taken.why}, or the instructor says allow {taken.axis}") if taken else None
 
     def _allow(self, axis: str) -> Reply:
         """Answer the order that allows an axis to be automatic."""

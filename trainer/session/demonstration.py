@@ -44,8 +44,8 @@ class Demonstration:
                 return Refused("the way is not being shown")
             self.end()
             return "back"
-        if why := self._barred():
-            return Refused(why)
+        if refused := self._barred():
+            return refused
         history, moment = self.session.history, self.session.history.now()
         why = f"{order.text}, by {asked.station.giver.words}"
         until = moment.tick + round(order.value / self.session.boat.method.step)
@@ -60,22 +60,22 @@ class Demonstration:
         self.session.conduct.work.begin("way", task)
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"
 
-    def _barred(self) -> str:
-        """Return why the way cannot be shown, "" if it can."""
+    def _barred(self) -> Refused | None:
+        """Return why the way cannot be shown, None if it can."""
         session, flown = self.session, self.session.history.flown
         if flown.barred:
             return flown.barred
         if self.preparing:
-            return "the reference crew is coming aboard already"
+            return Refused("the reference crew is coming aboard already")
         if self.plan is None or not self.plan.crew.rules:
             kind = "exercise" if self.plan and self.plan.title else "free run"
-            return f"this {kind} has no reference crew to show the way"
+            return Refused(f"this {kind} has no reference crew to show the way")
         if not session.time.frozen or session.control.steps:
-            return "time runs: freeze first, or go back to a moment; then demonstrate"
+            return Refused("time runs: freeze first, or go back to a moment; then demonstrate")
         if session.control.failure:
-            return f"this boat cannot go on: {session.control.failure}; backtrack or reset"
+            return Refused(f"this boat cannot go on: {session.control.failure}; backtrack or reset")
         trouble = session.history.recording.trouble
-        return f"the run so far cannot be read: {trouble}" if trouble else ""
+        return Refused(f"the run so far cannot be read: {trouble}") if trouble else None
 
     def _give_up(self, why: str) -> None:
         self.preparing = False

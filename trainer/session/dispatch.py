@@ -48,10 +48,10 @@ from trainer.session.jump import end_replay, follow_jump
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
 from trainer.session.run_faces import Due
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, not_for_visitors
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
-Gate = Callable[[Order, Station | None, Parts], str]
+Gate = Callable[[Order, Station | None, Parts], Refused | None]
 
 
 class Obeyer(Enum):
@@ -136,67 +136,69 @@ RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
 ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in RULE_GROUPS for word in words}
 
 
-# The gates: each says why it is shut, "" where it is open.
+# The gates: each says why it is shut, None where it is open.
 
 
-def command_gate(order: Order, station: Station | None, session: Parts) -> str:
+def command_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that another instructor has command.
 
     Without it an instructor watches, asks and marks.
     """
     if station is None or station.role is not INSTRUCTOR_ROLE or ORDERS[order.name].watching:
-        return ""
+        return None
     return session.conduct.command.elsewhere(station)
 
 
-def quit_gate(order: Order, station: Station | None, session: Parts) -> str:
+def quit_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that others are attached, for whom ``quit`` ends the session only when said twice."""
-    return session.conduct.unconfirmed(station) if station and order.name == "quit" else ""
+    return session.conduct.unconfirmed(station) if station and order.name == "quit" else None
 
 
-def visitor_gate(order: Order, station: Station | None, session: Parts) -> str:
+def visitor_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return why a visitor may not begin this run again."""
-    return session.conduct.not_for(station.role) if station and order.name == "restart" else ""
+    asked = order.name == "restart" and not session.conduct.visitors
+    return not_for_visitors(station.role) if station and asked else None
 
 
-def lost_gate(order: Order, _station: Station | None, session: Parts) -> str:
+def lost_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
     """Return how the boat was lost. It can go on from an earlier moment only."""
     failure = session.control.failure if order.name in ("run", "step") else ""
-    return f"this boat cannot go on: {failure}; backtrack or reset" if failure else ""
+    return Refused(f"this boat cannot go on: {failure}; backtrack or reset") if failure else None
 
 
-def trainee_gate(order: Order, station: Station | None, session: Parts) -> str:
+def trainee_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that an instructor is here, whose time and exercise it is."""
     trains = station is not None and station.role is TRAINEE_ROLE
     guided = ORDERS[order.name].obeyer in GUIDED_OBEYERS
     if not (trains and guided and session.event_log.attended(INSTRUCTOR_ROLE.name)):
-        return ""
-    return "an instructor is here: time and the exercise are the instructor's"
+        return None
+    return Refused("an instructor is here: time and the exercise are the instructor's")
 
 
-def end_gate(order: Order, station: Station | None, session: Parts) -> str:
+def end_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that the exercise is over, after which the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR_ROLE
     return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
 
 
-def chair_gate(order: Order, station: Station | None, session: Parts) -> str:
+def chair_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that others are attached, where a line keeps its role."""
-    return session.conduct.chair.barred(order, station) if station and order.name == "role" else ""
+    takes = order.name == "role"
+    return session.conduct.chair.barred(order, station) if station and takes else None
 
 
-def frozen_gate(order: Order, _station: Station | None, session: Parts) -> str:
+def frozen_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
     """Return that time runs: ``what if`` is asked of a moment that stands still."""
     runs = order.name == "what-if" and not session.time.frozen
-    return "what if is asked of a moment that stands still: first freeze" if runs else ""
+    return Refused("what if is asked of a moment that stands still: first freeze") if runs else None
 
 
-def hand_gate(order: Order, _station: Station | None, session: Parts) -> str:
+def hand_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
     """Return that the axis which an order makes automatic has to be worked by hand."""
     return session.crew.in_hand(order)
 
 
-def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
+def replay_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
     """Return that a replay is running, or that the way is being shown.
 
     Only recorded orders, or the reference crew, move the boat then.
@@ -204,8 +206,8 @@ def replay_gate(order: Order, _station: Station | None, session: Parts) -> str:
     flown, rule = session.history.flown, ORDERS[order.name]
     if flown.shows_way:
         stays_open = rule.in_replay and rule.obeyer in OPEN_OBEYERS
-        return "" if stays_open or order.name == "demonstrate" else flown.barred
-    return "" if rule.in_replay else flown.barred
+        return None if stays_open or order.name == "demonstrate" else flown.barred
+    return None if rule.in_replay else flown.barred
 
 
 ORDER_GATES: Final[Sequence[Gate]] = (
@@ -227,10 +229,7 @@ def refusal(order: Order, station: Station | None, session: Parts) -> Refused | 
 
     ``station`` is None for what comes from no line: a plan, or a call of the Python face.
     """
-    for gate in ORDER_GATES:
-        if reason := gate(order, station, session):
-            return Refused(reason)
-    return None
+    return next(filter(None, (gate(order, station, session) for gate in ORDER_GATES)), None)
 
 
 @dataclass

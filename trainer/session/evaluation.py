@@ -32,16 +32,17 @@ from trainer.session.stations.station import Fact, Request
 
 MOMENT_PERIOD_S: Final = 10.0  # [s] of exercise time from moment to moment
 TOLD_FALL_MARKS: Final = 10.0  # [%] of marks from which a fall is told in words
+UNRECORDED: Final = Refused("this session is not recorded")
 MAX_STARTS: Final = 3  # of a process that dies
 
 
-def why_unfit(plan: Plan) -> str:
-    """Return why an exercise has no evaluation, "" if it may have one."""
+def why_unfit(plan: Plan) -> Refused | None:
+    """Return why an exercise has no evaluation, None if it may have one."""
     if not plan.title:
-        return "the boat sails freely"
+        return Refused("the boat sails freely")
     if not plan.crew.rules:
-        return "this exercise has no reference crew"
-    return "" if plan.duration is not None else "this exercise has no end"
+        return Refused("this exercise has no reference crew")
+    return None if plan.duration is not None else Refused("this exercise has no end")
 
 
 @dataclass(frozen=True)
@@ -94,11 +95,11 @@ class Evaluation:
     history: History
     log: EventLog
     work: BackgroundTask
-    barred: Callable[[Order], str] = lambda _: ""  # why the crew may not have an order
+    barred: Callable[[Order], Refused | None] = lambda _: None  # why the crew may not have an order
     over: Callable[[], object] = bool  # whether the exercise is
     words: Sequence[str] = ()  # the command of the process
     kept: Path | None = None  # the recording
-    why_none: str = "this session is not recorded"
+    why_none: Refused | None = UNRECORDED
     latest: Fact | None = None  # for who comes: what is known of the run, or why nothing is
     left_out: int = 0  # moments that came too soon
     _due: int = 0  # the tick of the next moment
@@ -113,11 +114,9 @@ class Evaluation:
 
     def begin(self, words: Sequence[str], kept: Path | None, plan: Plan) -> None:
         """Evaluate a run of a plan by a command, once an instructor is there."""
-        self.why_none = why_unfit(plan)
-        if not (self.why_none or (words and kept)):
-            self.why_none = "this session is not recorded"
+        self.why_none = why_unfit(plan) or (None if words and kept else UNRECORDED)
         if self.why_none and plan.title:
-            self.latest = Fact("no-attainable", self.why_none)
+            self.latest = Fact("no-attainable", self.why_none.reason)
         self.words, self.kept = words, kept
 
     def follow(self, moment: Moment) -> None:
@@ -154,11 +153,11 @@ class Evaluation:
         """Answer ``what if ORDER`` later, by what the process says; refuse what it cannot."""
         order = parse(asked.order.subject)
         if self.why_none:
-            return Refused(f"no evaluation: {self.why_none}")
+            return Refused(f"no evaluation: {self.why_none.reason}")
         if not isinstance(order, Order) or order.name not in BOAT_ORDERS:
             return Refused(f"what if {asked.order.subject}: only of orders that move the boat")
-        if why := self.barred(order):
-            return Refused(why)
+        if refused := self.barred(order):
+            return refused
         question = Question(self.history.now(), self.history.boat.time, order.text, asked)
         self._asked.append(question)
         self._wake()
@@ -167,7 +166,7 @@ class Evaluation:
     def status(self) -> str:
         """Return what is known, in a line."""
         if self.why_none or self.latest is None:
-            return f"evaluation: {self.why_none or 'not yet known'}"
+            return f"evaluation: {self.why_none.reason if self.why_none else 'not yet known'}"
         seconds, marks, so_far, _, branch, left_out = self.latest.subject.split(",")
         behind = f", {left_out} moments left out" if self.left_out else ""
         return (
@@ -182,7 +181,7 @@ class Evaluation:
 
     def finish(self) -> None:
         """End the process, whatever it is at."""
-        self.why_none = self.why_none or "the session is over"
+        self.why_none = self.why_none or Refused("the session is over")
         self._news.set()
         if self._process is not None:
             self._process.end()
@@ -233,7 +232,7 @@ class Evaluation:
                 why = f"its process cannot begin: {error.strerror}"
         if why:
             self._post(self._give_up, why)
-            self.why_none = why
+            self.why_none = Refused(why)
         return not why
 
     def _mourn(self, question: Question) -> None:
@@ -293,7 +292,7 @@ class Evaluation:
 
     def _give_up(self, why: str) -> None:
         """Tell once that there is no evaluation; whoever has asked meanwhile is refused."""
-        self.why_none = why
+        self.why_none = Refused(why)
         self._news.set()  # the thread ends
         self._note(Fact("no-attainable", why))
         self._tell(f"no evaluation: {why}")

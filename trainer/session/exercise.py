@@ -24,14 +24,12 @@ from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import Moment
 from trainer.session.stations.station import Fact
 
 CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
-EXERCISE_OVER: Final = "the exercise is over"
-TRAINEE_OVER_TEXT: Final = f"{EXERCISE_OVER}: again, again from 2 min, next or quit"
-OVER_TEXT: Final = f"{EXERCISE_OVER}: again, again from 2 min, next, debrief, release marks or quit"
 PHI_PLACE, THETA_PLACE = STATE_PLACES["phi"], STATE_PLACES["theta"]
 
 
@@ -247,18 +245,13 @@ class BackgroundTask:
 class NextExercises:
     """The exercises that may follow in this process, or why another process is needed."""
 
-    problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
-    barred: str = "this session is one run"
+    load: Callable[[str], object] = str  # ConfigError if it cannot
+    barred: Refused | None = Refused("this session is one run")  # noqa: RUF009 (it is frozen)
 
-
-def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
-    """Return a function that says why an exercise cannot be loaded, "" if it can."""
-
-    def problem(name: str) -> str:
+    def problem(self, name: str) -> Refused | None:
+        """Return why an exercise cannot be loaded, None if it can."""
         try:
-            load(name)
+            self.load(name)
         except ConfigError as error:
-            return str(error)
-        return ""
-
-    return problem
+            return Refused(str(error))
+        return None

@@ -46,8 +46,8 @@ class Hints:
         if self.guide.steps:
             return self.guide.give_hint()
         plan = self.aids.plan
-        if why := self._barred():
-            return Refused(why)
+        if refused := self._barred():
+            return refused
         moment = self.history.now()
         assert plan is not None  # noqa: S101 (else it is barred)
         task = follow_later(
@@ -73,16 +73,16 @@ class Hints:
         for order, giver, text in self.told[len(known) :]:
             self.history.answered(self.history.order(giver, order), text)
 
-    def _barred(self) -> str:
-        """Return why there can be no hint, "" if there can."""
+    def _barred(self) -> Refused | None:
+        """Return why there can be no hint, None if there can."""
         plan = self.aids.plan
         if self.preparing:
-            return "a hint is being found already"
+            return Refused("a hint is being found already")
         if plan is None or not plan.crew.rules:
             kind = "exercise" if plan and plan.title else "free run"
-            return f"this {kind} has no reference crew, which a hint is from"
+            return Refused(f"this {kind} has no reference crew, which a hint is from")
         trouble = self.history.recording.trouble
-        return f"the run so far cannot be read: {trouble}" if trouble else ""
+        return Refused(f"the run so far cannot be read: {trouble}") if trouble else None
 
     def _answer(self, asked: Request, reply: Reply) -> None:
         self.preparing = False

@@ -6,12 +6,11 @@ the crew, such as a course, has to be carried out by a person, who needs the axi
 mans the axis.
 """
 
-import re
 from collections.abc import Callable, Collection
 from typing import Final, NamedTuple
 
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, parse, to_the_autopilot
 from trainer.session.stations.roles import CREW_ROLES, ROLES, TRAINEE
 
 WORDS_AXIS: Final = "words"  # the axis of an order in words
@@ -31,8 +30,6 @@ BY_HAND: Final = {
     "speed": ("the engine is", "bell ahead standard"),
     "ballast": ("the ballast is", "pump depth-control 1"),
 }
-# the crew's `course left 90` is a course to come to; the autopilot's needs the word `to`
-TURN_PATTERN: Final = re.compile("^course (left|right)")
 # the axis in hand that carries out an order on another axis; others are carried out by themselves
 STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}
 
@@ -101,7 +98,7 @@ def unheard(
         return ""
     if axis == WORDS_AXIS:
         return "nobody of the crew is here"
-    own_order = parse(TURN_PATTERN.sub(r"course \1 to", order.text.removeprefix("order ")))
+    own_order = to_the_autopilot(order)
     automatic = ""
     if isinstance(own_order, Order) and not in_hand(own_order, hand, allowed):
         automatic = f"`{own_order.text}` for the autopilot, "

@@ -161,8 +161,8 @@ def plan_run(options: RunOptions) -> Plan:
         refuse_depth(exercise.initial.depth_m, file, place)
     exercise_sea = exercise.sea if exercise and options.sea is None else None
     sea, method = exercise_sea or load_sea(options.sea or "calm"), choose_method(file, chosen)
-    if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
-        raise ConfigError(f"{sea.path.name}: {problem}")
+    if refused := step_problem(sea_settings(sea, file.fluid.g), method.step):
+        raise ConfigError(f"{sea.path.name}: {refused.reason}")
     own_schedule = []
     if exercise:
         own_schedule = [*into_hand(exercise, file), *exercise.schedule_of(int(chosen.seed))]

@@ -26,6 +26,7 @@ from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError, TakenError
 from trainer.io.status_line import course
@@ -35,7 +36,7 @@ from trainer.session.agenda import Agenda
 from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
-from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises, problem_with
+from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import in_hand
@@ -139,14 +140,15 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     if paths or options.serve or not options.headless:
         path, recording = create_recording(paths, header_of(options, texts, boat), state)
     files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
-    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
+    single = Refused("this session is begun for one run")
+    barred = single if any(files) or keeps_no_time(options) else None
     prepared = PreparedRun(
         plan,
         boat,
         History(boat, recording),
         str(path or ""),
         begun,
-        NextExercises(problem_with(load_exercise), barred),
+        NextExercises(load_exercise, barred),
     )
     try:
         return fly_session(prepared, options)

@@ -14,7 +14,7 @@ from enum import Enum
 
 from trainer.boat.depths import collapse_of
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.io.orders.grammar import Order
+from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.facts import Giver
@@ -44,7 +44,7 @@ class JudgementScope(Enum):
 class LiveRun:
     """A run that is flown for the first time, and recorded whole."""
 
-    barred = ""  # why nobody may order the boat
+    barred: Refused | None = None  # why nobody may order the boat
     replaying = False  # as it is shown
     shows_way = False  # the reference crew flies it
     watched = True  # by a crew, whose orders are its own
@@ -110,7 +110,7 @@ class LiveRun:
 class ShownRun(LiveRun):
     """A run on which the reference crew shows the way, until the boat is lost."""
 
-    barred = "the reference crew shows the way: demonstrate off ends it"
+    barred = Refused("the reference crew shows the way: demonstrate off ends it")
     shows_way = True
     watched = False
     judged = JudgementScope.NOTHING  # what is shown ends no exercise
@@ -137,7 +137,7 @@ class ShownRun(LiveRun):
 class ReplayedRun:
     """A run flown again by its recorded orders, and compared with its recorded states."""
 
-    barred = "a replay is running: take over first"
+    barred = Refused("a replay is running: take over first")
     replaying = True
     shows_way = False
     watched = False  # the recording has the watch's orders

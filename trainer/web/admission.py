@@ -27,6 +27,7 @@ from typing import Final, cast
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.machine import THIS_MACHINE, machine_of
+from trainer.io.orders.grammar import Refused
 from trainer.web.gate import SECURITY_HEADERS, Refusals
 
 # docs/threat-model.md says what these limits are against.
@@ -290,17 +291,17 @@ class Admission:
         """Give a connection its place, or send the reason why there is none."""
         end.settimeout(0.0)
         visit = Visit(machine_of(peer[0], end.getsockname()[0]), self._silent)
-        if why := self._refusal(visit.machine):
-            self._refusals.add(peer[:2], f"turned away: {why}")
-            self._part(end, why, context)
+        if refused := self._refusal(visit.machine):
+            self._refusals.add(peer[:2], f"turned away: {refused.reason}")
+            self._part(end, refused.reason, context)
             return
         self.machines[visit.machine] += 1
         end.on_close = partial(self._leave, visit)
         visit.await_request()
         self._start(visit, end, partial(protocols, visit), context)
 
-    def _refusal(self, machine: str) -> str:
-        """Return why there is no place for one more, "" if there is one.
+    def _refusal(self, machine: str) -> Refused | None:
+        """Return why there is no place for one more, None if there is one.
 
         A silent connection of the same kind is cut off for it.
         """
@@ -309,13 +310,15 @@ class Admission:
         same = [visit for visit in self._silent if visit.machine == machine]
         if machine == THIS_MACHINE:
             full = here >= self._room.here and not give_way(same)
-            return f"{here} connections of this machine are open: close one of its pages" * full
-        if count >= self._room.machine:
+            why = f"{here} connections of this machine are open: close one of its pages"
+        elif count >= self._room.machine:
             full = not give_way(same)
-            return f"{count} connections of your machine are open: close one of its pages" * full
-        others = [visit for visit in self._silent if visit.machine != THIS_MACHINE]
-        full = elsewhere >= self._room.elsewhere and not give_way(others)
-        return f"no room: {elsewhere} connections of other machines are open" * full
+            why = f"{count} connections of your machine are open: close one of its pages"
+        else:
+            others = [visit for visit in self._silent if visit.machine != THIS_MACHINE]
+            full = elsewhere >= self._room.elsewhere and not give_way(others)
+            why = f"no room: {elsewhere} connections of other machines are open"
+        return Refused(why) if full else None
 
     def _leave(self, visit: Visit) -> None:
         """Take back the place of a connection that has closed."""

@@ -25,6 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.lines import plain
 from trainer.io.noise_log import ENTRY_PERIOD_S, NoiseLog
+from trainer.io.orders.grammar import Refused
 
 Tell = Callable[[str], None]
 
@@ -132,29 +133,29 @@ class Gate:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        why = self._refusal(scope)
-        if not why:
+        refused = self._refusal(scope)
+        if not refused:
             await self._app(scope, receive, guard_sender(send))
             return
-        self._refusals.add(scope.get("client"), f"refused: {why}")
+        self._refusals.add(scope.get("client"), f"refused: {refused.reason}")
         if scope["type"] == "websocket":
-            await send({"type": "websocket.close", "code": 1008, "reason": why})
+            await send({"type": "websocket.close", "code": 1008, "reason": refused.reason})
         else:
-            await PlainTextResponse(f"{why}\n", 403)(scope, receive, guard_sender(send))
+            await PlainTextResponse(f"{refused.reason}\n", 403)(scope, receive, guard_sender(send))
 
-    def _refusal(self, scope: Scope) -> str:
-        """Return why a request is refused, "" if it is not."""
+    def _refusal(self, scope: Scope) -> Refused | None:
+        """Return why a request is refused, None if it is not."""
         headers = Headers(scope=scope)
         host, origin = headers.get("host", ""), headers.get("origin", "")
         if not self._names.admits(host):
             name = host[:80] or "a server without a name"
-            return f"this is not {name}: use the address that the server has told"
+            return Refused(f"this is not {name}: use the address that the server has told")
         if not origin and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
-            return ""
+            return None
         secure = scope["scheme"] in ("https", "wss")
         if origin != f"{'https' if secure else 'http'}://{host}":
-            return f"a page of {origin[:80] or 'nobody'} has no business here"
-        return ""
+            return Refused(f"a page of {origin[:80] or 'nobody'} has no business here")
+        return None
 
 
 class StyleHashes(HTMLParser):

@@ -23,6 +23,7 @@ from trainer.config.files import ConfigError
 from trainer.io import client, paths
 from trainer.io.line import Line
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Refused
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
 from trainer.web.address import Address, announce_address, open_page
@@ -209,13 +210,13 @@ def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
             "without a password"
         ) from None
     # every browser would refuse it later, and this machine would not hear why
-    if why := out_of_date(server, cert):
-        raise ConfigError(f"--cert {cert}: {why}: no browser takes it; make a new one")
+    if refused := out_of_date(server, cert):
+        raise ConfigError(f"--cert {cert}: {refused.reason}: no browser takes it; make a new one")
     return Certificate(cert, key)
 
 
-def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
-    """Return that a certificate has expired or is not valid yet, "" if valid.
+def out_of_date(server: ssl.SSLContext, cert: Path) -> Refused | None:
+    """Return that a certificate has expired or is not valid yet, None if valid.
 
     A handshake in memory finds out, by a client that trusts this certificate itself.
     """
@@ -233,10 +234,11 @@ def out_of_date(server: ssl.SSLContext, cert: Path) -> str:
             except ssl.SSLWantReadError:
                 continue
             except ssl.SSLCertVerificationError as error:
-                return error.verify_message if error.verify_code in CERTIFICATE_DATE_ERRORS else ""
+                dated = error.verify_code in CERTIFICATE_DATE_ERRORS
+                return Refused(error.verify_message) if dated else None
             except ssl.SSLError:  # a browser will tell all other faults
-                return ""
-    return ""
+                return None
+    return None
 
 
 def asks_token(url: str) -> bool:

@@ -97,7 +97,7 @@ def _place(guide: Guide, one: TrialComparison) -> str:
 
 def _verdict_cells(guide: Guide, one: TrialComparison, row: FigureRow) -> list[str | Cell]:
     """Return data, simulation, error, its uncertainty and the verdict of a figure."""
-    words = row.verdict.value.removesuffix(" of this comparison")
+    words = "below the noise" if row.verdict is Validity.NOISE else row.verdict.value
     if row.verdict is Validity.MODEL_ERROR:
         words = f"{words} {row.error:+.2g} +- {row.u_val:.2g}"
     return [

@@ -357,7 +357,7 @@ def _legs_of_one_speed(file: VesselFile) -> Iterator[Leg]:
 
 def _name_by_angle(leg: Leg) -> Leg:
     """Return the leg with the rudder's angle in its name, where it is the boat's limit or not."""
-    if not leg.variant.startswith(RUDDER_PLACEHOLDER):
+    if not isinstance(leg.manoeuvre, Turn):
         return leg
-    angle = getattr(leg.manoeuvre, "angle_deg")  # noqa: B009 (not every manoeuvre has one)
-    return replace(leg, variant=leg.variant.replace(RUDDER_PLACEHOLDER, f"rudder {angle:g} deg", 1))
+    angle = f"rudder {leg.manoeuvre.angle_deg:g} deg"
+    return replace(leg, variant=leg.variant.replace(RUDDER_PLACEHOLDER, angle, 1))

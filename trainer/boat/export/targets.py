@@ -18,6 +18,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.boat.platforms import CPU_TARGETS, PROCESSOR_LEVELS, Platform, flags_of, has_flag
 from trainer.config.files import ConfigError
+from trainer.io.orders.grammar import Refused
 
 NATIVE_NAME: Final = "native"
 REINSTALL_HINT: Final = "pip install --force-reinstall llvmlite"
@@ -43,8 +44,8 @@ def find_processor(name: str) -> Processor:
         has = binding.get_host_cpu_features()
         needs = [flag for flag in flags_of(list(PROCESSOR_LEVELS)[-1]) if has_flag(has, flag)]
         return Processor(binding.get_host_cpu_name(), has.flatten(), tuple(needs))
-    if lack := lacking_compiler(name):
-        raise ConfigError(f"--cpu {name}: {lack}")
+    if refused := lacking_compiler(name):
+        raise ConfigError(f"--cpu {name}: {refused.reason}")
     return Processor(name, "", flags_of(name))
 
 
@@ -53,25 +54,24 @@ def of_this_machine(name: str) -> bool:
     return name == NATIVE_NAME or name in PROCESSOR_LEVELS
 
 
-def lacking_compiler(name: str) -> str:
-    """Return why nothing compiles for a target here, and what helps; or nothing."""
+def lacking_compiler(name: str) -> Refused | None:
+    """Return why nothing compiles for a target here, and what helps; None if it does."""
     target, host = CPU_TARGETS[name], binding.get_process_triple().partition("-")[0]
     if name in PROCESSOR_LEVELS and host != "x86_64":
-        return f"this machine is {host}; give --cpu {NATIVE_NAME}"
+        return Refused(f"this machine is {host}; give --cpu {NATIVE_NAME}")
     binding.initialize_all_targets()
     try:
         binding.Target.from_triple(target.triple or binding.get_process_triple())
     except RuntimeError:
         kind = target.triple.partition("-")[0]
-        return f"the compiler in llvmlite has no {kind} here; pip's has: {REINSTALL_HINT}"
-    return ""
+        return Refused(f"the compiler in llvmlite has no {kind} here; pip's has: {REINSTALL_HINT}")
+    return None
 
 
-def lacking_linker(target: Platform, program: str) -> str:
-    """Return that a linker is not here, with its packages; or nothing."""
-    if shutil.which(program):
-        return ""
-    return f"there is no {program!r} here. Debian and Ubuntu: apt install {target.packages}"
+def lacking_linker(target: Platform, program: str) -> Refused | None:
+    """Return that a linker is not here, with its packages; None if it is."""
+    lack = f"there is no {program!r} here. Debian and Ubuntu: apt install {target.packages}"
+    return None if shutil.which(program) else Refused(lack)
 
 
 def list_targets() -> list[str]:
@@ -81,7 +81,8 @@ def list_targets() -> list[str]:
         barred = lacking_compiler(name)
         lacks = barred or lacking_linker(target, target.compiler.partition(" ")[0])
         here = "no" if barred else "no linker" if lacks else "yes"
-        rows.append(f"{name:<11}{here:<11}{'; '.join(filter(None, (target.purpose, lacks)))}")
+        notes = filter(None, (target.purpose, lacks.reason if lacks else ""))
+        rows.append(f"{name:<11}{here:<11}{'; '.join(notes)}")
     return rows
 
 
@@ -123,9 +124,9 @@ def link_library(code: Path, library: Path, target: Platform) -> None:
     """Link the object ``code`` into ``library``; NoCompilerError if that cannot be done here."""
     compiler = shlex.split(os.environ.get("CC") or target.compiler)
     words = [*compiler, "-shared", "-nostdlib", *STRICT_FLAGS, "-o", str(library), str(code)]
-    if lack := lacking_linker(target, compiler[0]):
+    if refused := lacking_linker(target, compiler[0]):
         raise NoCompilerError(
-            f"{library}: not made, {lack} (CC names another); the object is whole: "
+            f"{library}: not made, {refused.reason} (CC names another); the object is whole: "
             f"{' '.join(words)}"
         )
     done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603

@@ -44,6 +44,7 @@ from trainer.core.sea.sea import TAPER, order_sea
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.orders.grammar import Refused
 
 WASM32: Final = "wasm32"
 MODULE_FILE: Final = "core.wasm"
@@ -183,16 +184,16 @@ def shipped_module(boat: Boat) -> bytes:
     return SHIPPED_PATH.read_bytes()
 
 
-def boat_misfit(boat: Boat) -> str:
-    """Return why the trainer's own module is not for this boat, "" if it is.
+def boat_misfit(boat: Boat) -> Refused | None:
+    """Return why the trainer's own module is not for this boat, None if it is.
 
     A module has its method fixed, so another equation set needs another module.
     """
     card = shipped_card()
     if not same_core(card["core"]):
-        return f"of core {card['core']}, not {core_digest()}"
-    method = method_of(boat)
-    return "" if method == card["method"] else f"for the {card['method']}, not the {method}"
+        return Refused(f"of core {card['core']}, not {core_digest()}")
+    of_card, method = card["method"], method_of(boat)
+    return None if method == of_card else Refused(f"for the {of_card}, not the {method}")
 
 
 def numbers_of(boat: Boat) -> dict[str, Any]:
@@ -221,11 +222,10 @@ def module_of(boat: Boat) -> tuple[bytes, bytes]:
     if shutil.which(LINKER_NAME):
         module = build_module(boat.records.scheme)
         return module, card_text(module, boat).encode()
-    if why := boat_misfit(boat):
+    if refused := boat_misfit(boat):
         raise ConfigError(
             f"--cpu {WASM32}: there is no linker {LINKER_NAME} here, and the {MODULE_FILE} "
-            "that comes with "
-            f"the trainer is {why}. {INSTALL_HINT}"
+            f"that comes with the trainer is {refused.reason}. {INSTALL_HINT}"
         )
     return SHIPPED_PATH.read_bytes(), SHIPPED_PATH.with_name(CARD_FILE).read_bytes()
 

@@ -273,8 +273,8 @@ class Contacts:
             return Refused(f"a {ship.kind} makes {ship.type.fastest_kn:g} kn")
         change = _steered if ship.steered else CHANGES[doing]
         time = tick * self.step
-        if doing == "speed" and (why := _unable(ship, order.value, time)):
-            return Refused(f"{ship.name}: {why}")
+        if doing == "speed" and (refused := _unable(ship, order.value, time)):
+            return Refused(f"{ship.name}: {refused.reason}")
         # an ordered place is over the ground; the way of a ship that drifts is through the water
         if doing == "move" and ship.drifts:
             gone = self.water(time)[0]
@@ -310,8 +310,8 @@ class Contacts:
         """Add a ship that keeps a course and speed."""
         name, kind = order.subject, order.word.split("_")[1]
         north, east, course, speed = order.numbers
-        if why := _unfit(name, kind, speed, ships):
-            return Refused(why)
+        if refused := _unfit(name, kind, speed, ships):
+            return refused
         start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
         status = "at anchor" if speed == 0.0 else SHIP_TYPES[kind].status
         way = lay_way(tick * self.step, start, STRAIGHT_ON)
@@ -330,9 +330,9 @@ def contacts_of(boat: Any, tables: WorldTables) -> Contacts:
     return Contacts(boat, tables.get("contact", ()), tables.get("contacts", Encounters()))
 
 
-def _unable(ship: Ship, speed: float, time: float) -> str:
-    """Return why a ship cannot go at a speed [m/s] from a time [s] on, "" if it can."""
-    return ship.steered.ship.unfit(ship.steered.at(time), speed) if ship.steered else ""
+def _unable(ship: Ship, speed: float, time: float) -> Refused | None:
+    """Return why a ship cannot go at a speed [m/s] from a time [s] on, None if it can."""
+    return ship.steered.ship.unfit(ship.steered.at(time), speed) if ship.steered else None
 
 
 def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
@@ -350,16 +350,17 @@ def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
     # fmt: on
 
 
-def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> str:
-    """Return why no such ship can be added, "" if it can."""
+def _unfit(name: str, kind: str, speed: float, ships: Mapping[str, Ship]) -> Refused | None:
+    """Return why no such ship can be added, None if it can."""
     if not CONTACT_NAME.fullmatch(name) or name in RESERVED_NAMES:
-        return f"{name}: a name has at most 16 letters, digits and hyphens"
+        return Refused(f"{name}: a name has at most 16 letters, digits and hyphens")
     if name in ships:
-        return f"there is a contact {name} already"
+        return Refused(f"there is a contact {name} already")
     if len(ships) >= MAX_CONTACTS:
-        return f"there are {MAX_CONTACTS} contacts already"
+        return Refused(f"there are {MAX_CONTACTS} contacts already")
     fastest = SHIP_TYPES[kind]
-    return f"a {kind} makes {fastest.fastest_kn:g} kn" if speed > fastest.fastest + 1e-9 else ""
+    too_fast = speed > fastest.fastest + 1e-9
+    return Refused(f"a {kind} makes {fastest.fastest_kn:g} kn") if too_fast else None
 
 
 def ships_of(ships: Sequence[Contact], step: float) -> dict[str, Ship]:

@@ -307,7 +307,7 @@ class Periscope:
         return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
 
     def too_fast(self, speed: float) -> str:
-        """Return why a speed [m/s] is too fast for the mast, or ""."""
+        """Return the warning of a speed [m/s] too fast for the mast, or ""."""
         most, knots = self._fitted.speed_kn_max if self._fitted else math.inf, speed / KNOT
         return f"{knots:.1f} kn is too fast for it, {most:g} at most" if knots > most else ""
 

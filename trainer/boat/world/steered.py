@@ -19,6 +19,7 @@ from typing import Final, NamedTuple, Protocol
 from trainer.boat.world.nomoto import NomotoMotion, NomotoState
 from trainer.config.contacts import SHIP_ACCELERATION_M_S2
 from trainer.config.nomoto import NomotoFile
+from trainer.io.orders.grammar import Refused
 
 MAX_SUBSTEP_S: Final = 0.5  # [s] at most
 LAW_DAMPING: Final = 2.0  # [-] of the law, times T1 + T2
@@ -52,8 +53,8 @@ class SteerableShip(Protocol):
     def after(self, now: SteeredState, ordered: float, speed: float, step: float) -> SteeredState:
         """Return how it goes ``step`` [s] later, with a course [rad] and speed [m/s] ordered."""
 
-    def unfit(self, now: SteeredState, speed: float) -> str:
-        """Return why it cannot go at a speed [m/s], "" if it can."""
+    def unfit(self, now: SteeredState, speed: float) -> Refused | None:
+        """Return why it cannot go at a speed [m/s], None if it can."""
 
 
 @dataclass
@@ -121,10 +122,8 @@ class SteeredNomoto:
             now = self._substep(now, ordered, speed, step / count)
         return now
 
-    def unfit(self, now: SteeredState, speed: float) -> str:
-        """Return "": a Nomoto ship goes at every speed."""
-        del now, speed
-        return ""
+    def unfit(self, now: SteeredState, speed: float) -> None:
+        """Refuse nothing: a Nomoto ship goes at every speed."""
 
     def _substep(self, now: SteeredState, ordered: float, speed: float, h: float) -> SteeredState:
         """Return how it goes ``h`` [s] later, its clock as fast as it is at the beginning.

@@ -15,6 +15,7 @@ from typing import Final
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
 from trainer.boat.world.steered import SteeredState
 from trainer.config.ship import ShipFile
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 LAW_LEAD: Final = 2.0  # [L/U] of the law: an estimate
@@ -49,11 +50,10 @@ class SteeredShip:
             now = then
         return now
 
-    def unfit(self, now: SteeredState, speed: float) -> str:
-        """Return why the ship cannot go at a speed [m/s], "" if it can."""
-        if now.speed == 0.0 < speed:
-            return "it has lost its way, and its equations do not tell how it gathers any"
-        return ""
+    def unfit(self, now: SteeredState, speed: float) -> Refused | None:
+        """Return why the ship cannot go at a speed [m/s], None if it can."""
+        why = "it has lost its way, and its equations do not tell how it gathers any"
+        return Refused(why) if now.speed == 0.0 < speed else None
 
     def _held(self, speed: float) -> tuple[float, float]:
         """Return the rudder [rad] and revolutions [1/s] that hold a speed [m/s]."""

@@ -49,6 +49,8 @@ GOING_WORDS = ("go", "come")  # before a direction that says what is meant
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 KEPT_ORDERS = 1024  # of the wordings that were understood last
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
+# the crew's `course left 90` is a course to come to; the autopilot's needs the word `to`
+CREW_TURN_PATTERN = re.compile("^course (left|right)")
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
 SPLIT_WORDS = (
     (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
@@ -240,6 +242,16 @@ def to_the_crew(said: Order) -> Order:
     """Return what an order means when it is given to the crew."""
     order = parse(said.crew) if said.crew else said
     return order if isinstance(order, Order) else said
+
+
+def to_the_autopilot(said: Order) -> "Order | BadOrder | None":
+    """Return the order to the autopilot that is meant like one to the crew."""
+    return parse(CREW_TURN_PATTERN.sub(r"course \1 to", said.text.removeprefix(f"{CREW_HEAD} ")))
+
+
+def condition_words(planned: Order, inner: Order) -> str:
+    """Return the words of the condition that a planned order waits for."""
+    return planned.text.removeprefix("when ").removesuffix(f" then {inner.text}")
 
 
 def refuse_unreadable(text: str) -> None:
@@ -449,7 +461,7 @@ def unit_after(number: Number, rest: tuple[TokenReading, ...]) -> Unit:
 
 @dataclass(frozen=True)
 class Refused:
-    """Why an order changed nothing."""
+    """A "no": why an order changes nothing, or why something may not be."""
 
     reason: str
 

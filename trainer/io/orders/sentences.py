@@ -21,7 +21,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, parse, printable
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, Refused, parse, printable
 
 # [characters]  of a line from the session; NMEA's 82 would cut states apart
 MAX_ANSWER_LETTERS = 2000
@@ -126,10 +126,12 @@ def hear_machine(line: str) -> Message:
 
     if len(line) > MAX_LINE_LETTERS:
         return bad(f"line of {len(line)} characters; the longest is {MAX_LINE_LETTERS}")
-    body, trouble = open_frame(line)
+    body = open_frame(line)
+    if isinstance(body, Refused):
+        return bad(body.reason)
     head, comma, rest = body.partition(",")
-    if trouble or head != "TRO" or not comma:
-        return bad(trouble or "a program's line is $TRO,[tag,]order*checksum")
+    if head != "TRO" or not comma:
+        return bad("a program's line is $TRO,[tag,]order*checksum")
     first, comma, words = rest.partition(",")
     if not comma:
         first, words = "", rest
@@ -141,22 +143,24 @@ def hear_machine(line: str) -> Message:
     return Message(order, machine=True, tag=first)
 
 
-def open_frame(line: str) -> tuple[str, str]:
-    """Return the content of a sentence and "", or "" and why it is damaged."""
+def open_frame(line: str) -> str | Refused:
+    """Return the content of a sentence, or why it is damaged."""
     match = FRAME_PATTERN.fullmatch(line)
     if not match:
-        return "", "a program's line ends in * and the two digits of its checksum"
+        return Refused("a program's line ends in * and the two digits of its checksum")
     if not (line.isascii() and line.isprintable()):
-        return "", "a program's line is plain ASCII"
+        return Refused("a program's line is plain ASCII")
     body, sum_digits = match.groups()
-    if int(sum_digits, 16) != checksum(body):
-        return "", f"wrong checksum {sum_digits.upper()}; this line's is {checksum(body):02X}"
-    return body, ""
+    due = f"{checksum(body):02X}"
+    wrong = sum_digits.upper() != due
+    return Refused(f"wrong checksum {sum_digits.upper()}; this line's is {due}") if wrong else body
 
 
 def parse_sentence(line: str) -> Sentence | None:
     """Return the sentence on `line`, None when it is damaged or no sentence; never raises."""
-    body, _ = open_frame(line.strip())
+    body = open_frame(line.strip())
+    if isinstance(body, Refused):
+        return None
     kind, _, content = body.partition(",")
     if kind not in SENTENCE_KINDS:
         return None

@@ -19,7 +19,7 @@ from trainer.session.event_log import EventLog
 from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
 from trainer.session.stations.aids import NO_AIDS
-from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
+from trainer.session.stations.channels import EVENTS_CHANNEL
 from trainer.session.stations.roles import Role, hears_kind
 from trainer.session.stations.station import Fact, News, Request, Station
 from trainer.session.stations.subscriptions import display, unknown_channel, why_barred
@@ -64,8 +64,8 @@ class PastReader:
     def answer(self, asked: Request, history: History, kept: Path | None) -> None:
         """Answer the order, and send the past of its channel."""
         channel, station = asked.order.subject, asked.station
-        if why := refusal(channel, station.role):
-            station.answer(asked, Refused(why))
+        if refused := refusal(channel, station.role):
+            station.answer(asked, refused)
             return
         ticks = math.ceil(asked.order.value / self._boat.method.step)
         span = TickSpan(history.recording.branch, max(history.tick - ticks, 0), history.tick)
@@ -130,13 +130,11 @@ class PastReader:
         station.note(News(history.tick, history.boat.time, "moment", "", fact))
 
 
-def refusal(channel: str, role: Role) -> str:
-    """Return why a channel's past is not for a role, "" when it is."""
+def refusal(channel: str, role: Role) -> Refused | None:
+    """Return why a channel's past is not for a role, None when it is."""
     if channel in PRESENT_CHANNELS:
-        return f"{channel} tells of what is now: it has no past"
-    if channel not in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
-        return unknown_channel(channel, role)
-    return why_barred(channel, role) or ""
+        return Refused(f"{channel} tells of what is now: it has no past")
+    return unknown_channel(channel, role) or why_barred(channel, role)
 
 
 def read_states(kept: Path, span: TickSpan) -> list[TickState]:

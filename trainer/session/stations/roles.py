@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.config.files import ConfigError
-from trainer.io.orders.grammar import HIDDEN_TOKEN, Order
+from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
 from trainer.io.orders.table import FORMS, heading_word
 
 # every order of the grammar
@@ -210,37 +210,37 @@ STRANGER_ROLE: Final = Role(
 )
 
 
-def refusal(role: Role, order: Order) -> str | None:
+def refusal(role: Role, order: Order) -> Refused | None:
     """Return why ``role`` may not give ``order``, naming whose it is; None when it may."""
     if order.name in role.commands:
         return None
     if role is STRANGER_ROLE:
-        return ROLE_FIRST_TEXT
+        return Refused(ROLE_FIRST_TEXT)
     control = next((each for each in ROLE_CONTROLS if order.name in each.orders), None)
     says = control.says if control else f'"{order.text}" is'
     owners = [ROLES[name].title for name in control.roles] if control else []
     whose = " or ".join(owners or [INSTRUCTOR_ROLE.title])
-    return f"{says} {whose}; you {role.part}"
+    return Refused(f"{says} {whose}; you {role.part}")
 
 
-def not_for_visitors(role: Role) -> str:
-    """Return why ``role`` may not begin a crew's exercise again, "" when it may."""
+def not_for_visitors(role: Role) -> Refused | None:
+    """Return why ``role`` may not begin a crew's exercise again, None when it may."""
     if role is not ROLES["visitor"]:
-        return ""
-    return (
+        return None
+    return Refused(
         "a visitor begins an exercise again only where its file has visitors = true: "
         "ask the instructor"
     )
 
 
-def channel_refusal(role: Role, channel: str) -> str | None:
+def channel_refusal(role: Role, channel: str) -> Refused | None:
     """Return why ``role`` may not see ``channel``, naming what it has; None when it may."""
     if channel in role.channels:
         return None
     if role is STRANGER_ROLE:
-        return ROLE_FIRST_TEXT
+        return Refused(ROLE_FIRST_TEXT)
     shown = ", ".join((*role.channels, "events"))
-    return f"{channel} is not shown here: you {role.part}; you may see {shown}"
+    return Refused(f"{channel} is not shown here: you {role.part}; you may see {shown}")
 
 
 def hears_kind(role: Role, kind: str) -> bool:

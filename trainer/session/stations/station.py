@@ -276,11 +276,10 @@ class Station:
         """Answer what concerns the line alone or is not its to order; return the rest."""
         if "order" in self.role.commands:
             order = to_the_crew(order)
-        why = refusal(self.role, order)
-        if why is not None:
+        if refused := refusal(self.role, order):
             guessed = self.role is STRANGER_ROLE and self.counts.guesses
-            told = WRONG_TOKEN_TEXT if guessed else f"{why}{self._other_chair(order)}"
-            self._refuse(heard, order, told)
+            told = f"{refused.reason}{self._other_chair(order)}"
+            self._refuse(heard, order, Refused(WRONG_TOKEN_TEXT if guessed else told))
             return []
         duties: dict[str, Callable[[Message, Order], None]] = {
             "role": self._take_role,
@@ -323,11 +322,11 @@ class Station:
             self._flooding = True
             self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
 
-    def _refuse(self, heard: Message, order: Order, why: str) -> None:
+    def _refuse(self, heard: Message, order: Order, refused: Refused) -> None:
         """Refuse an order that this line's role may not give."""
         self.counts.refused += 1
-        self._log_refusal(f"{order.text}: {why}")
-        self._answer(heard, Refused(why))
+        self._log_refusal(f"{order.text}: {refused.reason}")
+        self._answer(heard, refused)
 
     def _log_refusal(self, text: str) -> None:
         """Log a refusal. Those of lines without a role go to a log that sums them up."""
@@ -363,7 +362,7 @@ class Station:
     def _take_role(self, heard: Message, order: Order) -> None:
         """Give the line the role that it says, once, if it has the token."""
         if self.settled:
-            self._refuse(heard, order, f"you {self.role.part}: a line keeps its role")
+            self._refuse(heard, order, Refused(f"you {self.role.part}: a line keeps its role"))
             return
         if not self._door.admits(order.word, order.subject):
             self._refuse_token(heard, order)
@@ -380,9 +379,8 @@ class Station:
         The line is closed after the third.
         """
         if not order.subject:
-            self._refuse(
-                heard, order, "this session needs a token: --token WORD, or type role NAME TOKEN"
-            )
+            needed = "this session needs a token: --token WORD, or type role NAME TOKEN"
+            self._refuse(heard, order, Refused(needed))
             return
         self.counts.guesses += 1
         self.counts.refused += 1
@@ -409,13 +407,11 @@ class Station:
     def _subscribe(self, heard: Message, order: Order) -> None:
         """Subscribe a channel, after the answer has been sent."""
         channel = order.subject
-        unheard_of = unknown_channel(channel, self.role)
-        if unheard_of:
-            self._answer(heard, Refused(unheard_of))
+        if unknown := unknown_channel(channel, self.role):
+            self._answer(heard, unknown)
             return
-        why = why_barred(channel, self.role)
-        if why is not None:
-            self._refuse(heard, order, why)
+        if refused := why_barred(channel, self.role):
+            self._refuse(heard, order, refused)
             return
         rate = rate_of(channel, order.value)
         often = f"at most {rate:g} a second" if rate else "every tick"

@@ -277,17 +277,16 @@ def rate_of(channel: str, wished: float) -> float:
     return wished if math.isinf(fastest) else min(wished or fastest, fastest)
 
 
-def unknown_channel(channel: str, role: Role) -> str:
-    """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
+def unknown_channel(channel: str, role: Role) -> Refused | None:
+    """Return why there is no such channel, with the nearest of ``role``; None if known."""
     if channel in (*CHANNELS, TELETYPE_CHANNEL, EVENTS_CHANNEL):
-        return ""
+        return None
     channels = (*role.channels, EVENTS_CHANNEL)
-    return (
-        f"no channel {channel}{nearest(channel, channels) or '; there is ' + ', '.join(channels)}"
-    )
+    hint = nearest(channel, channels) or "; there is " + ", ".join(channels)
+    return Refused(f"no channel {channel}{hint}")
 
 
-def why_barred(channel: str, role: Role) -> str | None:
+def why_barred(channel: str, role: Role) -> Refused | None:
     """Return why a channel, events among them, is not for ``role``; None when it is."""
     if channel == EVENTS_CHANNEL and role is not STRANGER_ROLE:
         return None
