@@ -20,6 +20,7 @@ from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of
 from trainer.config.exercise import ExerciseLimits
+from trainer.core.bottom import SOUNDING_PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH, deck_height, sail_height
 from trainer.units import DEGREE, KNOT
@@ -240,8 +241,8 @@ class LimitMonitor:
     def _values(self, boat: Boat, flown: FlownTicks, ranges: Numbers, key: str) -> Numbers:
         """Return the quantity that a limit bounds at each tick, in the unit of the limit."""
         if key == "clearance_m":
-            length = float(boat.vessel.ell)
-            return heights_of_keel(flown.rows, length, keel_of(boat.vessel))
+            grounds, length = flown.block("bottom", len(STATIONS)).T, float(boat.vessel.ell)
+            return heights_of_keel(grounds, flown.__getitem__, length, keel_of(boat.vessel))
         if key == "cpa_m":
             nearest: Numbers = ranges.min(axis=0, initial=math.inf)
             return nearest

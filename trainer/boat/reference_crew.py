@@ -21,10 +21,12 @@ from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import clearance
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import height_showing
+from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRule
+from trainer.core.bottom import SOUNDING_PLACES as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Reply, parse
 
@@ -81,6 +83,7 @@ class ReferenceCrew:
         self.reaction = reaction or CrewReaction()
         self.gauges = GaugeHistory(boat)
         self.followed = [RuleProgress(rule) for rule in crew.rules]
+        self._factors: dict[str, float] = {}  # of the quantities that rules have asked for
         self.hands: dict[str, PlanesHand | RudderHand] = {}
         # who gives an order to the boat: in a session, the journal has it before it acts
         self.order: Callable[[Order], Reply] = partial(obey_order, boat)
@@ -90,7 +93,9 @@ class ReferenceCrew:
         self.gauges.look()
         orders = []
         for lead, progress in self._with_leads():
-            if not progress.over and progress.due is None:
+            if progress.over:
+                continue
+            if progress.due is None:
                 self._notice(progress, lead)
             if self.is_due(progress):
                 orders.append(self._carry_out(progress))
@@ -119,11 +124,14 @@ class ReferenceCrew:
             row = each.rule.row
             over = row.to_s is not None and now > row.to_s + 1.0
             if each.due is None and row.when and not over and self._begins(each) <= now + 1.0:
-                mean = row.mean_s or 0.0
-                shows = np.ones(len(readings), bool)
-                for condition in each.rule.conditions:
-                    shows &= self._may_show(condition, mean, column, readings)
-                first = min([first, *(np.flatnonzero(shows) + 1)[:1].tolist()])
+                shown = [
+                    self._may_show(condition, row.mean_s or 0.0, column, readings)
+                    for condition in each.rule.conditions
+                ]
+                shows = shown[0] if len(shown) == 1 else np.logical_and.reduce(shown)
+                soonest = int(shows.argmax())
+                if shows[soonest]:
+                    first = min(first, soonest + 1)
         return first
 
     def _may_show(
@@ -141,10 +149,14 @@ class ReferenceCrew:
             values = self.gauges.over("depth" if rate else quantity, mean, readings, rate=rate)
         elif quantity == "course":
             values = readings[:, InstrumentReadings._fields.index("heading")] % math.tau
+        elif quantity == "clearance":
+            slack, vessel = MEAN_ROUNDING, self.boat.vessel
+            grounds = [column(f"bottom[0,{i}]") for i in range(len(STATIONS))]
+            values = heights_of_keel(grounds, column, float(vessel.ell), keel_of(vessel))
         elif quantity in SEEN_QUANTITIES:
             return np.ones(len(readings), bool)  # a look tells
         else:
-            factor = scale_of(self.boat, quantity)
+            factor = self._factor(quantity)
             place, last = STATE_QUANTITIES[quantity].place, self.boat.ticks
             ticks = np.arange(last - len(readings), last, dtype=np.float64) + 1.0
             numbers = ticks if place == "tick" else column(place)
@@ -283,12 +295,18 @@ class ReferenceCrew:
             return self.gauges.now().heading % math.tau
         if quantity in SEEN_QUANTITIES:
             return SEEN_QUANTITIES[quantity](self.boat)
-        factor = scale_of(self.boat, quantity)
+        factor = self._factor(quantity)
         return (
             self.boat.plain[STATE_PLACES[STATE_QUANTITIES[quantity].place]] / factor
             if factor
             else 0.0
         )
+
+    def _factor(self, quantity: str) -> float:
+        """Return the factor from a quantity to its place in the state, as ``scale_of``."""
+        if quantity not in self._factors:
+            self._factors[quantity] = scale_of(self.boat, quantity)
+        return self._factors[quantity]
 
     def _carry_out(self, progress: RuleProgress) -> GivenOrder:
         """Give the order of a rule."""

@@ -18,7 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import STATE_NAMES
-from trainer.boat.world.bottom import ground_under, keel_of
+from trainer.boat.world.bottom import ground_under, heights_of_keel, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE_UNITS, STATE_QUANTITIES
 from trainer.config.derived import DERIVED_QUANTITIES, Condition
@@ -188,13 +188,9 @@ def eye_heights(trajectory: Trajectory, *, up: bool = False) -> Numbers:
 
 def keel_clearance(trajectory: Trajectory) -> Numbers:
     """Return the least height [m] of the keel over the ground."""
-    vessel, column = trajectory.boat.vessel, trajectory.columns
-    sine, upright = np.sin(column["theta"]), np.cos(column["theta"]) * np.cos(column["phi"])
-    places = [
-        column[f"bottom[0,{i}]"] + x * float(vessel.ell) * sine for i, x in enumerate(STATIONS)
-    ]
-    least: Numbers = np.min(places, axis=0) - column["z"] - keel_of(vessel) * upright
-    return np.where(column["bottom[0,0]"] != 0.0, least, np.inf)
+    vessel, column = trajectory.boat.vessel, trajectory.columns.__getitem__
+    grounds = [column(f"bottom[0,{i}]") for i in range(len(STATIONS))]
+    return heights_of_keel(grounds, column, float(vessel.ell), keel_of(vessel))
 
 
 def over_ground(trajectory: Trajectory) -> Numbers:

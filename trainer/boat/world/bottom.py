@@ -6,7 +6,7 @@ in machine code as soon as that is ready, because compiled ticks cannot call Pyt
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -43,13 +43,17 @@ def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> floa
     return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
 
 
-def heights_of_keel(rows: Numbers, length: float, keel: float) -> Numbers:
-    """Return the same in many states, a row each, but for the last bits."""
-    z, theta, phi = (rows[:, place] for place in (Z, THETA, PHI))
-    lean = length * np.sin(theta)
-    least = np.min([rows[:, BOTTOM_PLACE + i] + x * lean for i, x in enumerate(STATIONS)], axis=0)
-    height = least - z - keel * np.cos(theta) * np.cos(phi)
-    return np.where(rows[:, BOTTOM_PLACE] == 0.0, math.inf, height)
+def heights_of_keel(
+    grounds: Sequence[Numbers], column: Callable[[str], Numbers], length: float, keel: float
+) -> Numbers:
+    """Return the same in many states, but for the last bits.
+
+    ``grounds`` has the depths [m] under each station, ``column`` numbers of the states by name.
+    """
+    sine, upright = np.sin(column("theta")), np.cos(column("theta")) * np.cos(column("phi"))
+    places = [ground + x * length * sine for ground, x in zip(grounds, STATIONS, strict=True)]
+    least: Numbers = np.min(places, axis=0) - column("z") - keel * upright
+    return np.where(grounds[0] == 0.0, math.inf, least)
 
 
 def chart_of(bottom: Bottom) -> Numbers:
