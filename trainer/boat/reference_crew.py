@@ -6,9 +6,9 @@ not tire, so its marks are a ceiling for people.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import InstrumentReadings, scale_of
-from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory, PlanesHand, RudderHand
+from trainer.boat.crew_hands import (
+    STAMP_PLACE,
+    TIME_ROUNDING_S,
+    GaugeHistory,
+    PlanesHand,
+    RudderHand,
+)
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import clearance
 from trainer.boat.helm import obey_order
@@ -92,8 +98,8 @@ class ReferenceCrew:
         """Follow the rules and the hands at this tick; return the orders given."""
         self.gauges.look()
         orders = []
-        for lead, progress in self._with_leads():
-            if progress.over:
+        for lead, progress in self._led:
+            if progress.over or (lead is not None and lead.given is None):
                 continue
             if progress.due is None:
                 self._notice(progress, lead)
@@ -168,16 +174,18 @@ class ReferenceCrew:
         """Return the rules that wait for something."""
         return [
             each
-            for lead, each in self._with_leads()
-            if not each.over and (each.due is not None or lead is None or lead.given is not None)
+            for lead, each in self._led
+            if not each.over and (lead is None or lead.given is not None)
         ]
 
-    def _with_leads(self) -> Iterator[tuple[RuleProgress | None, RuleProgress]]:
-        """Yield each rule after the one that it follows upon, None for one that follows none."""
-        before = None
-        for each in self.followed:
-            yield before if each.rule.row.then else None, each
-            before = each
+    @cached_property
+    def _led(self) -> list[tuple[RuleProgress | None, RuleProgress]]:
+        """List each rule after the one that it follows upon, None for one that follows none."""
+        leads = (None, *self.followed)
+        return [
+            (lead if each.rule.row.then else None, each)
+            for lead, each in zip(leads, self.followed, strict=False)
+        ]
 
     def _begins(self, each: RuleProgress) -> float:
         """Return the time [s] from which a rule about gauges looks at them."""
@@ -210,7 +218,7 @@ class ReferenceCrew:
     def notice(self) -> None:
         """Read the gauges at this tick, and set when the orders of rules are due."""
         self.gauges.look()
-        for lead, progress in self._with_leads():
+        for lead, progress in self._led:
             if not progress.over and progress.due is None:
                 self._notice(progress, lead)
 
@@ -241,7 +249,7 @@ class ReferenceCrew:
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""
-        return float(self.boat.state.crew_order_tick[CREW_AXES.index(axis)]) if axis else 0.0
+        return self.boat.plain[STAMP_PLACE + CREW_AXES.index(axis)] if axis else 0.0
 
     def _notice(self, each: RuleProgress, before: RuleProgress | None) -> None:
         """Set when a rule's order is due, if what it waits for has come."""
