@@ -1,4 +1,4 @@
-"""What users wait for: processor seconds of whole commands, each in a process of its own.
+"""What users wait for: processor seconds of whole commands, each in a new process.
 
 Processor time is of the command and all that it starts. It is nearly the same at any load, where a
 clock on the wall is not. Each command runs once before it counts, so that numba has kept its code.

@@ -241,7 +241,7 @@ class LimitMonitor:
     def _values(self, boat: Boat, flown: FlownTicks, ranges: Numbers, key: str) -> Numbers:
         """Return the quantity that a limit bounds at each tick, in the unit of the limit."""
         if key == "clearance_m":
-            grounds, length = flown.block("bottom", len(STATIONS)).T, float(boat.vessel.ell)
+            grounds, length = [*flown.block("bottom", len(STATIONS)).T], float(boat.vessel.ell)
             return heights_of_keel(grounds, flown.__getitem__, length, keel_of(boat.vessel))
         if key == "cpa_m":
             nearest: Numbers = ranges.min(axis=0, initial=math.inf)

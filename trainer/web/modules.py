@@ -47,7 +47,7 @@ def collect_modules(
 
 @cache  # the pages share most of their modules
 def read_module(module: str, path: Path) -> tuple[str, tuple[str, ...]]:
-    """Return the source of a module, which stands in a file, and the modules that it imports."""
+    """Return the source of a module in a file, and the modules that it imports."""
     source = path.read_text(encoding="utf-8")
     found = IMPORT_STATEMENT.findall(source)
     return source, tuple(resolve_module(module, wanted) for _, wanted in found)
