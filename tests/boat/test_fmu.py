@@ -3,8 +3,6 @@
 import ctypes
 import math
 import os
-import platform
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -15,7 +13,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from helpers.fmu import ERROR, NO, NOTHING, OK, YES, Instance, Unit, begun, unpack
+from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
 from helpers.nursery import run_trainer
 from helpers.places import ROOT
 
@@ -64,13 +62,7 @@ ORDERS: list[tuple[int, str, dict[str, float]]] = [
     (1150, "rudder auto", {"rudder_by_hand": 0}),
 ]
 TICKS = 1200
-pytestmark = [
-    pytest.mark.process,
-    pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler here"),
-    pytest.mark.skipif(
-        (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="of Linux on x86-64"
-    ),
-]
+pytestmark = UNIT_MARKS
 
 
 @pytest.fixture(scope="module", params=["2", "3"])

@@ -248,10 +248,15 @@ def link_binary(model: str, code: bytes, version: int) -> bytes:
 
 
 def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
-    """Return the unit of a boat at its start in a calm, for ``sea``.
+    """Return the unit of a boat at its start, for ``sea``, in the world that it has there.
 
     ``version`` is 2 or 3, of FMI. ConfigError with the next step where it cannot be made.
     """
+    if boat.chart is not None or not boat.world.stands(boat.ticks):
+        raise ConfigError(
+            "export-fmu: a ground that is not level, a ship that pulls, and a current that changes "
+            "belong to the trainer's session: leave them out"
+        )
     if boat.state.seed > MAX_SEED:
         raise ConfigError(f"--seed {boat.state.seed:.0f}: must be at most {MAX_SEED} in an FMU")
     code = shipped_object(PLATFORM_NAME)
