@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from helpers.fmu import OK, UNIT_MARKS, Instance, begun, unpack
 from helpers.lanes import sample_cases
+from helpers.places import ROOT
 
-from trainer.analysis.check_cases import boat_of_run, fly_run
+from trainer.analysis.check_cases import boat_of_run, fly_cases, fly_run
 from trainer.boat.export.fmu import fmu_bytes
 from trainer.config.check_case import (
     CASE_CHANNELS,
@@ -100,6 +101,23 @@ def test_every_order_of_a_case_is_one_to_the_inputs_and_no_other() -> None:
     given = {entry.order.text for path in CASES.values() for entry in load_case(path).orders}
 
     assert given == set(INPUTS)
+
+
+@pytest.mark.slow
+def test_fmpy_flies_the_turn_as_the_page_has_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pytest.importorskip("fmpy")
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "fmu.md").read_text(encoding="utf-8")
+    example = page.split("## A check case")[1].split("```python\n")[1].split("```")[0]
+
+    exec(example, {})  # noqa: S102
+    (flight,) = fly_cases(case_paths(None), [tmp_path / "turn.unit.csv"])
+
+    (beside,) = flight.others
+    assert [each.channel for each in beside.differences] == [*flight.case.spread]
+    assert {each.largest for each in beside.differences} == {0.0}
 
 
 def case_in(world: str) -> CheckCase:

@@ -204,6 +204,7 @@ def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     whole["READING_PLACE"] = places_of(SCRATCH)["reading"][0] // 8
     whole |= {"STATE_DOUBLES": STATE_DOUBLES, "SCRATCH_DOUBLES": SCRATCH.itemsize // 8}
     whole |= {"CASUALTY_SLOTS": MAX_CASUALTIES, "VARIABLE_COUNT": len(variables)}
+    whole["SETTABLE_COUNT"] = sum(v.causality in ("parameter", "input") for v in variables)
     numbers = {"STEP_S": step, "DEGREE": DEGREES.factor, "START_SEA_FROM": sea.sea.direction_deg}
     text = f"enum {{ {', '.join(f'{name} = {value}' for name, value in whole.items())} }};\n"
     text += "".join(f"static const double {name} = {x!r};\n" for name, x in numbers.items())
