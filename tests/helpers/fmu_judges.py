@@ -76,7 +76,7 @@ class EcosJudge:
         try:
             ecos: Any = pytest.importorskip("ecospy")
         except OSError as lacking:
-            pytest.skip(f"ecospy: {lacking}: pip install tbb, or apt install libtbb12")
+            pytest.skip(f"ecospy: {lacking}: apt install libtbb12, or pip install tbb")
         self.variables = unit.variables
         structure = ecos.EcosSimulationStructure()
         structure.add_model("boat", str(file))

@@ -249,7 +249,7 @@ def link_binary(model: str, code: bytes, version: int) -> bytes:
 
 
 def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
-    """Return the unit of a boat at its start, for ``sea``, in the world that it has there.
+    """Return the unit of a boat at its start in its world, for ``sea``.
 
     ``version`` is 2 or 3, of FMI. ConfigError with the next step where it cannot be made.
     """
