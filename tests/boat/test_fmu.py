@@ -3,8 +3,6 @@
 import ctypes
 import math
 import os
-import platform
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -15,7 +13,8 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from helpers.fmu import ERROR, NO, NOTHING, OK, YES, Instance, Unit, begun, unpack
+from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
+from helpers.fmu_judges import CosimJudge, EcosJudge, Judge
 from helpers.nursery import run_trainer
 from helpers.places import ROOT
 
@@ -64,13 +63,7 @@ ORDERS: list[tuple[int, str, dict[str, float]]] = [
     (1150, "rudder auto", {"rudder_by_hand": 0}),
 ]
 TICKS = 1200
-pytestmark = [
-    pytest.mark.process,
-    pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler here"),
-    pytest.mark.skipif(
-        (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="of Linux on x86-64"
-    ),
-]
+pytestmark = UNIT_MARKS
 
 
 @pytest.fixture(scope="module", params=["2", "3"])
@@ -181,6 +174,21 @@ def test_a_value_that_is_set_again_at_each_step_changes_nothing(unit: Unit) -> N
     assert once.numbers() == often.numbers()
     for name, value in values.items():
         assert often.get(name) == pytest.approx(value, rel=1e-15)
+
+
+def test_a_simulator_may_set_all_that_it_has_ever_given_at_each_step(unit: Unit) -> None:
+    """The boat pumps its 3 t once, and goes on ascending after it has blown."""
+    once, held = begun(unit), begun(unit)
+    values: dict[str, float] = {}
+
+    for tick in range(TICKS):
+        new = {name: x for at, _, given in ORDERS if at == tick for name, x in given.items()}
+        values |= new
+        assert {once.set(name, value) for name, value in new.items()} <= {OK}
+        assert {held.set(name, value) for name, value in values.items()} <= {OK}
+        assert once.step() == held.step() == OK
+
+    assert once.numbers() == held.numbers()
 
 
 # States
@@ -522,6 +530,29 @@ def test_fmpy_finds_nothing_wrong_and_flies_the_trainers_bits(
         boat.tick()
         rows.append(boat.numbers(names))
     assert [[row[name] for name in names] for row in scope["flown"]] == rows
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("judge", [CosimJudge, EcosJudge])
+def test_another_simulator_flies_ten_minutes_by_orders_with_the_trainers_bits(
+    judge: Callable[..., Judge], tmp_path: Path
+) -> None:
+    path = tmp_path / "bb2.fmu"
+    done = CliRunner().invoke(cli, ["export-fmu", str(path)])
+    assert done.exit_code == 0, done.output
+    names = tuple(name for name in MOTION_COLUMNS if name not in ("t", "tick"))
+    flown = judge(path, unpack(path, tmp_path), 0.5, {"sea_state": 4, "seed": 7})
+    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
+
+    for tick in range(TICKS):
+        for at, text, values in ORDERS:
+            if at == tick:
+                obey(boat, text)
+                for name, value in values.items():
+                    flown.set(name, value)
+        boat.tick()
+        flown.fly_step()
+        assert flown.numbers(names) == boat.numbers(names), tick
 
 
 def test_the_page_names_every_input_that_is_no_casualty(unit: Unit) -> None:

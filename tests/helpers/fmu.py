@@ -1,14 +1,25 @@
 """A functional mock-up unit as a simulator has it, by ctypes: co-simulation by FMI 2.0 or 3.0."""
 
 import ctypes
+import platform
+import shutil
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import pytest
+
 from trainer.core.state import STATE
 
+UNIT_MARKS: Final = [  # of tests that link a unit
+    pytest.mark.process,
+    pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler here"),
+    pytest.mark.skipif(
+        (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="of Linux on x86-64"
+    ),
+]
 OK, ERROR = 0, 3
 CO_SIMULATION = 1
 NUMBERS: Final[dict[int, dict[str, Any]]] = {  # of the two versions
@@ -178,7 +189,7 @@ class Instance:
         status = self.call("DoStep", moment, length, YES, *told)
         if status == OK:
             assert not any(flags)
-            assert reached.value == now + size
+            assert reached.value == pytest.approx(now + size, rel=1e-12)
         return status
 
     def serialised(self) -> bytes:

@@ -147,21 +147,30 @@ def stored_number(value: float) -> float:
     return float(f"{value:.{STORED_DIGITS}g}")
 
 
-def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
-    """Return a run flown; ConfigError if an order is refused, or the boat lost."""
-    step = run.step_s or 0.0
+def boat_of_run(case: CheckCase, run: CaseRun) -> Boat:
+    """Return the boat of a run, at the exact start of its case."""
     method = Method(
-        case.heading.equations, run.rates or "exact", "exact", run.integrator or "", step
+        case.heading.equations,
+        run.rates or "exact",
+        "exact",
+        run.integrator or "",
+        run.step_s or 0.0,
     )
     boat = Boat(case.boat, method)
-    boat.world = world_of(boat, case.world)
     boat.sea = case.sea
     start = {
         CASE_CHANNELS[name].state: value / CASE_CHANNELS[name].factor
         for name, value in case.start.items()
     }
     boat.start_from(start, int(case.heading.seed))
+    boat.world = world_of(boat, case.world)  # the start would take its ground away
     boat.meet_world()
+    return boat
+
+
+def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
+    """Return a run flown; ConfigError if an order is refused, or the boat lost."""
+    boat, step = boat_of_run(case, run), run.step_s or 0.0
     places = np.array([STATE_PLACES[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
     due: dict[int, list[int]] = defaultdict(list)
     for i, entry in enumerate(case.orders):

@@ -204,6 +204,7 @@ def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     whole["READING_PLACE"] = places_of(SCRATCH)["reading"][0] // 8
     whole |= {"STATE_DOUBLES": STATE_DOUBLES, "SCRATCH_DOUBLES": SCRATCH.itemsize // 8}
     whole |= {"CASUALTY_SLOTS": MAX_CASUALTIES, "VARIABLE_COUNT": len(variables)}
+    whole["SETTABLE_COUNT"] = sum(v.causality in ("parameter", "input") for v in variables)
     numbers = {"STEP_S": step, "DEGREE": DEGREES.factor, "START_SEA_FROM": sea.sea.direction_deg}
     text = f"enum {{ {', '.join(f'{name} = {value}' for name, value in whole.items())} }};\n"
     text += "".join(f"static const double {name} = {x!r};\n" for name, x in numbers.items())
@@ -248,10 +249,15 @@ def link_binary(model: str, code: bytes, version: int) -> bytes:
 
 
 def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
-    """Return the unit of a boat at its start in a calm, for ``sea``.
+    """Return the unit of a boat at its start in its world, for ``sea``.
 
     ``version`` is 2 or 3, of FMI. ConfigError with the next step where it cannot be made.
     """
+    if boat.chart is not None or not boat.world.stands(boat.ticks):
+        raise ConfigError(
+            "export-fmu: a ground that is not level, a ship that pulls, and a current that changes "
+            "belong to the trainer's session: leave them out"
+        )
     if boat.state.seed > MAX_SEED:
         raise ConfigError(f"--seed {boat.state.seed:.0f}: must be at most {MAX_SEED} in an FMU")
     code = shipped_object(PLATFORM_NAME)

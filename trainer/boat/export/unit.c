@@ -2,8 +2,8 @@
    fmi2.c and fmi3.c have in common. Each is one version of the standard, begins with what it calls
    things, and then includes this file. model.h, which trainer boat export-fmu writes, has the
    boat's records, its variables and its seas. A moment is all that evolves, in one row of doubles:
-   the state, then the sea chosen, start time and phase. Whatever is refused leaves the moment as it
-   was. */
+   the state, then the sea chosen, start time, phase, and the value last given to each variable that
+   can be set. Whatever is refused leaves the moment as it was. */
 
 #include <math.h>
 #include <stdarg.h>
@@ -34,7 +34,8 @@ struct variable {
 
 #include "model.h"
 
-enum { SEA_STATE = STATE_DOUBLES, SEA_FROM, START_TIME, PHASE, MOMENT_DOUBLES };
+enum { SEA_STATE = STATE_DOUBLES, SEA_FROM, START_TIME, PHASE, GIVEN };
+enum { MOMENT_DOUBLES = GIVEN + SETTABLE_COUNT };
 static const double TURN = 6.283185307179586;
 
 /* The kernels in trainer's object: all numbers are doubles, all records addresses. */
@@ -123,6 +124,10 @@ static const char *set_value(const struct variable *v, double value, struct inst
             return "there are as many casualties as can be: clear one";
         return NULL;
     }
+    double *given = moment + GIVEN + (v - VARIABLES); /* what is set again is no new order, even */
+    if (value == *given)                              /* where the boat has changed the number */
+        return NULL;
+    *given = value;
     if (v->rule == COURSE) { /* the short way, but one that is ordered already stands to the bit */
         double course = value == v->high ? 0.0 : number, ordered = moment[v->place];
         if (fabs(remainder(course - ordered, TURN)) < 1e-9)
@@ -187,6 +192,8 @@ SHOWN int FMI(Reset)(struct instance *boat)
     boat->moment[START_TIME] = 0.0;
     boat->moment[PHASE] = INSTANTIATED;
     memset(boat->scratch, 0, sizeof boat->scratch);
+    for (int i = 0; i < SETTABLE_COUNT; i++)
+        boat->moment[GIVEN + i] = value_of(&VARIABLES[i], boat);
     return OK;
 }
 
