@@ -120,7 +120,8 @@ class Trainee(ReferenceCrew):
         The right order waits in ``corrections`` as one more rule, which is due ``wrong_s`` later.
         """
         given = [each for each in super().look() if each is not FORGOTTEN_ORDER]
-        self.followed += [each for each in self.corrections.values() if each not in self.followed]
+        new = [each for each in self.corrections.values() if each not in self.followed]
+        self.follow_rules([*self.followed, *new])
         return given
 
     def _shown(self, quantity: str, mean: float) -> float:

@@ -8,7 +8,7 @@ not tire, so its marks are a ceiling for people.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -88,7 +88,7 @@ class ReferenceCrew:
         self.crew = crew
         self.reaction = reaction or CrewReaction()
         self.gauges = GaugeHistory(boat)
-        self.followed = [RuleProgress(rule) for rule in crew.rules]
+        self.follow_rules([RuleProgress(rule) for rule in crew.rules])
         self._factors: dict[str, float] = {}  # of the quantities that rules have asked for
         self.hands: dict[str, PlanesHand | RudderHand] = {}
         # who gives an order to the boat: in a session, the journal has it before it acts
@@ -178,13 +178,13 @@ class ReferenceCrew:
             if not each.over and (lead is None or lead.given is not None)
         ]
 
-    @cached_property
-    def _led(self) -> list[tuple[RuleProgress | None, RuleProgress]]:
-        """List each rule after the one that it follows upon, None for one that follows none."""
-        leads = (None, *self.followed)
-        return [
+    def follow_rules(self, rules: list[RuleProgress]) -> None:
+        """Follow these rules, and no others."""
+        self.followed = rules
+        # each after the one that it follows upon, None for one that follows none
+        self._led = [
             (lead if each.rule.row.then else None, each)
-            for lead, each in zip(leads, self.followed, strict=False)
+            for lead, each in zip((None, *rules), rules, strict=False)
         ]
 
     def _begins(self, each: RuleProgress) -> float:
@@ -211,7 +211,7 @@ class ReferenceCrew:
         """Return this crew with its rules, its gauges and its hands, aboard another boat."""
         crew = ReferenceCrew(boat, self.crew, self.reaction)
         crew.gauges.seen = self.gauges.seen.copy()
-        crew.followed = [replace(progress) for progress in self.followed]
+        crew.follow_rules([replace(progress) for progress in self.followed])
         crew.hands = {name: hand.aboard(boat) for name, hand in self.hands.items()}
         return crew
 

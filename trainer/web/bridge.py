@@ -195,15 +195,12 @@ class Bridge:
         code, why = NO_SESSION_CODE, "the session has closed the line"
         try:
             async for lines in whole_lines(reader):
+                if shelf and DEBRIEF_FACT in lines:
+                    lines = await asyncio.to_thread(with_debriefs, lines, shelf)  # noqa: PLW2901
                 await page.send_text(lines)
-                if FULL_FACT not in lines and DEBRIEF_FACT not in lines:
-                    continue
-                for sentence in lines.split("\n"):
-                    if fact := fact_of(sentence, "no-room"):
-                        why = f"no room: {fact[2]} stations are here; close a page"
-                        code = NO_ROOM_CODE
-                    if shelf and (more := await asyncio.to_thread(debrief_fact, sentence, shelf)):
-                        await page.send_text(more)
+                for fact in facts_in(lines, "no-room") if FULL_FACT in lines else ():
+                    why = f"no room: {fact[2]} stations are here; close a page"
+                    code = NO_ROOM_CODE
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass
         await close_page(page, code, why)
@@ -263,20 +260,22 @@ def is_here(end: socket) -> bool:
     return not isinstance(peer, tuple) or ip_address(peer[0].partition("%")[0]).is_loopback
 
 
-def fact_of(line: str, what: str) -> tuple[str, ...]:
-    """Return tick, seconds and subject of a line that is such a fact, else ()."""
-    fact = sentences.parse_sentence(line)
-    if fact is None or fact.kind != "TRF" or fact.fields[2] != what:
-        return ()
-    return fact.fields[0], fact.fields[1], fact.fields[3]
+def facts_in(lines: str, what: str) -> Iterator[tuple[str, str, str]]:
+    """Yield tick, seconds and subject of each line that is such a fact."""
+    for fact in map(sentences.parse_sentence, lines.split("\n")):
+        if fact is not None and fact.kind == "TRF" and fact.fields[2] == what:
+            yield fact.fields[0], fact.fields[1], fact.fields[3]
 
 
-def debrief_fact(line: str, shelf: DebriefShelf) -> str:
-    """Return the fact with the page of a line's debrief, "" for none."""
-    for tick, seconds, name in filter(None, [fact_of(line, "debrief")]):
-        if address := shelf.keep(name):
-            return sentences.fact(int(tick), float(seconds), "debrief-page", address)
-    return ""
+def with_debriefs(lines: str, shelf: DebriefShelf) -> str:
+    """Return lines, behind each that tells of a debrief the fact with its page."""
+    told = []
+    for line in lines.split("\n"):
+        told.append(line)
+        for tick, seconds, name in facts_in(line, "debrief"):
+            if address := shelf.keep(name):
+                told.append(sentences.fact(int(tick), float(seconds), "debrief-page", address))
+    return "\n".join(told)
 
 
 def with_word(line: str, words: Mapping[str, str]) -> str:
