@@ -35,6 +35,7 @@ from trainer.session.aside import begin_aside, hear_out
 from trainer.session.chair import Chair
 from trainer.session.command import Command
 from trainer.session.control import PRESENT_MOMENT, Control
+from trainer.session.evaluation import UNRECORDED_REFUSAL
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import (
     BackgroundTask,
@@ -338,7 +339,7 @@ class Conduct:
     def _unmarked(self) -> Refused | None:
         """Return why this exercise ends without marks, None where it has some."""
         if self.debriefing is None or self.kept is None:
-            return Refused("this session is not recorded")
+            return UNRECORDED_REFUSAL
         return None if self.scored else Refused("nothing in this exercise has marks")
 
     def _begin_judging(self, judge: Callable[[Path, int], Judgement], kept: Path) -> None:

@@ -32,7 +32,7 @@ from trainer.session.stations.station import Fact, Request
 
 MOMENT_PERIOD_S: Final = 10.0  # [s] of exercise time from moment to moment
 TOLD_FALL_MARKS: Final = 10.0  # [%] of marks from which a fall is told in words
-UNRECORDED: Final = Refused("this session is not recorded")
+UNRECORDED_REFUSAL: Final = Refused("this session is not recorded")
 MAX_STARTS: Final = 3  # of a process that dies
 
 
@@ -99,7 +99,7 @@ class Evaluation:
     over: Callable[[], object] = bool  # whether the exercise is
     words: Sequence[str] = ()  # the command of the process
     kept: Path | None = None  # the recording
-    why_none: Refused | None = UNRECORDED
+    why_none: Refused | None = UNRECORDED_REFUSAL
     latest: Fact | None = None  # for who comes: what is known of the run, or why nothing is
     left_out: int = 0  # moments that came too soon
     _due: int = 0  # the tick of the next moment
@@ -114,7 +114,7 @@ class Evaluation:
 
     def begin(self, words: Sequence[str], kept: Path | None, plan: Plan) -> None:
         """Evaluate a run of a plan by a command, once an instructor is there."""
-        self.why_none = why_unfit(plan) or (None if words and kept else UNRECORDED)
+        self.why_none = why_unfit(plan) or (None if words and kept else UNRECORDED_REFUSAL)
         if self.why_none and plan.title:
             self.latest = Fact("no-attainable", self.why_none.reason)
         self.words, self.kept = words, kept

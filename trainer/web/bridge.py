@@ -195,9 +195,10 @@ class Bridge:
         code, why = NO_SESSION_CODE, "the session has closed the line"
         try:
             async for lines in whole_lines(reader):
+                told = lines
                 if shelf and DEBRIEF_FACT in lines:
-                    lines = await asyncio.to_thread(with_debriefs, lines, shelf)  # noqa: PLW2901
-                await page.send_text(lines)
+                    told = await asyncio.to_thread(with_debriefs, lines, shelf)
+                await page.send_text(told)
                 for fact in facts_in(lines, "no-room") if FULL_FACT in lines else ():
                     why = f"no room: {fact[2]} stations are here; close a page"
                     code = NO_ROOM_CODE
