@@ -351,6 +351,24 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
     expect(alerts).to_have_count(0)
 
 
+@pytest.mark.parametrize("size", ["phone", "phone-side"])
+def test_the_key_that_repeats_a_long_order_shows_all_of_it(
+    shared: Served, instructor: Caller, look: Look, size: str
+) -> None:
+    order = "pilot keep a sharp lookout for the ferry on the starboard bow"
+    page = opened(look, shared, "pilot")
+    width, height = SIZES[size]
+    page.set_viewport_size({"width": width, "height": height})
+    assert instructor.ask(f"tell {order}")[0]
+    key = page.locator("repeat-bar button")
+
+    expect(key).to_contain_text(order)
+
+    for part in (key, page.locator("repeat-bar")):
+        assert part.evaluate("part => part.scrollWidth <= part.clientWidth")
+        assert part.evaluate("part => part.scrollHeight <= part.clientHeight")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
     shared: Served, instructor: Caller, look: Look, name: str
