@@ -248,6 +248,22 @@ def test_the_work_for_a_curve_does_not_grow_with_the_length_of_the_run(
     assert "long" not in until_words(replace(shorter, finest=2), run.step)
 
 
+def test_points_lie_near_each_other_only_where_somebody_orders_anything(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = explored("stern-plane-jam", with_nobody_else("stern-plane-jam", 300.0, "blow all"))
+    monkeypatch.setattr(
+        run, "_point", lambda tick: AttainablePoint(tick, 50.0, won=False, lost=False)
+    )
+    near = SPREAD_FACTOR * POINT_PERIODS * run.finest
+
+    ticks = [each.tick for each in attainable_curve(run).points]
+
+    gaps = {(before, after): after - before for before, after in pairwise(ticks)}
+    assert [gap for (before, after), gap in gaps.items() if before <= 600 < after] == [near]
+    assert max(gaps.values()) >= 4 * near
+
+
 def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
     run = explored("first-depth-change", planted("first-depth-change", 20.0, "blow all"))
     (dearest, *_) = sorted(attainable_curve(run).changes, key=lambda change: change.marks)

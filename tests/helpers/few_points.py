@@ -17,6 +17,7 @@ def look_at_few_moments(patch: pytest.MonkeyPatch) -> None:
         run.point(after)
 
     patch.setattr(attainable, "POINT_PERIODS", 100)
+    patch.setattr(attainable, "IDLE_POINTS", 1)
     patch.setattr(attainable, "halve", look_at_ends)
 
 

@@ -25,6 +25,7 @@ from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.debrief.attainable_stretches import (
+    IDLE_POINTS,
     POINT_PERIODS,
     WORTH_MARKS,
     AttainablePoint,
@@ -263,14 +264,11 @@ class RunExplorer:
 
     def came(self, order: Order, due: int) -> int | None:
         """Return when [tick] an order that was due was given, None if never."""
-        later = (
-            each for tick in sorted(self.recorded) if tick >= due for each in self.recorded[tick]
-        )
-        given = ((each.tick, parse(each.text)) for each in later)
-        same = (
-            at for at, other in given if isinstance(other, Order) and is_same_order(order, other)
-        )
-        return next(same, None)
+        for tick in sorted(each for each in self.recorded if each >= due):
+            given = (parse(each.text) for each in self.recorded[tick])
+            if any(isinstance(other, Order) and is_same_order(order, other) for other in given):
+                return tick
+        return None
 
 
 def point_of(tick: int, card: Scorecard) -> AttainablePoint:
@@ -328,7 +326,7 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
 
     The run has been flown again by ``RunExplorer.fly_again``.
     """
-    stride = POINT_PERIODS * run.finest
+    stride = IDLE_POINTS * POINT_PERIODS * run.finest
     ticks = sorted({*range(0, run.last, stride), run.last} & {*run.departures, run.last})
     for before, after in pairwise(ticks):
         halve(run, before, after)
@@ -368,9 +366,11 @@ def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
 
 
 def halve(run: RunExplorer, before: int, after: int) -> None:
-    """Find the points of a stretch, halved where its two ends differ by much."""
+    """Find the points of a stretch, halved where its ends differ, or a long one has orders."""
     first, last, stride = run.point(before), run.point(after), run.finest
-    if abs(first.marks - last.marks) <= WORTH_MARKS and first.won == last.won:
+    near = after - before <= POINT_PERIODS * stride
+    idle = near or not any(before <= each.tick < after for each in run.crew)
+    if abs(first.marks - last.marks) <= WORTH_MARKS and first.won == last.won and idle:
         return
     middle = before + stride * ((after - before) // stride // 2)
     if middle > before and middle in run.departures:

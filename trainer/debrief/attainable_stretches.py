@@ -17,6 +17,7 @@ from trainer.debrief.scoring import Scorecard
 
 WORTH_MARKS: Final = 3.0  # [%] of marks from which a change is looked into, and told
 POINT_PERIODS: Final = 10  # of the finest period, from point to point where little changes
+IDLE_POINTS: Final = 8  # times as far where nobody orders anything either
 FINEST_PERIOD_S: Final = 1.0  # [s] down to which a change is halved, in a run that is not too long
 MAX_TICKS: Final = 500_000  # flown for the points where little changes, 10 to 25 s of processor
 MAX_TRIED_ORDERS: Final = 12  # orders left out one after another to explain one change
