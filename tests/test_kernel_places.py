@@ -33,6 +33,7 @@ AS_IN_THE_REPORT: Final = "entries of a matrix, by the numbers that its source g
 EXEMPT: Final = {
     "core/sea/forces.strip_sum": NEXT_ROW,
     "core/sea/free_surface.between": NEXT_ROW,
+    "core/sea/free_surface.between_depths": NEXT_ROW,
     "core/sea/free_surface.cell": NEXT_ROW,
     "core/sea/free_surface.surface_forces": "the last depth of a table",
     "core/sea/wave_filter.choose_rows": NEXT_ROW,

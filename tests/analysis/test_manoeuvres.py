@@ -414,27 +414,42 @@ def test_below_the_tables_of_the_surface_a_depth_changes_no_bit_of_the_start() -
 
 
 TABLE_12 = {6.0: (-26.5, -2.6, -34.4), 12.0: (3.2, 25.5, 36.2)}  # [%] of u, theta, z at 25 m
+TABLE_13 = (2.2, 4.3, 5.4)  # [%] at 12 kn
+
+
+def compare_with_deep(near: VesselFile, speed: float, figures: tuple[float, ...], row: str) -> None:
+    """Check an overshoot at 25 m against a deep one, and its row of the page."""
+    names = ("u", "theta", "z")
+    flown = [
+        fly_boat(near, "overshoot", ManoeuvreOptions(speed=speed, rig=Rig(depth=depth)))
+        for depth in (None, 25.0)
+    ]
+    points = compare_runs(flown[0][1].series, flown[1][1].series, names).points
+    found = {point.variable: point.percent for point in reversed(points)}
+    cells = " | ".join(f"{figure:.1f}" for figure in figures)
+
+    assert flown[1][0].notices == ()
+    assert [found[name] for name in names] == pytest.approx(figures, abs=0.06)
+    text = (DATA.parents[1] / "docs" / "engineer.md").read_text(encoding="utf-8")
+    assert f"| {row}, BB2, 25 m | {speed:g} | {cells} |" in text
 
 
 @pytest.mark.parametrize("speed", TABLE_12)
 def test_an_overshoot_near_the_surface_differs_from_a_deep_one_by_the_figures_of_the_page(
     speed: float,
 ) -> None:
-    names = ("u", "theta", "z")
-    deep, near = (
-        fly_boat(
-            load_vessel("bb2"), "overshoot", ManoeuvreOptions(speed=speed, rig=Rig(depth=depth))
-        )
-        for depth in (None, 25.0)
-    )
-    points = compare_runs(deep[1].series, near[1].series, names).points
-    found = {point.variable: point.percent for point in reversed(points)}
-    cells = " | ".join(f"{figure:.1f}" for figure in TABLE_12[speed])
+    compare_with_deep(load_vessel("bb2"), speed, TABLE_12[speed], "Table 12")
 
-    assert near[0].notices == ()
-    assert [found[name] for name in names] == pytest.approx(TABLE_12[speed], abs=0.06)
-    text = (DATA.parents[1] / "docs" / "engineer.md").read_text(encoding="utf-8")
-    assert f"| BB2, 25 m | {speed:g} | {cells} |" in text
+
+def test_an_overshoot_with_z_star_and_m_star_left_deep_differs_by_the_figures_of_the_page() -> None:
+    file = load_vessel("bb2")
+    assert file.free_surface is not None
+    none = (0.0, 0.0, 0.0, 0.0)
+    rows = tuple(replace(row, Z_star=none, M_star=none) for row in file.free_surface.rows)
+    Z_w, M_w = (8.4e-4, 8.4e-4, 8.4e-4, 0.0), (-8.7e-4, -8.7e-4, -8.7e-4, 0.0)
+    slopes = replace(file.free_surface, rows=rows, Z_w=Z_w, M_w=M_w)
+
+    compare_with_deep(replace(file, free_surface=slopes), 12.0, TABLE_13, "Table 13")
 
 
 def test_a_depth_that_is_no_place_for_the_boat_is_refused() -> None:

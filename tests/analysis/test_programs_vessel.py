@@ -601,6 +601,43 @@ def uneven() -> VesselFile:
     return replace(file, free_surface=replace(file.free_surface, rows=tuple(rows)))
 
 
+def slanting() -> VesselFile:
+    """BB2 with a surface that changes Z_w and M_w as well."""
+    file = load_vessel("bb2")
+    assert file.free_surface is not None
+    Z_w, M_w = (8.4e-4, 7e-4, 6e-4, 0.0), (-8.7e-4, -8e-4, -5e-4, 0.0)
+    return replace(file, free_surface=replace(file.free_surface, Z_w=Z_w, M_w=M_w))
+
+
+@pytest.mark.parametrize("depth", [11.0, 14.2, 30.0, 35.0624, 60.0])
+def test_a_surface_that_changes_z_w_and_m_w_pushes_as_their_differences(depth: float) -> None:
+    file, level = slanting(), load_vessel("bb2")
+    pushed = []
+    for one in (file, level):
+        boat = Boat(one, Method("full", "exact", "exact", "adams2", 0.5))
+        boat.state.u, boat.state.w, boat.state.z = 3.0, 0.2, depth
+        force = np.zeros(6)
+        surface_forces(boat.records.vessel, boat.records.state, force)
+        pushed.append(force)
+
+    near = near_surface(file, 3.0, depth).coefficients
+    area, arm = 0.5 * file.fluid.rho * file.hull.length**2, file.hull.length
+    Z = area * (near["Z_w"] - level.coefficients["Z_w"]) * 3.0 * 0.2
+    M = area * arm * (near["M_w"] - level.coefficients["M_w"]) * 3.0 * 0.2
+    assert (depth < 35.0) == (Z != 0.0)
+    assert pushed[0] - pushed[1] == pytest.approx([0.0, 0.0, Z, 0.0, M, 0.0], rel=1e-9, abs=1e-6)
+
+
+def test_modes_near_a_surface_that_changes_z_w_and_m_w_are_of_these() -> None:
+    (plain,) = characteristic.report_modes(load_vessel("bb2"), [6.0], MeanMotions(), 16.0).speeds
+    (slant,) = characteristic.report_modes(slanting(), [6.0], MeanMotions(), 16.0).speeds
+
+    near = near_surface(slanting(), 6.0 * KNOT, 16.0).coefficients
+    assert (slant.adjusted["Z_w"], slant.adjusted["M_w"]) == (near["Z_w"], near["M_w"])
+    assert slant.vertical != plain.vertical
+    assert slant.horizontal == plain.horizontal
+
+
 @pytest.mark.parametrize("depth", [11.0, 13.8724, 14.2, 16.0, 30.0, 35.0624, 60.0])
 @pytest.mark.parametrize("knots", [1.0, 4.5, 10.0, 15.0])
 def test_the_surface_of_the_programs_is_that_of_the_core(knots: float, depth: float) -> None:
@@ -667,11 +704,18 @@ def test_neutral_angles_near_the_surface_balance_its_force_and_moment(
         assert moment + M / area / file.hull.length == pytest.approx(0.0, abs=1e-12)
 
 
-def test_the_trim_near_the_surface_leaves_no_acceleration_there() -> None:
-    file, speed = load_vessel("bb2"), 6.0 * KNOT
-    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
+@pytest.mark.parametrize("vessel", [load_vessel("bb2"), slanting()], ids=["level", "slanting"])
+@pytest.mark.parametrize("equations", ["full", "modified"])
+def test_the_trim_near_the_surface_leaves_no_acceleration_there(
+    equations: str, vessel: VesselFile
+) -> None:
+    file, speed = vessel, 6.0 * KNOT
+    boat = Boat(file, Method(equations, "exact", "exact", "adams2", 0.5))
+    deep_water = boat.vessel.tobytes(), boat.records.compact.tobytes()
 
     found = trim_at(boat, speed, 15.0)
+
+    assert (boat.vessel.tobytes(), boat.records.compact.tobytes()) == deep_water
 
     assert found is not None
     deep = trim_at(Boat(file, boat.method), speed)

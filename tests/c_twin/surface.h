@@ -29,6 +29,10 @@ static void surface_forces(const struct vessel *c, const struct state *s, double
     const double(*Z)[SURFACE_DEPTHS] = c->surface_Z, (*M)[SURFACE_DEPTHS] = c->surface_M;
     force[2] += square * between(&Z[row][column], &Z[row + 1][column], along, across);
     force[4] += square * between(&M[row][column], &M[row + 1][column], along, across);
+    const double *Z_w = c->surface_Z_w + column, *M_w = c->surface_M_w + column;
+    double slant = s->u * s->w;
+    force[2] += slant * (Z_w[0] + across * (Z_w[1] - Z_w[0]));
+    force[4] += slant * (M_w[0] + across * (M_w[1] - M_w[0]));
 }
 
 static double segment(double height)

@@ -525,6 +525,24 @@ def test_bells_must_follow_one_another(bell: str, message: str) -> None:
     assert message in small_complaint(("[[propulsion.sets]]", addition))
 
 
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        ("Z_w = [8e-4, 0.0, 0.0]", "Z_w = [0.0008, 0.0, 0.0]: has 3 entries, depth_m has 2"),
+        ("M_w = [0.0, -8e-4]", "M_w = [0.0, -0.0008]: must end with 0, the effect ends at the"),
+        ("Z_w = [8e-4]", "Z_w = [0.0008]: must be a list of 2 to 8 numbers"),
+        ("M_W = [8e-4, 0.0]", "M_W = [0.0008, 0.0]: no such key; nearest is M_w"),
+    ],
+)
+def test_the_slopes_of_a_surface_must_fit_its_depths(added: str, message: str) -> None:
+    row = "\n[[free_surface.rows]]\nspeed_kn = {}\nZ_star = [-1e-3, 0.0]\nM_star = [0.0, 0.0]"
+    tables = "[free_surface]\ndepth_m = [15.0, 35.0]\n{}" + row.format(3) + row.format(6)
+
+    given = small_complaint(("[coefficients.X]", f"{tables.format(added)}\n[coefficients.X]"))
+
+    assert message in given
+
+
 def test_two_thrust_rows_must_not_start_at_the_same_eta() -> None:
     row = "[[propulsion.sets]]\neta_min = 0\na = 0\nb = 0\nc = 0\n\n[coefficients.X]"
 

@@ -19,7 +19,6 @@ from helpers.tables_1969 import (
     words_in_parts,
 )
 
-ABSENT: Final = "not there yet"
 NEVER: Final = "cannot be"
 HEAD: Final = """# The report of 1969
 
@@ -30,8 +29,7 @@ After this page you know where each part of the report of 1969 is, and how it is
 NAVTRADEVCEN 68-C-0050-1, "Advanced Submarine Systems Equations Study": each of its programs, tables
 and figures, what does the same here, and the test that compares. The report's own boat is secret,
 and so are its numbers: what a test compares with is an independent implementation of the report's
-equations, a published result, or what the equations imply. Where something is not there yet, the
-row says so.
+equations, a published result, or what the equations imply.
 """
 COLUMNS: Final = ("what it is", "type", "the test that compares")
 
@@ -41,7 +39,7 @@ class Row(NamedTuple):
 
     name: str
     what: str
-    command: str  # or a page, or ABSENT or NEVER and why
+    command: str  # or a page, or NEVER and why
     test: str  # FILE::NAME below tests/, "" where nothing compares
 
 
@@ -309,9 +307,10 @@ TABLES: Final = (
         "Table 13",
         "the same at 12 kn, Z_star and M_star left deep: "
         f"{three_figures(NEAR_SURFACE_STARS_DEEP)} %",
-        f"{ABSENT}: with these two deep nothing is left of the surface, since Z_w and M_w have no "
-        "keys there",
-        "",
+        "`trainer boat manoeuvre overshoot FILE --depth 25` with a "
+        "[file of one's own](engineer.md#manoeuvres)",
+        "analysis/test_manoeuvres.py::test_an_overshoot_with_z_star_and_m_star_left_deep_differs_"
+        "by_the_figures_of_the_page",
     ),
     Row(
         "Table 14",
@@ -332,8 +331,8 @@ TABLES: Final = (
     Row(
         "Table 16",
         "words of 16 bits of the compact program: "
-        f"{words_in_parts(CORE_WORDS)}; {words_in_parts(HOST_WORDS)}; here 1279 of the cycle and "
-        "2659 of the whole tick, on x86-64 with AVX-512",
+        f"{words_in_parts(CORE_WORDS)}; {words_in_parts(HOST_WORDS)}; here 1392 of the cycle and "
+        "2855 of the whole tick, on x86-64 with AVX-512",
         "`python -m tests.bench --footprint`",
         "bench/test_parts.py::test_the_words_are_printed_beside_those_of_1969",
     ),

@@ -247,6 +247,8 @@ def _write_surface(file: VesselFile, record: Record) -> None:
     area = 0.5 * file.fluid.rho * file.hull.length**2
     record["surface_speeds"], record["surface_depths"] = rows, columns
     record["surface_depth"][0, :columns] = tables.depth_m
+    record["surface_Z_w"][0, :columns] = area * np.array(tables.Z_w or 0.0)
+    record["surface_M_w"][0, :columns] = area * file.hull.length * np.array(tables.M_w or 0.0)
     for i, row in enumerate(tables.rows):
         record["surface_speed"][0, i] = row.speed_kn * KNOT
         record["surface_Z"][0, i, :columns] = area * np.array(row.Z_star)

@@ -1,13 +1,15 @@
 """The effects of depth: the calm surface above the boat, test depth and collapse.
 
-The programs ``neutral`` and ``characteristic`` take Z_star and M_star of the surface from the
-vessel file's tables. Aboard, the session calls out depths near test depth and beyond it, and ends
+The programs ``neutral`` and ``characteristic`` take the surface's coefficients from the vessel
+file's tables. Aboard, the session calls out depths near test depth and beyond it, and ends
 the run at collapse depth, as rehearsals of the debrief do. At periscope depth the periscope watch
 calls what it sees, and so goes by the true depth. A guard levels the boat before a depth that an
 exercise names, because a visitor with planes in hand might lose it.
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple, TypeVar
 
@@ -42,6 +44,8 @@ GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is k
 RELEASE_MARGIN_M: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
 LEVEL_PITCH: Final = math.radians(3.0)  # [rad] of pitch that is level enough for it
 Z, THETA, HELD_DEPTH_PLACE = STATE_PLACES["z"], STATE_PLACES["theta"], STATE_PLACES["held_depth"]
+
+SURFACE_COEFFICIENTS: Final = ("Z_star", "M_star", "Z_w", "M_w")  # that a calm surface changes
 
 Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
 
@@ -79,49 +83,77 @@ def require_covered(file: VesselFile, depth: float | None) -> None:
         )
 
 
-def _stars(file: VesselFile, speed: float, depth: float) -> tuple[float, float]:
-    """Return Z_star and M_star less those in deep water [-], as core.sea.free_surface has them."""
+def _differences(file: VesselFile, speed: float, depth: float) -> dict[str, float]:
+    """Return what coefficients are more than in deep water [-], as core.sea.free_surface has them.
+
+    The speed is in m/s, the depth in m.
+    """
     tables = file.free_surface
     if tables is None:
-        return 0.0, 0.0
+        return dict.fromkeys(SURFACE_COEFFICIENTS, 0.0)
     speeds = [row.speed_kn * KNOT for row in tables.rows]
-    columns = ([row.Z_star for row in tables.rows], [row.M_star for row in tables.rows])
-    values = [
-        float(np.interp(speed, speeds, [np.interp(depth, tables.depth_m, row) for row in rows]))
-        for rows in columns
-    ]
-    return values[0], values[1]
+
+    def at_depth(column: tuple[float, ...] | None) -> float:
+        return 0.0 if column is None else float(np.interp(depth, tables.depth_m, column))
+
+    return {
+        "Z_star": float(np.interp(speed, speeds, [at_depth(row.Z_star) for row in tables.rows])),
+        "M_star": float(np.interp(speed, speeds, [at_depth(row.M_star) for row in tables.rows])),
+        "Z_w": at_depth(tables.Z_w),
+        "M_w": at_depth(tables.M_w),
+    }
 
 
 def surface_at(file: VesselFile, speed: float, depth: float) -> SurfaceForces:
     """Return what the calm surface adds at ``speed`` [m/s] and ``depth`` [m] of the origin."""
-    Z, M = _stars(file, speed, depth)
-    below, above = (
-        _stars(file, speed, depth + SLOPE_STEP_M),
-        _stars(file, speed, depth - SLOPE_STEP_M),
+    here, below, above = (
+        _differences(file, speed, depth + step) for step in (0.0, SLOPE_STEP_M, -SLOPE_STEP_M)
     )
+    Z, M = here["Z_star"], here["M_star"]
     area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
     return SurfaceForces(
         speed_kn=speed / KNOT,
         Z_star=Z,
         M_star=M,
-        Z_star_slope=(below[0] - above[0]) / (2.0 * SLOPE_STEP_M),
-        M_star_slope=(below[1] - above[1]) / (2.0 * SLOPE_STEP_M),
+        Z_star_slope=(below["Z_star"] - above["Z_star"]) / (2.0 * SLOPE_STEP_M),
+        M_star_slope=(below["M_star"] - above["M_star"]) / (2.0 * SLOPE_STEP_M),
         Z_N=area * Z,
         M_N_m=area * file.hull.length * M,
     )
 
 
 def near_surface(file: VesselFile, speed: float, depth: float | None) -> VesselFile:
-    """Return the vessel with Z_star and M_star of ``speed`` [m/s] at ``depth`` [m]; None: deep.
+    """Return the vessel with the coefficients of ``speed`` [m/s] at ``depth`` [m]; None: deep.
 
     ``neutral`` asks for it, because so its equations of deep water serve near the surface too.
     """
     if depth is None:
         return file
-    Z, M = _stars(file, speed, depth)
+    added = _differences(file, speed, depth)
     c = file.coefficients
-    return replace(file, coefficients={**c, "Z_star": c["Z_star"] + Z, "M_star": c["M_star"] + M})
+    return replace(file, coefficients={**c, **{name: c[name] + added[name] for name in added}})
+
+
+@contextmanager
+def feeling_surface(boat: Boat, speed: float, depth: float | None) -> Iterator[None]:
+    """Let trims feel a calm surface at ``depth`` [m] inside the block; None: deep water.
+
+    It is in the coefficients there, because trims are of the equations in deep water.
+    """
+    file, records = boat.file, boat.records[:2]
+    deep = [[float(record[name][0]) for name in SURFACE_COEFFICIENTS] for record in records]
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+    arm = file.hull.length
+    try:
+        if depth is not None:
+            for record, lever in zip(records, (arm, arm * float(records[1]["T5"][0])), strict=True):
+                for name, value in _differences(file, speed, depth).items():
+                    record[name] += area * value * (lever if name[0] == "M" else 1.0)
+        yield
+    finally:
+        for record, values in zip(records, deep, strict=True):
+            for name, value in zip(SURFACE_COEFFICIENTS, values, strict=True):
+                record[name] = value
 
 
 def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:

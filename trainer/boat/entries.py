@@ -33,7 +33,6 @@ from trainer.core.sea.free_surface import (
     deck_height,
     height_above_water,
     sail_height,
-    surface_forces,
 )
 from trainer.core.sea.sea import TAPER, order_sea, write_elevations
 from trainer.core.soundings import sound
@@ -117,7 +116,6 @@ KERNEL_ENTRIES: Final = (
     Entry(prepare_sum, (float, float, SCRATCH)),
     Entry(suction, (float, float, float, float), NUMBER_PAIR),
     Entry(wave_forces, (VESSEL, SCRATCH, STATE, SIX_NUMBERS)),
-    Entry(surface_forces, (VESSEL, STATE, SIX_NUMBERS)),
     Entry(sail_height, (VESSEL, STATE), float),
     Entry(deck_height, (VESSEL, STATE), float),
     Entry(height_above_water, (STATE, float, float), float),

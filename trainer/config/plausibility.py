@@ -273,6 +273,11 @@ def free_surface_problems(table: FreeSurface) -> list[str]:
         for i, row in enumerate(table.rows)
         for name in ("Z_star", "M_star")
     ]
+    lists += [
+        (name, list(values))
+        for name, values in (("Z_w", table.Z_w), ("M_w", table.M_w))
+        if values is not None
+    ]
     problems = [
         f"{name} = {values}: has {len(values)} entries, depth_m has {len(depths)}"
         for name, values in lists

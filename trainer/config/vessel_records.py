@@ -357,6 +357,12 @@ class FreeSurface:
     rows: tuple[SurfaceRow, ...] = required(
         Rows(SurfaceRow, ("note",), 2, MAX_SURFACE_ROWS, "rows, below")
     )
+    Z_w: tuple[float, ...] | None = optional(
+        _differences("Z_w less that in deep water, by depth_m; without it the same")
+    )
+    M_w: tuple[float, ...] | None = optional(
+        _differences("M_w less that in deep water, by depth_m; without it the same")
+    )
 
 
 def _by_strip(unit: str, limits: NumberLimits, meaning: str) -> Quantities:

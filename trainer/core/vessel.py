@@ -105,6 +105,8 @@ VESSEL: Final = record_dtype(
     ("surface_speed", (SURFACE_SPEEDS,)),  # [m/s] ascending
     ("surface_Z", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m2] Z_star less that in deep water
     ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
+    ("surface_Z_w", (SURFACE_DEPTHS,)),  # [N s2/m2] Z_w less that in deep water
+    ("surface_M_w", (SURFACE_DEPTHS,)),  # [N s2/m]
     *BALLAST_FIELDS,
     *ENVELOPE_FIELDS,
     # [-] strips that waves push on: x over the length, shares of the displaced mass and of the

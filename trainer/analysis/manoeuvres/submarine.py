@@ -6,8 +6,7 @@ The report of 1969 moved its controls at once, without lag or dead time.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -17,7 +16,7 @@ from trainer.analysis.manoeuvres.vehicle import Control, LostError, Watch
 from trainer.analysis.programs.neutral import trim_at
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.depths import collapse_of, lowest_depth, surface_at
+from trainer.boat.depths import collapse_of, feeling_surface, lowest_depth
 from trainer.boat.limits import height_showing
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
@@ -78,25 +77,6 @@ def _no_sea_felt(what: str) -> str:
     )
 
 
-@contextmanager
-def feeling_surface(boat: Boat, speed: float, depth: float) -> Iterator[None]:
-    """Let trims feel a calm surface at ``depth`` [m] inside the block.
-
-    As Z_star and M_star, because trims are of the equations in deep water.
-    """
-    felt, (vessel, compact) = surface_at(boat.file, speed, depth), boat.records[:2]
-    force, moment = felt.Z_N / speed**2, felt.M_N_m / speed**2
-    added = (vessel, force, moment), (compact, force, moment * float(compact["T5"][0]))
-    deep = [(float(record["Z_star"][0]), float(record["M_star"][0])) for record, *_ in added]
-    try:
-        for (record, normal, pitching), (Z, M) in zip(added, deep, strict=True):
-            record["Z_star"], record["M_star"] = Z + normal, M + pitching
-        yield
-    finally:
-        for (record, *_), (Z, M) in zip(added, deep, strict=True):
-            record["Z_star"], record["M_star"] = Z, M
-
-
 class _Boat(Boat):
     """A boat that also starts at rest, in another boat's trim, or in that near the surface."""
 
@@ -109,8 +89,6 @@ class _Boat(Boat):
             self.state.u = self.state.u_c = 0.0
             return True
         if self.model is None:
-            if self.depth is None:
-                return super().trimmed(speed)
             with feeling_surface(self, speed, self.depth):
                 return super().trimmed(speed)
         settled = trim_at(self.model, speed, self.depth) is not None

@@ -13,8 +13,9 @@ B - z_G W and lines of normal force and pitching moment, EC140's cubic has
 A term with |.| has no linear part; quasi-linear averages stand for it: a mean |w| adds Z_waw |w| to
 u0 Z_w, a mean |p| adds K_pap |p| to u0 K_p, and so on.
 
-Near a calm surface (Tables 12 and 13) Z_star and M_star change with depth by the vessel's tables.
-Their slopes, with z' = w - u0 theta, make the cubic a quartic, and enter the depth loop.
+Near a calm surface (Tables 12 and 13) Z_w and M_w are those of the depth, and Z_star and M_star
+change with it, by the vessel's tables. The slopes of the latter, with z' = w - u0 theta, make the
+cubic a quartic, and enter the depth loop.
 """
 
 import math
@@ -25,7 +26,13 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import body_values, thrust_rows
-from trainer.boat.depths import SurfaceForces, require_covered, surface_at, surface_remarks
+from trainer.boat.depths import (
+    SurfaceForces,
+    near_surface,
+    require_covered,
+    surface_at,
+    surface_remarks,
+)
 from trainer.boat.linear import Matrix, Mode, modes
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.report_law import (
@@ -312,6 +319,7 @@ def _at_speed(
     file: VesselFile, knots: float, means: MeanMotions, bow: float, depth: float | None
 ) -> SpeedModes:
     speed = knots * KNOT
+    file = near_surface(file, speed, depth)
     down, loop = vertical_system(file, speed, means), depth_loop(file, speed, 1.0, bow)
     if depth is not None:
         down = under_surface(with_depth(down, speed), file, speed, depth)

@@ -46,6 +46,7 @@ ARRAY_COUNTS: Final[Mapping[str, tuple[str, str]]] = {
     "surface_depth": ("", "surface_depths"),
     "surface_speed": ("", "surface_speeds"),
     **dict.fromkeys(("surface_Z", "surface_M"), ("surface_speeds", "surface_depths")),
+    **dict.fromkeys(("surface_Z_w", "surface_M_w"), ("", "surface_depths")),
     **dict.fromkeys(("layer_depth", "layer_density"), ("", "layers")),
 }
 _tables = lru_cache(maxsize=2)(tomllib.loads)  # of a vessel file, parsed once for all of its keys
@@ -105,6 +106,8 @@ SURFACE_SOURCES: Final = {
     **_sources("m/s", surface_speed="free_surface.rows"),
     **_sources("kg/m", surface_Z="free_surface.rows"),
     **_sources("kg", surface_M="free_surface.rows"),
+    **_sources("kg/m", surface_Z_w="free_surface.Z_w"),
+    **_sources("kg", surface_M_w="free_surface.M_w"),
 }
 BALLAST_SOURCES: Final = {
     **_sources("-", fitted="ballast"),

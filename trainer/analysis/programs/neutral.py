@@ -10,8 +10,8 @@ one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 +
     M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0
 
 M_d times the first less Z_d times the second has no d: q(t) = k h/u^2, with k = Z_d R2 and q a
-parabola on either side of t = 0. Near a calm surface (Tables 12 and 13) Z_star and M_star are those
-of the depth and speed. All its roots are found: between neighbouring stationary points of
+parabola on either side of t = 0. Near a calm surface (Tables 12 and 13) Z_star, M_star, Z_w and M_w
+are those of the depth and speed. All its roots are found: between neighbouring stationary points of
 q/h, which are roots of a quartic, there is at most one.
 """
 
@@ -29,6 +29,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import (
     SurfaceForces,
+    feeling_surface,
     near_surface,
     require_covered,
     surface_at,
@@ -36,7 +37,6 @@ from trainer.boat.depths import (
 )
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import equations_alone
-from trainer.core.sea.free_surface import surface_forces
 from trainer.core.trim import STERN_PLANES, trim
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import titled_table, wrap
@@ -245,13 +245,14 @@ def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None
     t, angle = start[0] if start else (0.0, 0.0)
     s.u = s.u_c = speed
     s.w, s.theta, s.delta_s = t * speed, math.atan(t), angle
-    outside = r.scratch["external"][0]
-    outside[:] = 0.0
+    r.scratch["external"][0, :] = 0.0
     if depth is not None:
         s.z = depth
-        surface_forces(r.vessel, r.state, outside)
     alone = equations_alone(r.scheme)
-    with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
+    with (
+        feeling_surface(boat, speed, depth),
+        np.errstate(all="ignore"),  # a boat without stern planes has a singular system
+    ):
         settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN_PLANES)
     if not settled:
         return None

@@ -1,8 +1,9 @@
-"""The boat near a calm surface: its effect on Z_star and M_star, and what emerges.
+"""The boat near a calm surface: its effect on four coefficients, and what emerges.
 
-Near the surface [ASSES] keeps all deep coefficients but those two, which are tables of depth and
-speed. It gives no values; the vessel file does. Those two are the force and moment of a hull at no
-angle to the flow. ``boat/limits`` warns by the heights of sail and deck.
+Near the surface [ASSES] keeps all deep coefficients but Z_star and M_star, tables of depth and
+speed: the force and moment of a hull at no angle to the flow. It measured Z_w and M_w there too and
+left them out, since Table 13 shows little of them; a vessel file may have them, by depth alone. The
+report gives no values; the vessel file does. ``boat/limits`` warns by the heights of sail and deck.
 """
 
 from typing import Final
@@ -29,6 +30,12 @@ def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
 
 
 @part
+def between_depths(column: Numbers, low: int, across: float) -> float:
+    """Return a column's value inside a cell, linear, in the column's unit."""
+    return column[low] + across * (column[low + 1] - column[low])
+
+
+@part
 def between(table: Numbers, row: int, column: int, along: float, across: float) -> float:
     """Return a table's value inside a cell, bilinear, in the table's unit."""
     first = table[row, column] + across * (table[row, column + 1] - table[row, column])
@@ -40,7 +47,7 @@ def between(table: Numbers, row: int, column: int, along: float, across: float) 
 def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
     """Add Z [N] and M [N m] of the calm surface.
 
-    Below the deepest row of the tables there are none.
+    Below the last depth of the tables there are none.
     """
     c = vessel[0]
     s = state[0]
@@ -52,6 +59,9 @@ def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
     square = s.u * s.u
     force[NORMAL] += square * between(c.surface_Z, row, column, along, across)
     force[PITCHING] += square * between(c.surface_M, row, column, along, across)
+    slant = s.u * s.w
+    force[NORMAL] += slant * between_depths(c.surface_Z_w, column, across)
+    force[PITCHING] += slant * between_depths(c.surface_M_w, column, across)
 
 
 @kernel
