@@ -118,8 +118,7 @@ def test_a_row_of_a_report_has_a_test_that_is_there_or_says_it_has_none() -> Non
     faults = [
         f"{row.name}: {row.test or 'no test'}"
         for row in ROWS
-        if bool(row.test) == row.command.startswith(NEVER)
-        or (row.test and not is_there(row.test))
+        if bool(row.test) == row.command.startswith(NEVER) or (row.test and not is_there(row.test))
     ]
 
     assert ROWS
