@@ -366,7 +366,7 @@ def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
 
 
 def halve(run: RunExplorer, before: int, after: int) -> None:
-    """Find the points of a stretch, halved where its ends differ, or a long one has orders."""
+    """Find the points of a stretch, halved where its ends differ or orders lie."""
     first, last, stride = run.point(before), run.point(after), run.finest
     near = after - before <= POINT_PERIODS * stride
     idle = near or not any(before <= each.tick < after for each in run.crew)
