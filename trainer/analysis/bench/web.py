@@ -5,6 +5,7 @@ stations attached at its pages' server. At the second a real Chromium opens the 
 orders over its line and counts pictures.
 """
 
+import asyncio
 import contextlib
 import math
 import os
@@ -13,12 +14,12 @@ import signal
 import tempfile
 import threading
 import time
-from collections import deque
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import cycle, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from trainer import __version__
 from trainer.analysis.bench.end_to_end import begin_session
@@ -39,8 +40,12 @@ from trainer.session.time.ledger import Spread
 
 if TYPE_CHECKING:
     import subprocess
+    from concurrent.futures import Future
 
     from playwright.sync_api import Page
+    from websockets.asyncio.client import ClientConnection
+
+Answer = TypeVar("Answer")
 
 STATION_COUNT: Final = 30  # stations attached
 ROLE_CHANNELS: Final = {  # who they are, and what each wants to see
@@ -229,29 +234,45 @@ def attending(url: str) -> Iterator[None]:
 
     Each station reads all that the server sends to it, because a page does.
     """
-    with contextlib.ExitStack() as stack:
-        readers = []
-        for number in range(STATION_COUNT):
-            role = list(ROLE_CHANNELS)[number % len(ROLE_CHANNELS)]
-            line = stack.enter_context(open_page_line(url))
-            line.send(order_sentence(f"role {role}", "1"))
-            for channel in ROLE_CHANNELS[role]:
-                line.send(order_sentence(f"subscribe {channel}", "2"))
-            reader = threading.Thread(target=deque, args=(line, 0), daemon=True)  # reads all
-            reader.start()
-            readers.append(reader)
+    # in one thread: with one for each station these would take the processors after each tick,
+    # which the machines of a class do not
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever, daemon=True)
+    thread.start()
+
+    def begin(work: Coroutine[Any, Any, Answer]) -> "Future[Answer]":
+        return asyncio.run_coroutine_threadsafe(work, loop)
+
+    roles = list(islice(cycle(ROLE_CHANNELS), STATION_COUNT))
+    lines = [begin(attach_station(url, role)).result(END_TIMEOUT_S) for role in roles]
+    readers = [begin(read_all(line)) for line in lines]
+    try:
         yield
-    for reader in readers:
-        reader.join(END_TIMEOUT_S)
+    finally:
+        for line in lines:
+            begin(line.close()).result(END_TIMEOUT_S)
+        for reader in readers:
+            reader.result(END_TIMEOUT_S)
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
 
 
-def open_page_line(url: str) -> Any:
-    """Return a line at the pages' server, as a page has it."""
-    from websockets.sync.client import connect  # noqa: PLC0415  an extra's
+async def attach_station(url: str, role: str) -> "ClientConnection":
+    """Attach a station of a role at the pages' server, as a page does; return its line."""
+    from websockets.asyncio.client import connect  # noqa: PLC0415  an extra's
+    from websockets.typing import Origin  # noqa: PLC0415
 
     where = f"{url.replace('http', 'ws')}/line?version={__version__}"
-    how: dict[str, Any] = {"origin": url, "max_queue": None, "close_timeout": 1.0}
-    return connect(where, **how)
+    line = await connect(where, origin=Origin(url), max_queue=None, close_timeout=1.0)
+    for order in (f"role {role}", *(f"subscribe {each}" for each in ROLE_CHANNELS[role])):
+        await line.send(order_sentence(order, "1"))
+    return line
+
+
+async def read_all(line: "ClientConnection") -> None:
+    """Read a line to its end."""
+    async for _ in line:
+        pass
 
 
 def watch_page(url: str, browser: str, effort: Effort) -> PageDelay:
