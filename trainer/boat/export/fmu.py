@@ -243,23 +243,23 @@ def chosen_platforms(asked: Collection[str]) -> list[str]:
     )
 
 
-def linking_target(name: str) -> Platform:
-    """Return a platform with the compiler that links for it here."""
+def find_linker(name: str) -> tuple[list[str], Platform]:
+    """Return the compiler that links for a platform here, and the platform with its packages."""
     target = SHIPPED_PLATFORMS[name]
-    if name != platform_name():
-        return target
-    return target._replace(compiler=os.environ.get("CC") or "cc", packages="gcc")
+    if name == platform_name():
+        return shlex.split(os.environ.get("CC") or "cc"), target._replace(packages="gcc")
+    return [target.compiler], target
 
 
-def link_library(model: str, name: str, version: int) -> bytes:
+def link_binary(model: str, name: str, version: int) -> bytes:
     """Return the library of a model for a platform; ConfigError where none is made."""
-    code, target, system = shipped_object(name), linking_target(name), name.partition("-")[0]
+    code, (compiler, target) = shipped_object(name), find_linker(name)
     if code is None:
         raise ConfigError(
             "export-fmu: the core is not that of the shipped objects: trainer boat export-core "
             "trainer/boat/shipped --cpu shipped makes them again"
         )
-    words = [*shlex.split(target.compiler), *COMPILER_OPTIONS, *SYSTEM_OPTIONS[system]]
+    words = [*compiler, *COMPILER_OPTIONS, *SYSTEM_OPTIONS[name.partition("-")[0]]]
     if refused := lacking_linker(target, words[0]):
         own = "; CC names another" if name == platform_name() else ""
         raise ConfigError(f"export-fmu, {name}: {refused.reason}{own}")
@@ -306,7 +306,7 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2, platforms: Collection[
     numbers = f'#define GUID "{guid}"\n{model}'
     libraries = {
         f"binaries/{SHIPPED_PLATFORMS[name].unit_folders[version - 2]}/{identifier}"
-        + LIBRARY_ENDINGS[name.partition("-")[0]]: link_library(numbers, name, version)
+        + LIBRARY_ENDINGS[name.partition("-")[0]]: link_binary(numbers, name, version)
         for name in chosen_platforms(platforms)
     }
     files: dict[str, str | bytes] = {
