@@ -377,6 +377,7 @@ def test_the_list_says_what_is_here_and_the_packages_of_the_rest(
     program.write_text("")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
 
     told = listed_targets()
 
@@ -387,6 +388,26 @@ def test_the_list_says_what_is_here_and_the_packages_of_the_rest(
     assert told["wasm32"].endswith("there is no 'wasm-ld' here. Debian and Ubuntu: apt install lld")
 
 
+def test_the_list_looks_for_the_compiler_that_cc_names_where_a_library_is_linked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("mine", "arm-none-eabi-gcc", "wasm-ld"):
+        (tmp_path / name).write_text("")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    told = {}
+    for compiler in ("mine -m64", "no-such-compiler"):
+        monkeypatch.setenv("CC", compiler)
+        told[compiler] = listed_targets()
+
+    boards = {"cortex-m7", "wasm32"}
+    assert [name for name, text in told["mine -m64"].items() if not text.startswith("yes")] == []
+    refused = {name for name, text in told["no-such-compiler"].items() if "no linker" in text}
+    assert refused == set(CPU_TARGETS) - boards
+    assert "there is no 'no-such-compiler' here" in told["no-such-compiler"]["aarch64"]
+
+
 def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make_boat: Callable[..., Boat]
 ) -> None:
@@ -395,6 +416,7 @@ def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
             raise RuntimeError(triple)
         return None
 
+    boat = make_boat("bb2")  # its own machine code is loaded before
     monkeypatch.setattr(binding.Target, "from_triple", refuse)
 
     told = listed_targets()
@@ -402,7 +424,7 @@ def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
     assert told["riscv64"].endswith("has no riscv64 here; pip's has: " + REINSTALL_HINT)
     assert not told["aarch64"].startswith("no ")
     with pytest.raises(ConfigError, match="--cpu riscv64: the compiler in llvmlite has no riscv64"):
-        write_core(make_boat("bb2"), tmp_path, "riscv64")
+        write_core(boat, tmp_path, "riscv64")
 
 
 def test_a_level_of_another_kind_of_processor_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,55 +14,26 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
 from helpers.fmu_judges import CosimJudge, EcosJudge, Judge
 from helpers.nursery import run_trainer
 from helpers.places import ROOT
 
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
-from trainer.boat.export.fmu import BINARY_FOLDERS, fmu_bytes
+from trainer.boat.export.fmu import fmu_bytes
 from trainer.boat.export.header import record_members
 from trainer.boat.export.orders import order_rows
-from trainer.boat.helm import obey_order
+from trainer.boat.platforms import SHIPPED_PLATFORMS
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.core.state import STATE
-from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.tables import MOTION_COLUMNS
-from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
 PAGE = ROOT / "docs" / "fmu.md"
 MAX_BYTES = 300_000  # of a unit
-OPTIONS = RunOptions(vessel="bb2")
-# a run of ten minutes: after which tick, as the trainer's crew says it, as a simulator sets it
-ORDERS: list[tuple[int, str, dict[str, float]]] = [
-    (0, "course 100", {"ordered_psi": 100.0}),
-    (30, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),
-    (60, "depth 90", {"ordered_depth": 90.0}),
-    (80, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
-    (85, "casualty rudder-slow 0.5", {"casualty_rudder_slow": 0.5}),  # not clear yet
-    (130, "clear rudder-slow", {"casualty_rudder_slow": 0.0}),
-    (200, "rudder left 22.5", {"rudder_by_hand": 1, "ordered_r": -22.5}),
-    (440, "rudder auto", {"rudder_by_hand": 0}),
-    (470, "course 350", {"ordered_psi": 350.0}),
-    (500, "casualty stern-hard-over -0.4", {"casualty_stern_hard_over": -0.4}),
-    (560, "casualty rudder-stuck", {"casualty_rudder_stuck": 1}),
-    (600, "clear stern-hard-over", {"casualty_stern_hard_over": 0.0}),
-    (640, "clear rudder-stuck", {"casualty_rudder_stuck": 0}),
-    (650, "flood auxiliary 3", {"move_auxiliary": 3.0}),
-    (660, "pump trim aft 2", {"move_trim": -2.0}),
-    (700, "turns -4", {"speed_by_hand": 1, "ordered_u_c": -4.0}),
-    (740, "speed 8", {"speed_by_hand": 0, "ordered_speed": 8.0}),
-    (800, "emergency blow", {"blow_forward": 2, "blow_mid": 2, "blow_aft": 2}),
-    (1000, "casualty gyro-biased", {"casualty_gyro_biased": 1.0}),
-    (1050, "depth 70", {"ordered_depth": 70.0}),
-    (1060, "rudder right 5", {"rudder_by_hand": 1, "ordered_r": 5.0}),
-    (1150, "rudder auto", {"rudder_by_hand": 0}),
-]
-TICKS = 1200
 pytestmark = UNIT_MARKS
 
 
@@ -80,14 +51,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
 def unit(folder: Path) -> Unit:
     """Return BB2's unit."""
     return Unit(folder)
-
-
-def obey(boat: Boat, text: str) -> None:
-    """Give a boat of the trainer an order."""
-    order = parse(text)
-    assert isinstance(order, Order), text
-    answer = obey_order(boat, order)
-    assert not isinstance(answer, Refused), answer
 
 
 def fly(boat: Instance, ticks: int = TICKS) -> None:
@@ -406,7 +369,8 @@ def test_two_exports_have_the_same_bytes_and_what_is_inside_is_small_and_whole(
     monkeypatch.setenv("CC", "cc -Wall -Werror")
     path, version = folder / "bb2.fmu", unit.version
     again = fmu_bytes(boat_at_start(replace(OPTIONS, sea="calm")), load_sea("calm"), version)
-    binary = f"binaries/{BINARY_FOLDERS[version]}/trainer_bb2.so"
+    place = SHIPPED_PLATFORMS["linux-x86_64"].unit_folders[version - 2]
+    binary = f"binaries/{place}/trainer_bb2.so"
 
     assert again == path.read_bytes()
     assert len(again) < MAX_BYTES
@@ -458,8 +422,12 @@ def test_each_output_but_pure_numbers_has_a_unit(unit: Unit) -> None:
 @pytest.mark.parametrize(
     ("compiler", "words", "told"),
     [
-        ("no-such", "bb2.fmu", "there is no C compiler 'no-such' here: install one"),
-        ("false", "bb2.fmu", "CC names a compiler for linux-x86_64"),
+        (
+            "no-such",
+            "bb2.fmu",
+            "there is no 'no-such' here. Debian and Ubuntu: apt install gcc; CC names another",
+        ),
+        ("false", "bb2.fmu", "linux-x86_64: false: no word; Debian and Ubuntu: apt install gcc"),
         ("cc", f"bb2.fmu --seed {2**40}", "--seed 1099511627776: must be at most 2147483647"),
         ("cc", "bb2.html", ".fmu"),
         ("cc", "no/folder/bb2.fmu", "No such file or directory"),

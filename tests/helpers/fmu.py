@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 
 import pytest
 
+from trainer.boat.platforms import SHIPPED_PLATFORMS, platform_name
 from trainer.core.state import STATE
 
 UNIT_MARKS: Final = [  # of tests that link a unit
@@ -88,7 +89,8 @@ class Unit:
             reference, causality = int(each.attrib["valueReference"]), each.attrib["causality"]
             own = each[0] if self.version == 2 else each
             self.variables[each.attrib["name"]] = Place(reference, own.tag, causality, own.attrib)
-        (self.path,) = folder.glob("binaries/*/*.so")
+        place = SHIPPED_PLATFORMS[platform_name()].unit_folders[self.version - 2]
+        (self.path,) = (folder / "binaries" / place).glob("*.so")
         self.library: Any = ctypes.CDLL(str(self.path))
         self.numbers = NUMBERS[self.version]
 

@@ -34,6 +34,8 @@ SLOW_PACKAGES: Final = {  # of the slow lane alone
     "qemu-system-arm": "qemu-system-arm",
     "riscv64-linux-gnu-gcc": "gcc-riscv64-linux-gnu libc6-dev-riscv64-cross",
     "valgrind": "valgrind",
+    "wine": "wine wine64",
+    "x86_64-w64-mingw32-gcc": "gcc-mingw-w64-x86-64",
 }
 # A network that is away for two minutes, and another process that installs, are waited for.
 PATIENT: Final = ("-o", "Acquire::Retries=8", "-o", "DPkg::Lock::Timeout=300")

@@ -31,6 +31,7 @@ class Platform(NamedTuple):
     compiler: str = "cc"
     packages: str = "gcc"  # Debian's, that have it and its library
     board: tuple[str, ...] = ()  # files of C that start a program where there is no system
+    unit_folders: tuple[str, ...] = ()  # of a unit's library, by FMI 2.0 and 3.0
 
 
 ARM_COMPILER: Final = (  # input and output by the debugger, vectors at address 0
@@ -63,16 +64,26 @@ CPU_TARGETS: Final[Mapping[str, Platform]] = {  # by the name for --cpu
         features="+bulk-memory,+bulk-memory-opt", bits=32, compiler="wasm-ld", packages="lld",
     ),
 }
-# fmt: on
 # by system and machine; the first that a processor can run is taken
 SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
     "linux-x86_64-v3": CPU_TARGETS["x86-64-v3"],
-    "linux-x86_64": CPU_TARGETS["x86-64-v2"],
-    "linux-aarch64": CPU_TARGETS["aarch64"],
+    "linux-x86_64": CPU_TARGETS["x86-64-v2"]._replace(
+        compiler="x86_64-linux-gnu-gcc", packages="gcc-x86-64-linux-gnu libc6-dev-amd64-cross",
+        unit_folders=("linux64", "x86_64-linux"),
+    ),
+    "linux-aarch64": CPU_TARGETS["aarch64"]._replace(
+        unit_folders=("aarch64-linux", "aarch64-linux"),  # FMI 2.0.5 takes the names of 3.0 there
+    ),
     # as ELF, because as COFF it would ask for _fltused
-    "windows-x86_64": Platform("x86_64-pc-windows-msvc-elf", "x86-64-v2"),
+    "windows-x86_64": Platform(
+        "x86_64-pc-windows-msvc-elf", "x86-64-v2",
+        compiler="x86_64-w64-mingw32-gcc", packages="gcc-mingw-w64-x86-64",
+        unit_folders=("win64", "x86_64-windows"),
+    ),
     "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),
 }
+# fmt: on
+UNIT_PLATFORMS: Final = [name for name, kind in SHIPPED_PLATFORMS.items() if kind.unit_folders]
 SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
 
 

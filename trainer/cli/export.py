@@ -35,6 +35,7 @@ CPU_NAMES = (
     "shipped",
 )
 # fmt: on
+UNIT_PLATFORM_NAMES = ("linux-x86_64", "linux-aarch64", "windows-x86_64")  # likewise
 
 boat_options = combine_options(
     click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
@@ -141,17 +142,24 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     default="2",
     help="The version of the standard; both: the unit of 3.0 beside the other, as NAME-fmi3.fmu.",
 )
+@click.option(
+    "--platform",
+    "platforms",
+    type=Choice((*UNIT_PLATFORM_NAMES, "all")),
+    multiple=True,
+    help="Systems that the unit is for; may be given again. [default: this machine's]",
+)
 @boat_options
-def export_fmu(file: Path, *, fmi: str, **options: Any) -> None:
+def export_fmu(file: Path, *, fmi: str, platforms: tuple[str, ...], **options: Any) -> None:
     """Write a boat as a functional mock-up unit (FMI), for other simulators.
 
     \b
     Example:  trainer boat export-fmu bb2.fmu --vessel bb2
               trainer boat export-fmu bb2.fmu --sea sea-state-4 --seed 7
-              trainer boat export-fmu bb2.fmu --fmi 3
+              trainer boat export-fmu bb2.fmu --fmi 3 --platform all
 
-    It is for co-simulation, for Linux on x86-64, with no Python inside. The bits are the trainer's.
-    The simulator may choose another sea state, its direction and the seed. It needs a C compiler.
+    It is for co-simulation, with no Python inside. The bits are the trainer's. The simulator may
+    choose another sea state, its direction and the seed. It needs a C compiler for each platform.
     """
     from trainer.boat.export.fmu import fmu_bytes
     from trainer.config.files import write_over
@@ -161,7 +169,8 @@ def export_fmu(file: Path, *, fmi: str, **options: Any) -> None:
     boat = boat_at_start(replace(chosen, sea="calm"))
     beside = file.with_name(f"{file.stem}-fmi3{file.suffix}")
     versions = {"2": {file: 2}, "3": {file: 3}, "both": {file: 2, beside: 3}}
-    units = {path: fmu_bytes(boat, sea, version) for path, version in versions[fmi].items()}
+    names = UNIT_PLATFORM_NAMES if "all" in platforms else platforms
+    units = {path: fmu_bytes(boat, sea, version, names) for path, version in versions[fmi].items()}
     for path, whole in units.items():
         write_over(path, whole)
         click.echo(f"{boat.file.name}: {path}, {len(whole):,} bytes")

@@ -1,8 +1,8 @@
 """A boat as a functional mock-up unit for co-simulation, without Python inside.
 
 ``trainer boat export-fmu`` calls it, by FMI 2.0 or 3.0. The variables follow from the tables of
-state, orders and casualties. A C compiler links ``unit.c`` with the face of a version (``fmi2.c``,
-``fmi3.c``), the boat's numbers and the object that the trainer ships.
+state, orders and casualties. For each platform a C compiler links ``unit.c`` with the face of a
+version (``fmi2.c``, ``fmi3.c``), the boat's numbers and the object that the trainer ships.
 """
 
 import hashlib
@@ -11,12 +11,11 @@ import io
 import os
 import re
 import shlex
-import shutil
 import subprocess
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -30,29 +29,35 @@ from trainer.boat import casualties
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.export.header import place_comments, places_of, record_members
 from trainer.boat.export.orders import order_rows
+from trainer.boat.export.targets import lacking_linker
 from trainer.boat.machine_code import shipped_object
+from trainer.boat.platforms import SHIPPED_PLATFORMS, UNIT_PLATFORMS, Platform, platform_name
 from trainer.boat.sea_orders import fully_developed
 from trainer.config.files import ConfigError
 from trainer.config.sea import SEA_STATE_HEIGHT, SeaFile, sea_settings, step_problem
 from trainer.core import state
+from trainer.core.digest import core_digest
 from trainer.core.state import MAX_CASUALTIES, SCRATCH, STATE
 from trainer.core.update import WATCHED_NAMES
 from trainer.io.orders.quantities import DEGREES, KNOTS, METRES, TONNES
 from trainer.io.tables import MOTION_COLUMNS
 
 SOURCE_FOLDER: Final = Path(__file__).parent
-PLATFORM_NAME: Final = "linux-x86_64"  # of the object that is linked
 MAX_SEED: Final = 2**31 - 1  # because an Integer of FMI has 32 bits
 STATE_DOUBLES: Final = STATE.itemsize // 8
 ORDER_UNITS: Final = {unit.factor: unit.names[0] for unit in (METRES, DEGREES, KNOTS, TONNES)}
 MOTION_UNITS: Final = re.compile(r"^# (.*)\nMOTION", re.MULTILINE)  # a comment in ``core.state``
 STATED_UNIT: Final = re.compile(r"\[(.*?)\] ?")  # as comments there begin
 COMPILER_OPTIONS: Final = (
-    *("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", "-s", "-o", "boat.so"),
-    *("face.c", "core.o", "-lm", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
+    *("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-s", "-o", "boat.so"),
+    *("face.c", "core.o", "-lm"),
 )
+LIBRARY_ENDINGS: Final = {"linux": ".so", "windows": ".dll"}  # by system
+SYSTEM_OPTIONS: Final = {
+    "linux": ("-fPIC", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
+    "windows": ("-static-libgcc", "-Wl,--no-insert-timestamp"),
+}
 SHOWN_NAMES: Final = "{{ global: {face}*; local: *; }};\n"
-BINARY_FOLDERS: Final = {2: "linux64", 3: "x86_64-linux"}  # by the version of FMI
 TYPE_NAMES: Final = {"Real": "Float64", "Integer": "Int32"}  # of FMI 3.0
 
 
@@ -228,30 +233,55 @@ def face_sources(version: int) -> dict[str, bytes]:
     return {name: (SOURCE_FOLDER / source).read_bytes() for name, source in names.items()}
 
 
-def link_binary(model: str, code: bytes, version: int) -> bytes:
-    """Return the library of a model; ConfigError with the next step where none is made."""
-    words = [*shlex.split(os.environ.get("CC") or "cc"), *COMPILER_OPTIONS]
-    if not shutil.which(words[0]):
+def chosen_platforms(asked: Collection[str]) -> list[str]:
+    """Return the platforms of a unit: those asked for, or this machine's."""
+    here = platform_name()
+    if asked or here in UNIT_PLATFORMS:
+        return [name for name in UNIT_PLATFORMS if name in (asked or (here,))]
+    raise ConfigError(
+        f"export-fmu: there is no unit for {here}: give --platform {', '.join(UNIT_PLATFORMS)}"
+    )
+
+
+def find_linker(name: str) -> tuple[list[str], Platform]:
+    """Return the compiler that links for a platform here, and the platform with its packages."""
+    target = SHIPPED_PLATFORMS[name]
+    if name == platform_name():
+        return shlex.split(os.environ.get("CC") or "cc"), target._replace(packages="gcc")
+    return [target.compiler], target
+
+
+def link_binary(model: str, name: str, version: int) -> bytes:
+    """Return the library of a model for a platform; ConfigError where none is made."""
+    code, (compiler, target) = shipped_object(name), find_linker(name)
+    if code is None:
         raise ConfigError(
-            f"export-fmu: there is no C compiler {words[0]!r} here: install one (Debian and "
-            "Ubuntu: apt install gcc), or name another by CC"
+            "export-fmu: the core is not that of the shipped objects: trainer boat export-core "
+            "trainer/boat/shipped --cpu shipped makes them again"
         )
+    words = [*compiler, *COMPILER_OPTIONS, *SYSTEM_OPTIONS[name.partition("-")[0]]]
+    if refused := lacking_linker(target, words[0]):
+        own = "; CC names another" if name == platform_name() else ""
+        raise ConfigError(f"export-fmu, {name}: {refused.reason}{own}")
     shown = SHOWN_NAMES.format(face=f"fmi{version}").encode()
     files = {"model.h": model.encode(), "map": shown, "core.o": code}
     with tempfile.TemporaryDirectory() as folder:
-        for name, data in (files | face_sources(version)).items():
-            Path(folder, name).write_bytes(data)
+        for file, data in (files | face_sources(version)).items():
+            Path(folder, file).write_bytes(data)
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
         if done.returncode == 0:
             return Path(folder, "boat.so").read_bytes()
     said = (done.stderr.strip().splitlines() or ["no word"])[-1]
-    raise ConfigError(f"export-fmu: {said}; CC names a compiler for {PLATFORM_NAME}")
+    raise ConfigError(
+        f"export-fmu, {name}: {words[0]}: {said}; Debian and Ubuntu: apt install {target.packages}"
+    )
 
 
-def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
+def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2, platforms: Collection[str] = ()) -> bytes:
     """Return the unit of a boat at its start in its world, for ``sea``.
 
-    ``version`` is 2 or 3, of FMI. ConfigError with the next step where it cannot be made.
+    ``version`` is 2 or 3, of FMI; without ``platforms`` it is for this machine's. ConfigError with
+    the next step where it cannot be made.
     """
     if boat.chart is not None or not boat.world.stands(boat.ticks):
         raise ConfigError(
@@ -260,16 +290,11 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
         )
     if boat.state.seed > MAX_SEED:
         raise ConfigError(f"--seed {boat.state.seed:.0f}: must be at most {MAX_SEED} in an FMU")
-    code = shipped_object(PLATFORM_NAME)
-    if code is None:
-        raise ConfigError(
-            "export-fmu: the core is not that of the shipped objects: trainer boat export-core "
-            "trainer/boat/shipped --cpu shipped makes them again"
-        )
     variables = variables_of(boat, sea)
     model = model_text(boat, sea, variables)
     sources = b"".join(face_sources(version).values())
-    digest = hashlib.sha256(model.encode() + sources + code)
+    # whatever its platforms, so that a state goes on at any of them
+    digest = hashlib.sha256(model.encode() + sources + core_digest().encode())
     guid = f"{{{uuid.UUID(bytes=digest.digest()[:16])}}}"
     identifier = re.sub(r"\W", "_", f"trainer_{boat.file.path.stem}", flags=re.ASCII)
     facts = {"boat": boat, "guid": guid, "identifier": identifier, "variables": variables}
@@ -278,10 +303,15 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2) -> bytes:
     folder = jinja2.FileSystemLoader(SOURCE_FOLDER)
     pages = jinja2.Environment(loader=folder, autoescape=True, trim_blocks=True)
     licence = metadata.distribution("submarine-trainer").read_text("licenses/LICENSE")
-    binary = link_binary(f'#define GUID "{guid}"\n{model}', code, version)
+    numbers = f'#define GUID "{guid}"\n{model}'
+    libraries = {
+        f"binaries/{SHIPPED_PLATFORMS[name].unit_folders[version - 2]}/{identifier}"
+        + LIBRARY_ENDINGS[name.partition("-")[0]]: link_binary(numbers, name, version)
+        for name in chosen_platforms(platforms)
+    }
     files: dict[str, str | bytes] = {
         "modelDescription.xml": pages.get_template(f"fmi{version}.xml").render(facts),
-        f"binaries/{BINARY_FOLDERS[version]}/{identifier}.so": binary,
+        **libraries,
         "documentation/index.html": pages.get_template("fmu.html").render(facts),
         "documentation/licenses/license.txt": licence or "MIT\n",
     }

@@ -74,12 +74,18 @@ def lacking_linker(target: Platform, program: str) -> Refused | None:
     return None if shutil.which(program) else Refused(lack)
 
 
+def linking_words(target: Platform) -> list[str]:
+    """Return the command that links for a target; CC names another for a library."""
+    has_library = target.bits == 64  # not a board, nor WebAssembly
+    return shlex.split((has_library and os.environ.get("CC")) or target.compiler)
+
+
 def list_targets() -> list[str]:
     """Return a line for each target, with what this installation lacks for it."""
     rows = []
     for name, target in CPU_TARGETS.items():
         barred = lacking_compiler(name)
-        lacks = barred or lacking_linker(target, target.compiler.partition(" ")[0])
+        lacks = barred or lacking_linker(target, linking_words(target)[0])
         here = "no" if barred else "no linker" if lacks else "yes"
         notes = filter(None, (target.purpose, lacks.reason if lacks else ""))
         rows.append(f"{name:<11}{here:<11}{'; '.join(notes)}")
@@ -122,7 +128,7 @@ class NoCompilerError(Exception):
 
 def link_library(code: Path, library: Path, target: Platform) -> None:
     """Link the object ``code`` into ``library``; NoCompilerError if that cannot be done here."""
-    compiler = shlex.split(os.environ.get("CC") or target.compiler)
+    compiler = linking_words(target)
     words = [*compiler, "-shared", "-nostdlib", *STRICT_FLAGS, "-o", str(library), str(code)]
     if refused := lacking_linker(target, compiler[0]):
         raise NoCompilerError(

@@ -150,7 +150,11 @@ static const struct variable *find(unsigned reference, int type)
     return v && v->type == type ? v : NULL;
 }
 
+#ifdef _WIN32
+#define SHOWN __attribute__((dllexport))
+#else
 #define SHOWN __attribute__((visibility("default")))
+#endif
 #define ACCESS(kind, number, kind_type)                                                        \
     SHOWN int FMI(Get##kind)(struct instance *boat, const unsigned *references, size_t count,  \
                              number *values VALUE_COUNT)                                       \

@@ -1,0 +1,222 @@
+"""A unit for several platforms: each library sails the trainer's bits on its machine."""
+
+import os
+import shlex
+import subprocess
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import pytest
+from click.testing import CliRunner
+from helpers.fmu import GUID_BYTES, UNIT_MARKS, Unit, unpack
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
+from helpers.installation import installed
+from helpers.nursery import run_trainer
+from helpers.places import ROOT
+
+from trainer.boat.export.fmu import LIBRARY_ENDINGS
+from trainer.boat.platforms import SHIPPED_PLATFORMS, UNIT_PLATFORMS, platform_name
+from trainer.cli.export import UNIT_PLATFORM_NAMES, boat_at_start
+from trainer.cli.main import cli
+from trainer.core.state import STATE
+
+pytestmark = UNIT_MARKS
+HOST: Final = Path(__file__).with_name("fmu_host.c")
+PAGE: Final = ROOT / "docs" / "fmu.md"
+KIND_LETTERS: Final = {"Real": "r", "Float64": "r", "Integer": "i", "Int32": "i", "Boolean": "b"}
+MAX_BYTES: Final = 540_000  # of a unit for all platforms
+
+
+class Machine(NamedTuple):
+    """What runs a program of another platform here, and Debian's packages of it."""
+
+    program: str
+    packages: str
+    words: tuple[str, ...] = ()
+    environment: tuple[tuple[str, str], ...] = ()
+
+
+MACHINES: Final = {
+    "linux-aarch64": Machine("qemu-aarch64", "qemu-user", ("-L", "/usr/aarch64-linux-gnu")),
+    "windows-x86_64": Machine("wine", "wine wine64", (), (("WINEDEBUG", "-all"),)),
+}
+
+
+def need_linkers(*names: str) -> None:
+    """Have the linkers of platforms, or do without the test."""
+    for name in names:
+        target = SHIPPED_PLATFORMS[name]
+        if name != platform_name():
+            installed(target.compiler, target.packages)
+
+
+def export_for(path: Path, fmi: str, *platforms: str) -> None:
+    """Write BB2's unit for platforms."""
+    asked = [word for name in platforms for word in ("--platform", name)]
+    done = CliRunner().invoke(cli, ["export-fmu", str(path), "--fmi", fmi, *asked])
+    assert done.exit_code == 0, done.output
+
+
+def library_path(folder: Path, name: str, version: int) -> Path:
+    """Return where the library for a platform lies in an unpacked unit."""
+    ending = LIBRARY_ENDINGS[name.partition("-")[0]]
+    place = SHIPPED_PLATFORMS[name].unit_folders[version - 2]
+    return folder / "binaries" / place / f"trainer_bb2{ending}"
+
+
+def script_of_run(unit: Unit, start: dict[str, float]) -> str:
+    """Return the run by orders in the host's words."""
+    lines = []
+
+    def add(values: dict[str, float]) -> None:
+        for name, value in values.items():
+            place = unit.variables[name]
+            lines.append(f"{KIND_LETTERS[place.kind]} {place.reference} {value!r}")
+
+    add(start)
+    lines.append("g 0 0")
+    ends = [at for at, *_ in ORDERS[1:]] + [TICKS]
+    for (at, _, values), end in zip(ORDERS, ends, strict=True):
+        add(values)
+        lines.append(f"s {end - at} 0.5")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_library_for_another_platform_sails_the_trainers_bits(
+    name: str, version: int, tmp_path: Path
+) -> None:
+    need_linkers(name)
+    machine = MACHINES[name]
+    program = installed(machine.program, machine.packages)
+    export_for(tmp_path / "bb2.fmu", str(version), platform_name(), name)
+    unit = unpack(tmp_path / "bb2.fmu", tmp_path)
+    host, state = tmp_path / "host.exe", tmp_path / "state"
+    compiler = [*shlex.split(SHIPPED_PLATFORMS[name].compiler), f"-DVERSION={version}"]
+    subprocess.run([*compiler, "-o", str(host), str(HOST)], check=True)
+    script = script_of_run(unit, {"sea_state": 4, "seed": 7})
+    library = library_path(tmp_path, name, version)
+
+    flown = subprocess.run(
+        [
+            program,
+            *machine.words,
+            host.name,
+            str(library.relative_to(tmp_path)),
+            unit.guid,
+            "state",
+        ],
+        input=script.encode(),
+        cwd=tmp_path,
+        env=os.environ | dict(machine.environment) | {"WINEPREFIX": str(tmp_path / "wine")},
+        capture_output=True,
+        check=False,
+        timeout=300,
+    )
+
+    assert flown.returncode == 0, flown.stdout.decode() + flown.stderr.decode()
+    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
+    for tick in range(TICKS):
+        for at, text, _ in ORDERS:
+            if at == tick:
+                obey(boat, text)
+        boat.tick()
+    numbers = state.read_bytes()[GUID_BYTES : GUID_BYTES + STATE.itemsize]
+    assert numbers == boat.records.state.tobytes()
+    assert state.read_bytes()[: len(unit.guid)] == unit.guid
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_one_file_has_the_libraries_of_all_platforms_and_the_same_bytes_each_time(
+    version: int, tmp_path: Path
+) -> None:
+    need_linkers(*UNIT_PLATFORMS)
+    first, again, alone = (tmp_path / f"{name}.fmu" for name in ("first", "again", "alone"))
+    export_for(first, str(version), "all")
+    export_for(again, str(version), *reversed(UNIT_PLATFORMS))
+    export_for(alone, str(version))
+
+    assert first.read_bytes() == again.read_bytes()
+    assert first.stat().st_size < MAX_BYTES
+    unit, own = unpack(first, tmp_path / "first"), unpack(alone, tmp_path / "alone")
+    assert unit.guid == own.guid  # a state of one goes on in the other
+    with zipfile.ZipFile(first) as archive, zipfile.ZipFile(alone) as smaller:
+        names = [name for name in archive.namelist() if name.startswith("binaries/")]
+        assert names == [str(library_path(Path(), name, version)) for name in UNIT_PLATFORMS]
+        assert [name for name in smaller.namelist() if name.startswith("binaries/")] == names[:1]
+        for name in smaller.namelist():
+            assert archive.read(name) == smaller.read(name), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_windows_library_shows_the_standards_functions_alone_and_needs_only_the_system(
+    version: int, tmp_path: Path
+) -> None:
+    need_linkers("windows-x86_64")
+    export_for(tmp_path / "bb2.fmu", str(version), platform_name(), "windows-x86_64")
+    unit = unpack(tmp_path / "bb2.fmu", tmp_path)
+    library = library_path(tmp_path, "windows-x86_64", version)
+    words = ["x86_64-w64-mingw32-objdump", "-p", str(library)]
+    lines = subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()
+    needed = {line.split()[-1].lower() for line in lines if "DLL Name:" in line}
+    shown = {line.split()[-1] for line in lines if f" fmi{version}" in line}
+    listed = subprocess.run(
+        ["nm", "-D", "--defined-only", str(unit.path)], capture_output=True, text=True, check=True
+    )
+    exports = next(i for i, line in enumerate(lines) if "[Ordinal/Name Pointer] Table" in line)
+    table = [line for line in lines[exports + 1 :] if line.startswith("\t[")]
+
+    assert needed == {"kernel32.dll", "msvcrt.dll"}
+    assert shown == {line.split()[-1] for line in listed.stdout.splitlines()}
+    assert len(table) == len(shown)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_fmpy_finds_nothing_wrong_with_a_unit_for_all_platforms(fmi: str, tmp_path: Path) -> None:
+    fmpy = pytest.importorskip("fmpy")
+    validation = pytest.importorskip("fmpy.validation")
+    need_linkers(*UNIT_PLATFORMS)
+    path = tmp_path / "bb2.fmu"
+    export_for(path, fmi, "all")
+
+    assert validation.validate_fmu(str(path)) == []
+    assert {"linux64", "win64"} <= set(fmpy.supported_platforms(str(path)))
+
+
+def test_the_command_offers_the_platforms_of_the_table() -> None:
+    assert [*UNIT_PLATFORM_NAMES] == UNIT_PLATFORMS
+
+
+@pytest.mark.parametrize("name", [name for name in UNIT_PLATFORMS if name != platform_name()])
+def test_a_missing_linker_of_a_platform_is_told_with_its_packages(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = SHIPPED_PLATFORMS[name]
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = run_trainer("export-fmu", "bb2.fmu", "--platform", name, cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"trainer: export-fmu, {name}: there is no {target.compiler!r} here. "
+        f"Debian and Ubuntu: apt install {target.packages}\n"
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_machine_that_no_unit_is_for_is_told_the_platforms(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.boat.export.fmu.platform_name", lambda: "macos-arm64")
+    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "bb2.fmu")])
+
+    assert str(done.exception) == (
+        "export-fmu: there is no unit for macos-arm64: give --platform linux-x86_64, "
+        "linux-aarch64, windows-x86_64"
+    )
