@@ -156,7 +156,7 @@ def export_fmu(file: Path, *, fmi: str, platforms: tuple[str, ...], **options: A
     \b
     Example:  trainer boat export-fmu bb2.fmu --vessel bb2
               trainer boat export-fmu bb2.fmu --sea sea-state-4 --seed 7
-              trainer boat export-fmu bb2.fmu --fmi 3 --platform all
+              trainer boat export-fmu bb2.fmu --fmi 3
 
     It is for co-simulation, with no Python inside. The bits are the trainer's. The simulator may
     choose another sea state, its direction and the seed. It needs a C compiler for each platform.
