@@ -245,7 +245,7 @@ def role_table() -> str:
 
 
 def event_table() -> str:
-    """Return the Markdown table of what happens and who hears of it, as docs/station-tables.md does."""
+    """Return the Markdown table of what happens and who hears of it."""
     lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
     for kind, (says, roles) in EVENT_KINDS.items():
         heard = "everybody" if roles == ALL_ROLES else ", ".join(roles) or "nobody else"
