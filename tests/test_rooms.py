@@ -124,7 +124,7 @@ def names_of_rooms() -> dict[str, list[str]]:
 
 
 def names_for_users(room: str) -> tuple[str, ...]:
-    """Return the names that a room hands out itself, which docs/python.md lists."""
+    """Return the names that a room hands out itself, which docs/python-names.md lists."""
     return getattr(import_module(room), "PYTHON_FACE", ())
 
 

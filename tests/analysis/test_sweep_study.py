@@ -235,7 +235,7 @@ def test_effects_are_means_at_either_end_the_widest_first() -> None:
 
 
 def test_the_page_of_the_documents_has_every_key() -> None:
-    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "sweep-keys.md").read_text(encoding="utf-8")
 
     assert TABLES["sweeps"]() in page, "renew: python -m helpers.key_tables sweeps"
 

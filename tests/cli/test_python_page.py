@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from helpers import notebooks, python_reference
-from helpers.places import TESTS, environment
+from helpers.places import ROOT, TESTS, environment
 
-PAGE = python_reference.PAGE.read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
 MOST = 100_000  # [bytes] of a notebook with its outputs
 
 
@@ -41,9 +41,9 @@ def test_the_blocks_of_the_page_run_one_after_the_other(tmp_path: Path) -> None:
 
 
 def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None:
-    reference = PAGE[PAGE.index(python_reference.HEAD) :]
+    page = python_reference.PAGE.read_text(encoding="utf-8")
 
-    assert reference == python_reference.reference(), (
+    assert page == python_reference.reference(), (
         "in the folder of the tests: python -m helpers.python_reference"
     )
 

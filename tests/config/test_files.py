@@ -158,7 +158,7 @@ def test_an_unknown_boat_is_told_the_nearest_and_all_names() -> None:
 
 
 def test_the_document_shows_the_keys_the_program_reads() -> None:
-    page = (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
     assert TABLES["vessel-files"]() in page
 
 

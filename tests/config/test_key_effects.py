@@ -166,7 +166,7 @@ def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
 
 
 def test_the_document_lists_the_documentary_keys() -> None:
-    assert documentary_list() in (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+    assert documentary_list() in (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,7 @@ def test_every_exception_is_of_a_key_that_is_there() -> None:
 
 
 def test_the_page_has_the_table_of_laws() -> None:
-    page = (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
 
     assert law_table() in page, "renew: python -m helpers.key_tables laws"
 

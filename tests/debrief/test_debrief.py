@@ -276,7 +276,7 @@ STEP = 0.5
 
 
 class Anew:
-    """The measures, from the exported rows alone, by the formulas in docs/debrief.md."""
+    """The measures, from the exported rows alone, by the formulas in docs/measures.md."""
 
     def __init__(self, kept: Kept) -> None:
         self.rows = kept.rows

@@ -407,7 +407,7 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
 
 
 def test_the_page_has_the_table_of_every_measure() -> None:
-    page = (ROOT / "docs" / "debrief.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "measures.md").read_text(encoding="utf-8")
     assert TABLES["measures"]() in page
     assert len(SCORE_MEASURES) == 24
 

@@ -209,7 +209,7 @@ def as_tokens(example: str) -> list[str]:
 
 
 def order_table() -> str:
-    """Return the Markdown table of the order words, as docs/stations.md shows it."""
+    """Return the Markdown table of the order words, as docs/station-tables.md shows it."""
     rows: dict[tuple[str, ...], list[str]] = {}
     for word, rule in ORDERS.items():
         holders = roles_with(word)
@@ -230,7 +230,7 @@ def roles_with(word: str) -> list[str]:
 
 
 def role_table() -> str:
-    """Return the Markdown table of the roles, as docs/stations.md shows it."""
+    """Return the Markdown table of the roles, as docs/station-tables.md shows it."""
     lines = ["| role | orders | sees |", "|---|---|---|"]
     for role in ROLES.values():
         own_orders = sorted(role.commands - COMMON_ORDERS)
@@ -245,7 +245,7 @@ def role_table() -> str:
 
 
 def event_table() -> str:
-    """Return the Markdown table of what happens and who hears of it, as docs/stations.md does."""
+    """Return the Markdown table of what happens and who hears of it."""
     lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
     for kind, (says, roles) in EVENT_KINDS.items():
         heard = "everybody" if roles == ALL_ROLES else ", ".join(roles) or "nobody else"
@@ -268,7 +268,7 @@ def channel_table(channel: Channel) -> str:
 
 
 def fact_table(fact: str, keys: Mapping[str, str]) -> str:
-    """Return the Markdown table of a fact's keys, as docs/stations.md shows it."""
+    """Return the Markdown table of a fact's keys, as docs/station-tables.md shows it."""
     rows = [f"| `{key}` | {says} |" for key, says in keys.items()]
     return "\n".join([f"| {fact} | is |", "|---|---|", *rows]) + "\n"
 
@@ -303,7 +303,7 @@ def obeyed_by() -> dict[str, str]:
 
 MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "orders": lambda: orders_page(obeyed_by()),  # docs/orders.md
-    "order-words": order_table,  # docs/stations.md, as the next ones
+    "order-words": order_table,  # docs/station-tables.md, as the next ones
     "roles": role_table,
     "events": event_table,
     "channels": channel_tables,  # docs/channels.md

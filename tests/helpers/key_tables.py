@@ -2,7 +2,7 @@
 
     python -m helpers.key_tables vessel-files
 
-prints the tables of docs/vessel-files.md, to be put in their place by hand; ``TABLES`` has the
+prints the tables of docs/vessel-keys.md, to be put in their place by hand; ``TABLES`` has the
 other names. Tests compare each with its document, so that the two cannot differ for long.
 """
 

@@ -1,6 +1,6 @@
-"""The reference of the Python face, made of its docstrings.
+"""The reference of the Python face, a page made of its docstrings.
 
-python -m helpers.python_reference, from the folder of the tests, writes it into the page.
+python -m helpers.python_reference, from the folder of the tests, writes the page.
 """
 
 import inspect
@@ -10,12 +10,16 @@ import trainer
 from helpers.places import ROOT
 from trainer import identify
 
-PAGE = ROOT / "docs" / "python.md"
-HEAD = "## Every name\n"
+PAGE = ROOT / "docs" / "python-names.md"
+HEAD = """\
+# Python: every name
+
+After this page you know what each public name takes and returns. [Python](python.md) has examples.
+"""
 
 
 def reference() -> str:
-    """Return the reference as Markdown, from its heading to the end of the page."""
+    """Return the reference as Markdown, the whole page."""
     own = [(f"trainer.{name}", getattr(trainer, name)) for name in trainer.__all__]
     own += [(f"trainer.identify.{name}", getattr(identify, name)) for name in identify.PYTHON_FACE]
     return "\n".join([HEAD, *(line for each in own for line in _entry(*each))]).rstrip() + "\n"
@@ -23,7 +27,7 @@ def reference() -> str:
 
 def _entry(name: str, found: object) -> Iterator[str]:
     """Yield the lines about one public name."""
-    yield f"### {name}{_signature(found)}\n"
+    yield f"## {name}{_signature(found)}\n"
     yield _text(found) + "\n"
     if found is trainer.TrainerError or not inspect.isclass(found):
         return
@@ -54,9 +58,8 @@ def _text(found: object) -> str:
 
 
 def write() -> None:
-    """Renew the reference of the page."""
-    text = PAGE.read_text(encoding="utf-8").partition(HEAD)[0]
-    PAGE.write_text(text + reference(), encoding="utf-8")
+    """Renew the page."""
+    PAGE.write_text(reference(), encoding="utf-8")
 
 
 if __name__ == "__main__":

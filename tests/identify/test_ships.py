@@ -307,7 +307,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
 
 
 def test_the_page_tells_the_keys_of_a_ship_file() -> None:
-    page = ROOT / "docs" / "nonlinear-ships.md"
+    page = ROOT / "docs" / "identification-keys.md"
 
     assert TABLES["nonlinear-ships"]() in page.read_text(encoding="utf-8")
 

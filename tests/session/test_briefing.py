@@ -262,10 +262,10 @@ def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
 
 
 def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
-    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
 
     for table in (fact_table("range", RANGE_KEYS), fact_table("exercise", EXERCISE_KEYS)):
-        assert table in page, f"docs/stations.md lacks this, from briefing.py:\n{table}"
+        assert table in page, f"docs/station-tables.md lacks this, from briefing.py:\n{table}"
 
 
 # Alerts

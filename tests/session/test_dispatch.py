@@ -66,8 +66,8 @@ def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
 
 
 def test_the_page_on_stations_has_the_table_of_order_words() -> None:
-    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
-    assert order_table() in page, f"docs/stations.md lacks this:\n{order_table()}"
+    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
+    assert order_table() in page, f"docs/station-tables.md lacks this:\n{order_table()}"
 
 
 def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:

@@ -122,6 +122,6 @@ def test_attach_tells_a_session_that_was_killed_from_one_that_ended(tmp_path: Pa
 
 
 def test_every_fact_has_its_meaning_in_the_document() -> None:
-    page = (ROOT / "docs/stations.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/station-tables.md").read_text(encoding="utf-8")
     for what, subject in sentences.FACTS.items():
         assert f"| `{what}` | {subject} |" in page

@@ -164,7 +164,7 @@ def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(ki
 
 
 def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
-    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
 
     for table in (role_table(), event_table()):
-        assert table in page, f"docs/stations.md lacks this, from roles.py:\n{table}"
+        assert table in page, f"docs/station-tables.md lacks this, from roles.py:\n{table}"

@@ -62,7 +62,7 @@ TABLE_COMMENTS: Final = {
     "[[orders]]": "What is ordered, as it is typed: `order ...` and `tell ...` go to the crew.",
     "[[casualties]]": "What breaks: names by `trainer casualties`. within_s: later, by the seed.",
     "[limits]": "The gate: what must not be passed.",
-    "[[scores]]": "How the crew is judged: measures in docs/debrief.md; full marks at full.",
+    "[[scores]]": "How the crew is judged: measures in docs/measures.md; full marks at full.",
     "[[crew]]": "What the reference crew does: at_s, when, ordered, then; docs/exercise-files.md.",
     "[planesman]": "How it works the planes; all keys in docs/exercise-keys.md.",
     "[helmsman]": "How it steers.",

@@ -99,7 +99,7 @@ def _lacks(file: VesselFile, found: Readiness) -> Iterator[MissingPart]:
         (file.autopilot, "gains: it is steered by hand", f"trainer boat gains {typed} >> {typed}"),
         (file.ballast, "[ballast]: it has no tanks, and does not surface by air", example),
         (file.wave_strips, "[wave_strips]: waves push on a usual hull of its length", example),
-        (file.free_surface, surface, "docs/vessel-files.md"),
+        (file.free_surface, surface, "docs/vessel-keys.md"),
         (file.hull.test_depth_m, "test_depth_m: none is known", "a line in [vessel]"),
         (file.hull.collapse_depth_m, "collapse_depth_m: none is known", "a line in [vessel]"),
         (file.run.periscope_depth_m, "periscope_depth_m: none is known", "a line in [run]"),

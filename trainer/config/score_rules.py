@@ -192,7 +192,7 @@ class ScoreRow:
     """One rule as it stands in the file."""
 
     name: str = required(Text(60, "what is judged, for the debrief"))
-    measure: str = required(Text(30, "one of the measures of docs/debrief.md"))
+    measure: str = required(Text(30, "one of the measures of docs/measures.md"))
     quantity: str | None = optional(Text(40, "what is measured, its unit after it: depth_m"))
     target: float | None = optional(
         Quantity("its own", VALUE_LIMITS, "where it should be; else as ordered at each moment")

@@ -2,7 +2,7 @@
 
 Units are those of the file. The coefficients are in trainer.config.coefficients. ``vessel`` reads
 files by them. Unit, limits and meaning of a key stand here once, and serve the reader, its
-messages, the JSON Schema and docs/vessel-files.md.
+messages, the JSON Schema and docs/vessel-keys.md.
 """
 
 from collections.abc import Mapping

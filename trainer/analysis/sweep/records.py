@@ -1,7 +1,7 @@
 """The tables of a study of many members: keys, units and limits.
 
 ``study`` reads files by them. Unit, limits and meaning of a key stand here once, and serve the
-reader, its messages, the JSON Schema and docs/sweeps.md.
+reader, its messages, the JSON Schema and docs/sweep-keys.md.
 """
 
 from dataclasses import dataclass
