@@ -264,6 +264,17 @@ def test_points_lie_near_each_other_only_where_somebody_orders_anything(
     assert max(gaps.values()) >= 4 * near
 
 
+def test_until_when_the_boat_could_be_saved_is_found_to_the_finest_period(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = explored("stern-plane-jam", fly_rehearsal(plan_of("stern-plane-jam")))
+    last_saved = 30 * run.finest
+    points = lambda tick: AttainablePoint(tick, 0.0, won=False, lost=tick > last_saved)  # noqa: E731
+    monkeypatch.setattr(run, "_point", points)
+
+    assert attainable_curve(run).until_saved == last_saved
+
+
 def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
     run = explored("first-depth-change", planted("first-depth-change", 20.0, "blow all"))
     (dearest, *_) = sorted(attainable_curve(run).changes, key=lambda change: change.marks)

@@ -370,7 +370,7 @@ def halve(run: RunExplorer, before: int, after: int) -> None:
     first, last, stride = run.point(before), run.point(after), run.finest
     near = after - before <= POINT_PERIODS * stride
     idle = near or not any(before <= each.tick < after for each in run.crew)
-    if abs(first.marks - last.marks) <= WORTH_MARKS and first.won == last.won and idle:
+    if abs(first.marks - last.marks) <= WORTH_MARKS and first.fate == last.fate and idle:
         return
     middle = before + stride * ((after - before) // stride // 2)
     if middle > before and middle in run.departures:

@@ -50,6 +50,11 @@ class AttainablePoint:
     lost: bool
     card: Scorecard | None = None  # of that run
 
+    @property
+    def fate(self) -> tuple[bool, bool]:
+        """Return whether the exercise is won, and whether it is lost."""
+        return self.won, self.lost
+
 
 @dataclass(frozen=True)
 class MarkStretch:

@@ -49,7 +49,10 @@ def until_words(curve: AttainableCurve, step: float) -> str:
         sentences.append("To its end nothing was lost that decides the exercise.")
     if curve.finest * step >= 2.0 * FINEST_PERIOD_S:
         near, far = (f"{each * curve.finest * step:g} s" for each in (1, POINT_PERIODS))
-        sentences.append(f"The run is long: a point each {far}, and down to {near} at a change.")
+        sentences.append(
+            f"The run is long: where orders are given a point each {far}, and down to {near} at a "
+            "change."
+        )
     return " ".join(sentences)
 
 
