@@ -67,6 +67,16 @@ class Caller:
             raise GoneError(str(error)) from None
         raise GoneError("the session has closed the line")
 
+    def hear(self) -> None:
+        """Wait for the next line that the session says by itself, and keep it."""
+        try:
+            text = self._lines.readline()
+        except OSError as error:
+            raise GoneError(str(error)) from None
+        if not text:
+            raise GoneError("the session has closed the line")
+        self._take(parse_sentence(text), "")
+
     @property
     def tick(self) -> int:
         """Return the latest tick that the session has told."""

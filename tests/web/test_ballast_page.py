@@ -25,6 +25,8 @@ from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
+from trainer.web.modules import ASSETS_FOLDER
+
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
 
@@ -142,6 +144,46 @@ def test_switches_show_what_stands_and_what_is_ordered(
     shut = page.locator("[data-lever=aft] [data-position=shut]")
     expect(shut).to_have_attribute("data-stands", "")
     expect(shut).to_have_attribute("aria-checked", "true")
+
+
+# A control of a page gives orders, and hears answers and readings, in the order of these lines.
+WANTED: Final = """async (lines) => {
+  const { Pending } = await import("/assets/js/model/pending.js");
+  const latest = new Map();
+  const session = { on: () => {}, readings: { latest } };
+  const pending = new Pending(session, "valves");
+  const shown = [];
+  let stands = "";
+  for (const line of lines) {
+    const [what, value] = line.split(" ");
+    if (what === "give") pending.give("lever", value);
+    if (what === "obeyed") pending.answered("lever", true);
+    if (what === "reading") latest.set("valves", { tick: 7 });
+    if (what === "reading") stands = value;
+    shown.push(pending.resolve("lever", stands));
+  }
+  return shown;
+}"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "shown"),
+    [
+        ("reading shut, give vent, obeyed, reading vent, reading shut", "shut"),
+        ("reading shut, give vent, reading vent, obeyed, reading shut", "shut"),
+        ("reading shut, give vent, reading shut, obeyed, reading shut", "vent"),
+        ("reading shut, give vent, give shut, reading shut, obeyed, obeyed", "shut"),
+        ("reading vent, give shut, give vent, reading vent, obeyed, obeyed, reading shut", "vent"),
+    ],
+    ids=["answer first", "reading first", "an older reading", "two", "back and forth"],
+)
+def test_a_switch_shows_an_order_until_a_reading_knows_it_and_then_what_stands(
+    look: Look, shared: Served, lines: str, shown: str
+) -> None:
+    page = open_ballast(look, shared)
+    pending = ASSETS_FOLDER / "js/model/pending.js"  # which is bundled on the page
+    page.route("**/model/pending.js", lambda asked: asked.fulfill(path=pending))
+    assert page.evaluate(WANTED, lines.split(", "))[-1] == shown
 
 
 def test_arrow_keys_move_a_switch_by_one_position(

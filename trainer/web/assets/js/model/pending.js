@@ -4,9 +4,11 @@ const LAST = 3; // readings, or ticks, after an answer: the first may still be o
 
 /**
  * @typedef {string | number} Value
+ * @typedef {import("./readings.js").Reading | undefined} Shown
  * @typedef {{ value: Value, unanswered: number, given: number, answered: number, seen: number,
- *   reading: import("./readings.js").Reading | undefined }} Wanted
- * `given` and `answered` are the ticks that were shown then, `seen` the readings since.
+ *   before: Shown, reading: Shown }} Wanted
+ * `given` and `answered` are the ticks that were shown then, `seen` the readings since the answer.
+ * `before` is what was shown when it was given, undefined behind another order without answer.
  */
 
 /** The orders of one page that one channel will show. */
@@ -34,8 +36,9 @@ export class Pending {
   give(name, value) {
     const unanswered = (this.wanted.get(name)?.unanswered ?? 0) + 1;
     const given = this.reading?.tick ?? 0;
+    const before = unanswered > 1 ? undefined : this.reading;
     const none = { answered: given, seen: 0, reading: undefined };
-    this.wanted.set(name, { value, unanswered, given, ...none });
+    this.wanted.set(name, { value, unanswered, given, before, ...none });
   }
 
   /** Takes the answer to an order: what is refused is forgotten. @param {string} name @param {boolean} obeyed */
@@ -68,7 +71,8 @@ export class Pending {
     if (reading !== wanted.reading) wanted.seen += 1;
     wanted.reading = reading;
     const tick = reading?.tick ?? 0;
-    const told = wanted.seen > 0 && wanted.value === stands;
+    const early = wanted.before !== undefined && reading !== wanted.before; // before its answer
+    const told = (wanted.seen > 0 || early) && wanted.value === stands;
     const late = wanted.seen >= LAST || tick > wanted.answered + LAST || tick < wanted.given;
     if (!told && !late) return /** @type {T} */ (wanted.value);
     this.wanted.delete(name);

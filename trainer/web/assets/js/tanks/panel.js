@@ -36,7 +36,7 @@ export class TankPanel {
   constructor(session, give) {
     this.session = session;
     this.give = give;
-    this.pending = new Pending(session, "tanks");
+    this.pending = new Pending(session, "valves"); // a page asks for it behind tanks and air
     this.mimic = /** @type {any} */ (one("tank-mimic"));
     this.listen();
   }
