@@ -40,6 +40,7 @@ OWN_FILE_EXAMPLES: Final = {  # what one of a kind is called, and an example of 
     "studies": ("study", "./study.toml"),
     "vessels": ("vessel", "./boat.toml"),
 }
+CHOOSING_OPTIONS: Final = {"seas": "--sea", "vessels": "--vessel"}
 
 # exercises that lead a trainee step by step lie in a folder of their own
 LESSONS_FOLDER: Final = "lessons"
@@ -124,8 +125,12 @@ def quote(value: object) -> str:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
-    by_fold = {word.casefold(): word for word in known}
-    match = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.6)
+    typed, by_fold = name.casefold(), {word.casefold(): word for word in known}
+    match = get_close_matches(typed, by_fold, n=1, cutoff=0.6)
+    if not match:  # the beginning of a longer name
+        beginnings = {word[: len(typed)]: word for word in reversed(by_fold)}
+        begun = get_close_matches(typed, beginnings, n=1, cutoff=0.75)
+        match = [beginnings[each] for each in begun]
     return f"; nearest is {by_fold[match[0]]}" if match else ""
 
 
@@ -228,11 +233,19 @@ def path_named(name_or_path: str, kind: str) -> Path:
     names = shipped_names(_folder_of(kind, name_or_path))
     if name_or_path not in names:
         one, example = OWN_FILE_EXAMPLES[kind]
+        near = nearest(name_or_path, names) or _as_another_kind(name_or_path)
         raise ConfigError(
-            f"no {one} {quote(name_or_path)}{nearest(name_or_path, names)}; "
+            f"no {one} {quote(name_or_path)}{near}; "
             f"shipped: {', '.join(names)}; give a file of your own as a path, such as {example}"
         )
     return shipped_path(kind, name_or_path)
+
+
+def _as_another_kind(name: str) -> str:
+    """Return what a name stands for elsewhere, and the option for it; "" for nothing."""
+    found = (kind for kind in CHOOSING_OPTIONS if name in shipped_names(kind))
+    kinds = (f"{OWN_FILE_EXAMPLES[kind][0]} ({CHOOSING_OPTIONS[kind]} {name})" for kind in found)
+    return "".join(f"; that is a {each}" for each in kinds)
 
 
 def relative_name(path: Path, name: str) -> str:
