@@ -5,7 +5,9 @@
 
    A line of the script is a kind, a value reference and a value, of a variable that is set: r real,
    i whole, b true or false; or g, to go out of the initialization; or s, a count and a size, of
-   steps. The serialised state goes to the file STATE, what is refused to standard output. */
+   steps; or k, its size in bytes and its time, for the state kept in the file STATE by an earlier
+   run, to go on from. In the end the serialised state goes to that file, what is refused to
+   standard output. */
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -23,6 +25,7 @@
 
 #if VERSION == 2
 #define STATE_WORD "state"
+#define DESERIALIZE_NAME "DeSerializeFMUstate"
 #define REAL_WORD "Real"
 #define INTEGER_WORD "Integer"
 typedef int truth;
@@ -33,6 +36,7 @@ static void tell(void *host, const char *name, int status, const char *category,
 }
 #else
 #define STATE_WORD "State"
+#define DESERIALIZE_NAME "DeserializeFMUState"
 #define REAL_WORD "Float64"
 #define INTEGER_WORD "Int32"
 typedef bool truth;
@@ -63,6 +67,7 @@ int main(int count, char **words)
     double now = 0.0, value;
     char kind;
     unsigned reference;
+    void *kept = NULL;
     if (count != 4 || !(library = OPEN(words[1])))
         return 2;
 #if VERSION == 2
@@ -89,6 +94,15 @@ int main(int count, char **words)
             status = CALL(int, "SetBoolean", boat, &reference, one, &truth_value, one);
         if (kind == 'g')
             status = CALL(int, "ExitInitializationMode", boat);
+        if (kind == 'k') {
+            char *bytes = malloc(reference);
+            FILE *file = fopen(words[3], "rb");
+            if (!bytes || !file || fread(bytes, 1, reference, file) != reference || fclose(file))
+                return 7;
+            status = CALL(int, DESERIALIZE_NAME, boat, bytes, (size_t)reference, &kept) ||
+                     CALL(int, "SetFMU" STATE_WORD, boat, kept);
+            now = value;
+        }
         for (unsigned i = 0; kind == 's' && i < reference && !status; i++, now += value) {
 #if VERSION == 2
             status = CALL(int, "DoStep", boat, now, value, 1);
@@ -102,7 +116,6 @@ int main(int count, char **words)
         if (status)
             return 4;
     }
-    void *kept = NULL;
     size_t size;
     if (CALL(int, "GetFMU" STATE_WORD, boat, &kept) ||
         CALL(int, "SerializedFMU" STATE_WORD "Size", boat, kept, &size))

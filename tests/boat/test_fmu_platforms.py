@@ -66,8 +66,13 @@ def library_path(folder: Path, name: str, version: int) -> Path:
     return folder / "binaries" / place / f"trainer_bb2{ending}"
 
 
-def script_of_run(unit: Unit, start: dict[str, float]) -> str:
-    """Return the run by orders in the host's words."""
+def script_of_run(
+    unit: Unit, start: dict[str, float], begin: int = 0, end: int = TICKS, kept: int = 0
+) -> str:
+    """Return the run by orders in the host's words, from a tick to a later one.
+
+    ``kept`` is the size [bytes] of a state of the first tick that it goes on from; 0: it starts.
+    """
     lines = []
 
     def add(values: dict[str, float]) -> None:
@@ -77,11 +82,53 @@ def script_of_run(unit: Unit, start: dict[str, float]) -> str:
 
     add(start)
     lines.append("g 0 0")
+    if kept:
+        lines.append(f"k {kept} {begin * 0.5!r}")
     ends = [at for at, *_ in ORDERS[1:]] + [TICKS]
-    for (at, _, values), end in zip(ORDERS, ends, strict=True):
-        add(values)
-        lines.append(f"s {end - at} 0.5")
+    for (at, _, values), until in zip(ORDERS, ends, strict=True):
+        if begin <= at < end:
+            add(values)
+        if (count := min(until, end) - max(at, begin)) > 0:
+            lines.append(f"s {count} 0.5")
     return "\n".join(lines) + "\n"
+
+
+def sail_unit(name: str, unit: Unit, folder: Path, script: str, state: str = "state") -> bytes:
+    """Return the state after a script, by the library for a platform in an unpacked unit."""
+    own = name == platform_name()
+    compiler = shlex.split("cc" if own else SHIPPED_PLATFORMS[name].compiler)
+    host = folder / f"host-{name}.exe"
+    compiler = [*compiler, f"-DVERSION={unit.version}"]
+    subprocess.run([*compiler, "-o", str(host), str(HOST)], check=True)
+    library = library_path(folder, name, unit.version).relative_to(folder)
+    words = [f"./{host.name}", str(library), unit.guid.decode(), state]
+    environment = dict(os.environ)
+    if not own:
+        machine = MACHINES[name]
+        words = [installed(machine.program, machine.packages), *machine.words, *words]
+        environment |= dict(machine.environment) | {"WINEPREFIX": str(folder / "wine")}
+    flown = subprocess.run(
+        words,
+        input=script.encode(),
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        check=False,
+        timeout=300,
+    )
+    assert flown.returncode == 0, flown.stdout.decode() + flown.stderr.decode()
+    return (folder / state).read_bytes()
+
+
+def state_of_trainer() -> bytes:
+    """Return the boat's record after the run by orders, as the trainer flies it."""
+    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
+    for tick in range(TICKS):
+        for at, text, _ in ORDERS:
+            if at == tick:
+                obey(boat, text)
+        boat.tick()
+    return bytes(boat.records.state.tobytes())
 
 
 @pytest.mark.slow
@@ -91,43 +138,33 @@ def test_a_library_for_another_platform_sails_the_trainers_bits(
     name: str, version: int, tmp_path: Path
 ) -> None:
     need_linkers(name)
-    machine = MACHINES[name]
-    program = installed(machine.program, machine.packages)
     export_for(tmp_path / "bb2.fmu", str(version), platform_name(), name)
     unit = unpack(tmp_path / "bb2.fmu", tmp_path)
-    host, state = tmp_path / "host.exe", tmp_path / "state"
-    compiler = [*shlex.split(SHIPPED_PLATFORMS[name].compiler), f"-DVERSION={version}"]
-    subprocess.run([*compiler, "-o", str(host), str(HOST)], check=True)
-    script = script_of_run(unit, {"sea_state": 4, "seed": 7})
-    library = library_path(tmp_path, name, version)
 
-    flown = subprocess.run(
-        [
-            program,
-            *machine.words,
-            host.name,
-            str(library.relative_to(tmp_path)),
-            unit.guid,
-            "state",
-        ],
-        input=script.encode(),
-        cwd=tmp_path,
-        env=os.environ | dict(machine.environment) | {"WINEPREFIX": str(tmp_path / "wine")},
-        capture_output=True,
-        check=False,
-        timeout=300,
-    )
+    state = sail_unit(name, unit, tmp_path, script_of_run(unit, {"sea_state": 4, "seed": 7}))
 
-    assert flown.returncode == 0, flown.stdout.decode() + flown.stderr.decode()
-    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
-    for tick in range(TICKS):
-        for at, text, _ in ORDERS:
-            if at == tick:
-                obey(boat, text)
-        boat.tick()
-    numbers = state.read_bytes()[GUID_BYTES : GUID_BYTES + STATE.itemsize]
-    assert numbers == boat.records.state.tobytes()
-    assert state.read_bytes()[: len(unit.guid)] == unit.guid
+    assert state[GUID_BYTES : GUID_BYTES + STATE.itemsize] == state_of_trainer()
+    assert state[: len(unit.guid)] == unit.guid
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_state_of_one_platform_goes_on_at_another_and_comes_back(
+    name: str, version: int, tmp_path: Path
+) -> None:
+    need_linkers(name)
+    export_for(tmp_path / "bb2.fmu", str(version), platform_name(), name)
+    unit = unpack(tmp_path / "bb2.fmu", tmp_path)
+    sea: dict[str, float] = {"sea_state": 4, "seed": 7}
+    kept = b""
+    parts = (platform_name(), 0, 301), (name, 301, 777), (platform_name(), 777, TICKS)
+
+    for place, begin, end in parts:
+        start: dict[str, float] = {} if kept else sea
+        kept = sail_unit(place, unit, tmp_path, script_of_run(unit, start, begin, end, len(kept)))
+
+    assert kept[GUID_BYTES : GUID_BYTES + STATE.itemsize] == state_of_trainer()
 
 
 @pytest.mark.slow
