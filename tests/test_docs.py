@@ -64,7 +64,7 @@ SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of 
     *("report-1969.md", "recordings.md", "sweeps.md", "boat-by-mail.md", "own-hull.md"),
     *("reduction.md", "debrief.md", "engineer.md", "identification.md", "report-1974.md"),
     *("vessel-files.md", "exercises.md", "exercise-files.md", "validation.md"),
-    *("identification-records.md", "steering.md", "guide.md"),
+    *("identification-records.md", "steering.md", "guide.md", "ship-trials.md"),
 }
 CASES = [
     pytest.param(

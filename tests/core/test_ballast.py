@@ -761,8 +761,9 @@ def test_a_wrong_arrangement_is_refused_with_the_place(old: str, new: str, messa
 
 def test_the_document_shows_the_keys_and_the_fields() -> None:
     text = (ROOT / "docs" / "ballast.md").read_text(encoding="utf-8")
+    keys = (ROOT / "docs" / "ballast-keys.md").read_text(encoding="utf-8")
 
-    assert TABLES["ballast"]() in text
+    assert TABLES["ballast"]() in keys
     for name in (*BLOWN_TANKS, *PUMPED_TANKS):
         assert f"`{name}`" in text
 

@@ -870,10 +870,11 @@ def test_the_list_is_narrow_and_complete() -> None:
 
 def test_the_manual_has_every_key_kind_and_quantity_and_its_examples_load() -> None:
     manual = (ROOT / "docs" / "casualties.md").read_text(encoding="utf-8")
+    tables = (ROOT / "docs" / "casualty-tables.md").read_text(encoding="utf-8")
     examples = re.findall(r"```toml\n(\[casualty.*?)```", manual, re.DOTALL)
     conditions = re.findall(r"`([a-z_]+ [<>]=? [^`]+)`", manual)
 
-    assert all(TABLES[name]() in manual for name in CASUALTY_TABLES)
+    assert all(TABLES[name]() in tables for name in CASUALTY_TABLES)
     assert len(examples) >= 1
     for example in examples:
         parse_casualties(example, Path("example.toml"), load_casualties())

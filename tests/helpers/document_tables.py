@@ -274,7 +274,7 @@ def fact_table(fact: str, keys: Mapping[str, str]) -> str:
 
 
 def sentence_table() -> str:
-    """Return the table of the sentences, as docs/nmea.md shows it."""
+    """Return the table of the sentences, as docs/nmea-sentences.md shows it."""
     rows = ["| sentence | tells | fields | source |", "|---|---|---|---|"]
     rows += [
         f"| `{sentence_heading(instrument)}` | {instrument.says} | {'; '.join(instrument.fields)} "
@@ -310,7 +310,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "range-keys": lambda: fact_table("range", RANGE_KEYS),
     "exercise-keys": lambda: fact_table("exercise", EXERCISE_KEYS),
     "keys": key_tables,  # docs/keys.md
-    "nmea": sentence_table,  # docs/nmea.md
+    "nmea": sentence_table,  # docs/nmea-sentences.md
 }
 
 if __name__ == "__main__":

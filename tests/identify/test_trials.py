@@ -34,8 +34,9 @@ from trainer.identify.ships.trials import (
 )
 from trainer.units import KNOT
 
-PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
-KNOWN_TEXT = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[1]
+PAGE = (ROOT / "docs" / "ship-trials.md").read_text(encoding="utf-8")
+SHIPS_PAGE = (ROOT / "docs" / "nonlinear-ships.md").read_text(encoding="utf-8")
+KNOWN_TEXT = re.findall(r"```toml\n(.*?)```", SHIPS_PAGE, re.DOTALL)[1]
 SENSORS = Sensors(sway_kn=0.04, yaw_rate_deg_s=0.006, heading_deg=0.03)
 OPTIONS = TrialOptions(
     zigzag=(20.0, 20.0),

@@ -582,7 +582,7 @@ def test_words_for_people_are_not_sent_to_instruments() -> None:
 
 
 def test_the_documents_table_is_the_one_that_is_sent() -> None:
-    page = (ROOT / "docs" / "nmea.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "nmea-sentences.md").read_text(encoding="utf-8")
     assert sentence_table() in page, "renew: python -m helpers.document_tables nmea"
     for line in nmea_page.sample(load_vessel("bb2")):
         assert line in page, "renew: trainer dev instruments --sample"

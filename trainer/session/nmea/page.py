@@ -22,7 +22,7 @@ from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
-SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # fixed, so that docs/nmea.md stays
+SAMPLE_TIME: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # fixed: docs/nmea-sentences.md stays
 
 
 def page() -> str:
