@@ -569,7 +569,7 @@ def test_what_cannot_be_flown_is_refused(words: list[str], wrong: str) -> None:
 
 
 def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
-    done = ask(manoeuvre, "meander", "remus100")
+    done = ask(manoeuvre, "meander", "remus100", "--speed", "4.5")
 
     assert done.exit_code == 1
     assert "LOST: pitch is" in done.output

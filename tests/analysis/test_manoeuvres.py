@@ -227,7 +227,7 @@ def test_a_speed_that_is_kept_is_kept_in_a_turn() -> None:
 
 def test_a_boat_that_loops_is_lost_and_says_when() -> None:
     flight = fly_manoeuvre(
-        boat_of("remus100"), adjust_manoeuvre("meander", boat_of("remus100"), {}), 3.0 * KNOT
+        boat_of("remus100"), adjust_manoeuvre("meander", boat_of("remus100"), {}), 4.0 * KNOT
     )
 
     assert flight.lost.startswith("pitch is 8")

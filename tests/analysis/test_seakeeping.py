@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from trainer.analysis.guide.programme import Leg, guide_legs, own_method
+from trainer.analysis.guide.verdicts import allowed_multiple
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions, fly_boat, render
@@ -18,7 +19,7 @@ from trainer.analysis.manoeuvres.seakeeping import (
     wave_number,
 )
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.analysis.reduce.objective import Candidate, Yardstick, allowed_multiple
+from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel

@@ -10,9 +10,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.analysis.guide.programme import Leg, guide_legs
-from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, Judgement
+from trainer.analysis.guide.verdicts import (
+    BEYOND_TOLERANCE,
+    MAX_DIFFERENCE,
+    Judgement,
+    allowed_multiple,
+)
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
-from trainer.analysis.reduce.objective import MAX_DIFFERENCE, Candidate, Yardstick, allowed_multiple
+from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
 from trainer.config.vessel import VesselFile

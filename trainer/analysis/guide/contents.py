@@ -18,6 +18,7 @@ from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
 from trainer.analysis.guide.delays import DelaySheet, measure_delays
 from trainer.analysis.guide.findings import Finding, StepRun
+from trainer.analysis.guide.neighbours import set_apart
 from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
 from trainer.analysis.guide.trials import Published, load_published, numbers_digest, trials_path
 from trainer.analysis.guide.uncertainty import SpreadTable, load_spreads
@@ -29,6 +30,7 @@ from trainer.analysis.guide.validation import (
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
     NOT_JUDGED,
+    UNDETERMINED,
     WITHIN_TOLERANCE,
     Judgement,
     judge,
@@ -216,7 +218,10 @@ def _sheet(file: VesselFile, leg: Leg, flown: FlightTable) -> LegSheet:
         other = flights[equations]
         if not isinstance(full, str) and not isinstance(other, str):
             found = judge(leg.manoeuvre, full, other)
-            judgements[equations] = keep_checks(found, leg.checks) if leg.checks else found
+            kept = keep_checks(found, leg.checks) if leg.checks else found
+            if equations == VERDICT_SET:
+                kept = set_apart(file, leg, full, kept)
+            judgements[equations] = kept
     problems = {each: flight for each, flight in flights.items() if isinstance(flight, str)}
     return LegSheet(leg.title, leg.name, manoeuvre_parameters(leg.manoeuvre), problems, judgements)
 
@@ -227,6 +232,10 @@ def tally_set(guide: Guide, equations: str) -> dict[str, Any]:
     return {
         "within": sum(sheet.counted(equations, WITHIN_TOLERANCE) for sheet in sheets),
         "beyond": sum(sheet.counted(equations, BEYOND_TOLERANCE) for sheet in sheets),
-        "shown": sum(sheet.counted(equations, NOT_JUDGED) for sheet in sheets),
+        "shown": sum(
+            sheet.counted(equations, verdict)
+            for sheet in sheets
+            for verdict in (NOT_JUDGED, UNDETERMINED)
+        ),
         "manoeuvres": verdict_account([sheet.passed(equations) for sheet in sheets]),
     }

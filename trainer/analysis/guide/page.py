@@ -133,7 +133,9 @@ def overview(guide: Guide) -> Markup:
         "change, swings 5 % of the first peak, zero crossings 5 s; phase is not judged. Events are "
         "seen at the starts of cycles: a reduced set is flown beside the full one and takes its "
         "time of an event that its own is not more than a cycle from. Where the full set itself is "
-        "lost nothing is judged."
+        "lost nothing is judged; nor is a number of the modified set, beyond by its own "
+        "difference, which the full set itself moves beyond when one row of its coefficients "
+        "changes by 1 %."
     )
     paragraphs = map(paragraph, (*totals, words))
     return section("overview", CHAPTER_TITLES["overview"], *paragraphs, table(heads, rows))

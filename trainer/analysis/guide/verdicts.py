@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
+import numpy as np
+
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT, Measure
 from trainer.analysis.programs.compare import compare_runs
@@ -19,6 +21,8 @@ from trainer.analysis.programs.compare import compare_runs
 WITHIN_TOLERANCE: Final = "within"
 BEYOND_TOLERANCE: Final = "BEYOND"
 NOT_JUDGED: Final = "not judged"
+UNDETERMINED: Final = "not determined"  # by the hull's own coefficients: ``neighbours``
+MAX_DIFFERENCE: Final = 10.0  # [-] of what is allowed: a difference beyond this counts as this
 LOST_QUANTITY, CHANGE_PREFIX = "flown, without being lost, to", "change of "
 RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
 TURN_RATES: Final = ("p", "q", "r")
@@ -82,7 +86,7 @@ class Judgement:
     full: float | None
     other: float | None
     allowed: float | None
-    verdict: str  # WITHIN_TOLERANCE, BEYOND_TOLERANCE or NOT_JUDGED
+    verdict: str  # WITHIN_TOLERANCE, BEYOND_TOLERANCE, NOT_JUDGED or UNDETERMINED
 
     @property
     def difference(self) -> float | None:
@@ -90,6 +94,14 @@ class Judgement:
         if self.full is None or self.other is None:
             return None
         return self.other - self.full
+
+
+def allowed_multiple(one: Judgement) -> float:
+    """Return a difference as a multiple of what is allowed [-]. A lacking number counts as 0."""
+    if not one.allowed or one.full is None:
+        return MAX_DIFFERENCE
+    other = 0.0 if one.other is None else one.other
+    return float(np.clip((other - one.full) / one.allowed, -MAX_DIFFERENCE, MAX_DIFFERENCE))
 
 
 def verdict_account(verdicts: Sequence[bool | None]) -> str:

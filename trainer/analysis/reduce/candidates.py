@@ -5,7 +5,7 @@ A candidate is a compact set that the search tries: the full set's coefficients 
 leg, so they are spread over processes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final, Self
@@ -47,6 +47,8 @@ class CandidatePool:
     def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
         """Start ``cores`` processes for the boat in the file at ``path``, to fly ``legs``."""
         self.legs = legs
+        yardstick = Yardstick(load_vessel(str(path)), legs)
+        self.rows, self._determined = yardstick.rows, yardstick.determined
         self._fly = partial(_differences, path, equations, legs)
         self._cores = cores
         self._pool = worker_pool(cores) if cores > 1 else None
@@ -61,11 +63,16 @@ class CandidatePool:
             self._pool.shutdown(cancel_futures=True)
 
     def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
-        """Return the differences of several candidates by row, in the order of the candidates."""
+        """Return the differences of several candidates by row, in the order of the candidates.
+
+        A number that the hull's own coefficients do not determine has the difference 0.
+        """
         if self._pool is None or len(several) == 1:
-            return list(map(self._fly, several))
-        chunk = max(1, min(CHUNK_FLIGHTS, len(several) // self._cores))
-        return list(self._pool.map(self._fly, several, chunksize=chunk))
+            flown: Iterable[Numbers] = map(self._fly, several)
+        else:
+            chunk = max(1, min(CHUNK_FLIGHTS, len(several) // self._cores))
+            flown = self._pool.map(self._fly, several, chunksize=chunk)
+        return [self._determined * differences for differences in flown]
 
     def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
         """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""

@@ -7,12 +7,15 @@ A difference counts as a multiple of what is allowed, so that metres and degrees
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from trainer.analysis.guide.neighbours import neighbour_moves, set_apart
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.guide.verdicts import Judgement, judge
+from trainer.analysis.guide.verdicts import MAX_DIFFERENCE, Judgement, allowed_multiple, judge
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.boat.assemble import Method, body_values, thrust_rows
@@ -35,7 +38,6 @@ CONTROL_COEFFICIENTS: Final = (
 # waves, which push all of the mass that the hull carries along.
 ADDED_MASSES: Final = tuple(term for term in COMPACT_TERMS if term.endswith("dot"))
 FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db", *ADDED_MASSES)
-MAX_DIFFERENCE: Final = 10.0  # [-] a difference beyond this counts as this
 
 
 def compact_terms(file: VesselFile, equations: str) -> tuple[str, ...]:
@@ -99,6 +101,7 @@ class Yardstick:
 
     def __init__(self, file: VesselFile, legs: Sequence[Leg]) -> None:
         """Fly the legs; those that the full set cannot start are left out."""
+        self._file = file
         self._flights = dict(_fly_legs(file, legs))
         self.rows = tuple(
             JudgedNumber(leg.title, one.quantity)
@@ -113,8 +116,31 @@ class Yardstick:
         """Return the legs that the full set flies."""
         return tuple(self._flights)
 
-    def judged(self, candidate: Candidate) -> Iterator[tuple[Leg, tuple[Judgement, ...]]]:
-        """Yield each leg with its judgements: none if the candidate cannot start it."""
+    @cached_property
+    def determined(self) -> NDArray[np.bool_]:
+        """Return by row whether the hull's own coefficients determine the number.
+
+        Twelve neighbours of the full set fly every leg for it.
+        """
+        moves = {
+            JudgedNumber(leg.title, quantity): move
+            for leg, full in self._flights.items()
+            for quantity, move in neighbour_moves(self._file, leg, full).items()
+        }
+        return np.array([moves.get(row, 0.0) <= 1.0 for row in self.rows])
+
+    def judged(
+        self, candidate: Candidate, share: float = 1.0
+    ) -> Iterator[tuple[Leg, tuple[Judgement, ...]]]:
+        """Yield each leg with its judgements: none if the candidate cannot start it.
+
+        What is beyond ``share`` of what is allowed, and not determined, is set apart.
+        """
+        for leg, judgements in self._compared(candidate):
+            yield leg, set_apart(self._file, leg, self._flights[leg], judgements, share)
+
+    def _compared(self, candidate: Candidate) -> Iterator[tuple[Leg, tuple[Judgement, ...]]]:
+        """Yield each leg with the judgements of all its numbers."""
         for leg, full in self._flights.items():
             try:
                 other = candidate.fly(leg, full)
@@ -126,20 +152,12 @@ class Yardstick:
     def differences(self, candidate: Candidate) -> Numbers:
         """Return candidate less full by row, as multiples of what is allowed [-]."""
         differences = np.full(len(self.rows), MAX_DIFFERENCE)
-        for leg, judgements in self.judged(candidate):
+        for leg, judgements in self._compared(candidate):
             for one in judgements:
                 place = self._places.get(JudgedNumber(leg.title, one.quantity))
                 if place is not None:
                     differences[place] = allowed_multiple(one)
         return differences
-
-
-def allowed_multiple(one: Judgement) -> float:
-    """Return a difference as a multiple of what is allowed [-]. A lacking number counts as 0."""
-    if not one.allowed or one.full is None:
-        return MAX_DIFFERENCE
-    other = 0.0 if one.other is None else one.other
-    return float(np.clip((other - one.full) / one.allowed, -MAX_DIFFERENCE, MAX_DIFFERENCE))
 
 
 def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:

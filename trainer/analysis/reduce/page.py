@@ -100,5 +100,18 @@ def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
         # all that fail, else the one that comes closest to failing
         for one in failed or sorted(judged, key=lambda each: -each.worst)[:1]:
             yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
-        if unjudged := "; ".join(one.leg for one in of_part if not one.judged):
+        for one in of_part:
+            if one.undetermined:
+                told = ", ".join(one.undetermined)
+                yield from wrap(f"{one.leg}: not judged, not determined (below): {told}")
+        if unjudged := "; ".join(
+            one.leg for one in of_part if not one.judged and not one.undetermined
+        ):
             yield from wrap(f"not judged, the full set is lost or cannot start: {unjudged}")
+    if apart := sum(len(one.undetermined) for one in checked):
+        yield from wrap(
+            f"{apart} numbers are not determined: one row of the hull's own coefficients, 1 % "
+            "larger or smaller, moves them by more than is allowed",
+            "",
+            "  ",
+        )

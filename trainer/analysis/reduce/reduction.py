@@ -233,11 +233,12 @@ def largest_difference(
 ) -> float:
     """Return the modified set's largest difference in some legs [-].
 
-    It is a multiple of what is allowed.
+    It is a multiple of what is allowed; numbers that are not determined are left out.
     """
     candidate = Candidate(file, "modified")
     candidate.take([factors[name] for name in candidate.terms])
-    return float(abs(Yardstick(file, legs).differences(candidate)).max(initial=0.0))
+    yardstick = Yardstick(file, legs)
+    return float(abs(yardstick.determined * yardstick.differences(candidate)).max(initial=0.0))
 
 
 def _basic(

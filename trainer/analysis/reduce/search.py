@@ -202,7 +202,7 @@ class Search:
         self._fixed = fixed_terms(file)
         self._proven = np.empty(0), np.empty(0)  # factors, and their differences in the guide
         self._proof = Yardstick(file, legs_of_guide(file))
-        self._rows = Yardstick(file, pool.legs).rows
+        self._rows = pool.rows
 
     def begin(self) -> SearchState:
         """Return the state of a search that has not begun."""
@@ -263,7 +263,8 @@ class Search:
         """Return the differences in the guide's flights."""
         if not np.array_equal(factors, self._proven[0]):
             self.candidate.take(factors)
-            self._proven = factors.copy(), self._proof.differences(self.candidate)
+            differences = self._proof.determined * self._proof.differences(self.candidate)
+            self._proven = factors.copy(), differences
         return self._proven[1]
 
     def _start(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:

@@ -14,9 +14,9 @@ import numpy as np
 from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.programme import Leg, fly_all, guide_legs
 from trainer.analysis.guide.reasons import DropEffect, MeasureNames, drop_effects, tasks_without
-from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, UNDETERMINED, allowed_multiple
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
-from trainer.analysis.reduce.objective import Candidate, Yardstick, allowed_multiple
+from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.programme import flyable_legs, holdout_legs, turn_legs
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -52,6 +52,7 @@ class LegVerdict:
     beyond: int
     worst: float  # [-] of what is allowed
     quantity: str  # that is the worst
+    undetermined: tuple[str, ...] = ()  # beyond, but not determined by the hull: not judged
 
     @property
     def passed(self) -> bool | None:
@@ -79,7 +80,7 @@ def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[LegVerd
     for leg in wanted:
         if leg not in yardstick.legs:
             yield LegVerdict(part, leg.title, 0, 0, 0.0, "")
-    for leg, judgements in yardstick.judged(candidate):
+    for leg, judgements in yardstick.judged(candidate, share):
         if not judgements:
             yield LegVerdict(part, leg.title, 1, 1, float("inf"), "it cannot start")
             continue
@@ -89,7 +90,8 @@ def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[LegVerd
         sizes |= {one.quantity: float("inf") for one in lost}
         worst = max(sizes, key=lambda name: sizes[name], default="")
         beyond = sum(size > 1.0 for size in sizes.values())
-        yield LegVerdict(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst)
+        apart = tuple(one.quantity for one in judgements if one.verdict == UNDETERMINED)
+        yield LegVerdict(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst, apart)
 
 
 def passes_legs(checked: Sequence[LegVerdict]) -> bool:
