@@ -639,6 +639,26 @@ def test_a_set_is_sent_at_its_rate_and_the_last_again_after_a_second_of_silence(
     assert subscription.wait(picture(1), 11.0) == 0.0
 
 
+def test_in_a_freeze_the_last_set_is_due_again_though_nothing_is_offered() -> None:
+    boat, sent = under_way(), []  # type: ignore[var-annotated]
+
+    class Reader:
+        def send(self, line: str) -> None:
+            sent.append(line)
+
+    class Set:
+        def lines(self, _frame: object) -> list[str]:
+            return ["a set"]
+
+    roster = Roster(StateReader(boat, Ledger(0.5).summary))
+    roster.add(SteadySubscription(Reader(), "nmea", 2.0, Set()))
+    still = Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace(frozen=True))
+    now = 10.0
+    for _ in range(3):
+        now += roster.serve(still, now)
+    assert (sent, now) == (3 * ["a set"], pytest.approx(13.0))
+
+
 def test_time_and_date_go_on_from_when_the_recording_was_begun(
     on_deck: Callable[..., Deck], tmp_path: Path
 ) -> None:

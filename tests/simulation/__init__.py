@@ -17,7 +17,8 @@ modules while a session is played. Only what is listed there can be replaced; ``
 reads the product's syntax trees and refuses another clock, thread or socket.
 
 **A script** (``script``) is all that happens to one session, as data: the exercise, its stations
-with every line that they send and when, what befalls the disk, and how each process ends: killed,
+with every line that they send and when, by a socket or by a serial cable (``wires``), instruments
+(``instruments``), what befalls the disk and the time of day, and how each process ends: killed,
 without power, or by a signal. A seed draws a script. A script can be written to a file, read back
 and made smaller, which a seed cannot.
 

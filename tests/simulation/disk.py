@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 from simulation.machine import Machine
 
 SYNC_TIMES_S: Final = (0.001, 0.02)  # [s] that the disk takes when it is asked
+MOST_SET_S: Final = 30 * 3600.0  # [s] by which the time of day is set, ahead or back
 SLOW_SYNC_TIMES_S: Final = (0.001, 0.01, 0.3, 2.5)  # [s] a disk that has other work
 
 
@@ -50,6 +51,8 @@ class Trouble(Enum):
     FULL = "the disk is full"
     UNREADABLE = "what is in it cannot be read"
     ASLEEP = "the machine sleeps"
+    SET = "the time of day is set by hours"
+    RIVAL = "another session begins on it"
 
 
 @dataclass
@@ -101,6 +104,9 @@ class Disk:
         if trouble is Trouble.ASLEEP:
             self.machine.now += int(seconds * 1e9)
             self.woken_at = self.machine.now
+            return
+        if trouble is Trouble.SET:
+            self.machine.set_ahead += self.machine.dice.uniform(-MOST_SET_S, MOST_SET_S)
             return
         befall = {
             Trouble.LOCKED: self._locked,

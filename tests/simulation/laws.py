@@ -52,6 +52,8 @@ class Law(Enum):
     SECRETS = "L11: a line has the channels and events of its role alone"
     RESTORED = "L12: a snapshot restored is the moment that it was"
     DEBRIEFED = "L13: a debrief made twice is the same bytes"
+    SOLE = "L14: a recording has one session: a second is refused"
+    INSTRUMENTS = "L15: each sentence to an instrument is whole, and none is silent for long"
 
 
 class Breach(NamedTuple):

@@ -50,6 +50,7 @@ class Machine:
 
     def __init__(self) -> None:
         self.now = START_NS  # [ns]
+        self.set_ahead = 0.0  # [s] that the time of day was set ahead of it
         self.dice = Random(0)  # noqa: S311  whose turn it is, no secret
         self.interleaving = 0.0  # [-] the chance that another comes in between where one may
         self.turns = 0

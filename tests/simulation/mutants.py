@@ -1,6 +1,6 @@
 """Faults put back into the product, each of which a law has to find.
 
-``FAULTS`` has ten that nobody made, at the places where a careless hand would make them, and four
+``FAULTS`` has eleven that nobody made, at places where a careless hand would make them, and five
 that seeds found in the product. Those are mended; the scripts that show them are kept in
 ``tests/simulation/kept``.
 """
@@ -8,6 +8,7 @@ that seeds found in the product. Those are mended; the scripts that show them ar
 # ruff: noqa: SLF001  a fault lies in private parts
 
 import contextlib
+import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
@@ -27,9 +28,11 @@ from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session import dispatch, jump, resume
 from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
+from trainer.session.nmea.outlets import SteadySubscription
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
+from trainer.session.stations.view import Picture
 
 Fault = Callable[[pytest.MonkeyPatch], None]
 
@@ -195,11 +198,28 @@ def trust_killed(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Recording, "reopen", reopen)
 
 
+def fall_silent(patch: pytest.MonkeyPatch) -> None:
+    """Forget when what has just been sent is due again, unless another picture comes."""
+    steadily = SteadySubscription.wait
+
+    def wait_steadily(self: SteadySubscription, picture: Picture, now: float) -> float:
+        just_sent = self.seen == picture and self.due > now
+        return math.inf if just_sent else steadily(self, picture, now)
+
+    patch.setattr(SteadySubscription, "wait", wait_steadily)
+
+
+def share_recording(patch: pytest.MonkeyPatch) -> None:
+    """Let a second session have a recording that another writes."""
+    patch.setattr(file, "_claim", lambda *_: None)
+
+
 FOUND: Final[Mapping[str, Fault]] = {
     "end-taken-back": take_end_back,
     "hub-spins": spin_hub,
     "question-kills": die_of_question,
     "kill-then-power": trust_killed,
+    "silent-in-a-freeze": fall_silent,
 }
 FAULTS: Final[Mapping[str, Fault]] = {
     "journal-gathered": gather_journal,
@@ -212,6 +232,7 @@ FAULTS: Final[Mapping[str, Fault]] = {
     "never-synced": never_sync,
     "line-lost": lose_line,
     "command-forgotten": forget_command,
+    "recording-shared": share_recording,
     **FOUND,
 }
 

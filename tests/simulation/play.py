@@ -12,7 +12,8 @@ from pathlib import Path
 from threading import Event
 from typing import Final
 
-from simulation.disk import Disk, Image
+from simulation.disk import Disk, Image, Trouble
+from simulation.instruments import NMEA_OPTIONS, Plotter
 from simulation.laws import (
     FOREVER_NS,
     SAFE_AFTER_NS,
@@ -28,7 +29,8 @@ from simulation.network import Network
 from simulation.script import Ending, Life, Script
 from simulation.seam import played_on
 from simulation.stations import Program
-from trainer.config.files import read_text, shipped_path
+from simulation.wires import Wires
+from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.config.outcome import Outcome
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise import DebriefSource, Judgement, WrittenDebrief
@@ -82,6 +84,11 @@ def exercise_of(script: Script) -> str:
     return str(path)
 
 
+def cable_of(number: int) -> str:
+    """Return the URL of the cable of a program."""
+    return f"cable {number}"
+
+
 @dataclass
 class Stage:
     """The machine on which one script is played, and who looks on."""
@@ -89,6 +96,7 @@ class Stage:
     script: Script
     machine: Machine = field(default_factory=Machine)
     network: Network = field(init=False)
+    wires: Wires = field(init=False)
     disk: Disk = field(init=False)
     docket: Docket = field(init=False)
     witness: Witness = field(init=False)
@@ -96,6 +104,7 @@ class Stage:
 
     def __post_init__(self) -> None:
         self.network, self.disk = Network(self.machine), Disk(self.machine)
+        self.wires = Wires(self.network)
         self.docket = Docket(self.machine)
         self.witness = Witness(self.docket, self.machine)
 
@@ -104,13 +113,13 @@ class Stage:
 
         None follows one that ends by itself or breaks a law.
         """
-        with played_on(self.machine, self.network, self.disk) as patch:
+        with played_on(self.machine, self.network, self.disk, self.wires) as patch:
             self.witness.watch(patch)
             for number, life in enumerate(self.script.lives, 1):
                 self.docket.life = number
                 if not self._live(life) or self.docket.breaches:
                     break
-        if not self.docket.breaches:
+        if self.script.recorded and not self.docket.breaches:
             check_kept(self.docket, self.disk.path, until=FOREVER_NS)
             check_whole(self.docket, self.disk.path)
             if self.script.lives[0].seed % DEBRIEFED_EVERY == 0:
@@ -122,6 +131,7 @@ class Stage:
         machine, first = self.machine, self.docket.life == 1
         machine.boot(life.seed, life.interleaving)
         self.network.boot()
+        self.wires.boot()
         path = Path(f"{self.docket.life}") / RECORDING
         path.parent.mkdir()
         if not first:
@@ -142,8 +152,12 @@ class Stage:
         """Begin the stations and the mishaps of a process; return how many tasks."""
         for number, player in enumerate(life.players):
             hear = self._hearing(number)
-            program = Program(player, number, self.machine, self.network, self.docket, hear)
+            cable = self.wires.cable(cable_of(number)) if player.cable else None
+            program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
             self.machine.begin(program.run, f"{player.role} {number}")
+        if life.instruments:
+            plotter = Plotter(self.machine, self.wires, self.docket)
+            self.machine.begin(plotter.run, "plotter")
         if life.mishaps:
             self.machine.begin(lambda: self._befall(life), "mishaps")
         return len(self.machine.tasks) - 1
@@ -184,7 +198,9 @@ class Stage:
         """End a process as the script says; return whether another is to go on."""
         machine = self.machine
         goes_on = not (session.done or machine.deaths or self.docket.breaches)
-        if goes_on and life.ending is not Ending.SIGNAL:
+        if goes_on and life.ending is not Ending.SIGNAL and not self.script.recorded:
+            goes_on = False
+        elif goes_on and life.ending is not Ending.SIGNAL:
             self._cut(life.ending)
         elif goes_on:
             goes_on = False
@@ -218,7 +234,19 @@ class Stage:
     def _befall(self, life: Life) -> None:
         for mishap in life.mishaps:
             self.machine.sleep(mishap.after)
-            self.disk.trouble(mishap.trouble, mishap.seconds)
+            if mishap.trouble is Trouble.RIVAL:
+                self._begin_rival()
+            else:
+                self.disk.trouble(mishap.trouble, mishap.seconds)
+
+    def _begin_rival(self) -> None:
+        """L14: begin another session on the recording, which has to be refused."""
+        if not (self.script.recorded and self.witness.session):
+            return
+        options = RunOptions(serve=True, listen="127.0.0.1:0", socket="none", headless=True)
+        with contextlib.suppress(ConfigError):
+            resume_boat(self.disk.path, options, anyway=False)
+            self.docket.enter(Law.SOLE, "a second session has gone on with the recording")
 
     def _serve(self, life: Life) -> None:
         """Be the process: a session that is served, begun or gone on with."""
@@ -232,6 +260,12 @@ class Stage:
             "unsafe_step": True,
             "speed": script.speed,
             "frozen": life.frozen,
+            "lines": tuple(
+                f"{player.role}={cable_of(number)}"
+                for number, player in enumerate(life.players)
+                if player.cable
+            ),
+            **(NMEA_OPTIONS if life.instruments else {}),
         }
         source = DebriefSource(self._judge, self._write)
         if self.docket.life > 1:
@@ -239,7 +273,8 @@ class Stage:
             return
         begun = {
             "exercise": exercise_of(script) or None,
-            "record": self.disk.path,
+            "record": self.disk.path if script.recorded else None,
+            "no_record": not script.recorded,
             "given": frozenset({"exercise"}),
         }
         run_boat(RunOptions(**options, **begun), debriefing=source)  # type: ignore[arg-type]

@@ -24,8 +24,11 @@ TIME_SPEEDS: Final = (1.0, 5.0, 20.0, 100.0)
 ORDER_RATES_HZ: Final = (0.5, 2.0, 5.0)
 LIFE_TIMES_S: Final = (3.0, 8.0, 20.0, 40.0)
 MAX_LIVES: Final = 4
+UNRECORDED_SHARE: Final = 0.05  # [-] of scripts
+MAX_CABLES: Final = 2
 MAX_SEED: Final = 2**31
 FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
+SIP_BYTES: Final = 300  # that a slow one takes in a second
 # What is there more than once is said more often.
 WORDS: Final[Mapping[str, str]] = {
     "instructor": """freeze|run|run|run|step 3|step 40|time 20|time 1|time 100|snapshot A|snapshot B
@@ -40,9 +43,9 @@ WORDS: Final[Mapping[str, str]] = {
         |quit|current set 090 2|ack 1|restart|emergency blow|subscribe motion|subscribe ledger""",
     "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
         |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
-        |rudder manual|rudder auto""",
+        |rudder manual|rudder auto|mark late""",
     "planes": """stern rise 5|stern dive 10|bow dive 3|planes zero|depth 80|aye|report ready|ready
-        |planes manual|planes auto|rudder left 5|log 3|subscribe diving""",
+        |planes manual|planes auto|rudder left 5|log 3|subscribe diving|mark""",
     "ballast": """blow forward|blow aft|vent forward open|vent aft open|vent forward shut
         |negative flood|trim auto|trim manual|emergency blow|compressor on|hover on|hover off
         |flood auxiliary 500|ready|report ready|aye""",
@@ -100,6 +103,7 @@ class Visit(Part):
     acts: tuple[Act, ...]
     reads: bool = True  # False: it never takes what it is sent
     room: int = ROOM_BYTES  # [bytes] that it keeps before it reads
+    sip: int = 0  # [bytes/s] that it takes at most, 0 for all that comes
     farewell: Farewell = Farewell.HANGS_UP
 
 
@@ -109,6 +113,7 @@ class Player:
 
     role: str
     visits: tuple[Visit, ...]
+    cable: bool = False  # it comes by a serial cable of its own, and no socket
 
 
 @dataclass(frozen=True)
@@ -133,6 +138,7 @@ class Life:
     interleaving: float = 0.05  # [-] the chance that a thread comes in between
     frozen: bool = False
     slow_disk: bool = False
+    instruments: bool = False  # NMEA goes out by a cable and by datagrams
     rest: float = 0.0  # before the next process begins
 
 
@@ -144,6 +150,7 @@ class Script:
     duration: float  # of the exercise, 0 for its own
     speed: float  # of time
     lives: tuple[Life, ...]
+    recorded: bool = True  # else there is one life
 
     @property
     def acts(self) -> int:
@@ -167,7 +174,9 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
         if len(lives) > 1 and lives[-2].ending is Ending.KILLED and dice.random() < 0.25:
             lives[-1] = _strike_again(dice, lives[-1])
         if lives[-1].ending is Ending.SIGNAL or len(lives) == MAX_LIVES:
-            return Script(exercise, duration, speed, tuple(lives))
+            break
+    recorded = dice.random() >= UNRECORDED_SHARE
+    return Script(exercise, duration, speed, tuple(lives if recorded else lives[:1]), recorded)
 
 
 def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life:
@@ -177,17 +186,22 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
     if exercise == "visitor-dive":
         roles.append("visitor")
     wait = dice.choice((0.5, 5.0)) if quiet else 1.0
+    cables = dice.choice((0, 0, 1, MAX_CABLES))
     return Life(
         seed=dice.randrange(MAX_SEED),
         seconds=seconds,
         ending=dice.choices(tuple(Ending), (0.4, 0.2, 0.4))[0],
         turns=dice.randrange(1, 300),
         at_answer=dice.random() < 0.5,
-        players=tuple(_draw_player(dice, role, rate, seconds, wait) for role in roles),
+        players=tuple(
+            _draw_player(dice, role, rate, seconds, wait, cable=i < cables)
+            for i, role in enumerate(reversed(roles))
+        ),
         mishaps=_draw_mishaps(dice, seconds) if dice.random() < 0.5 else (),
         interleaving=dice.choice((0.0, 0.05, 0.3)),
         frozen=quiet or dice.random() < 0.25,
         slow_disk=dice.random() < 0.2,
+        instruments=dice.random() < 0.2,
         rest=dice.choice((0.0, 60.0)),
     )
 
@@ -198,7 +212,9 @@ def _strike_again(dice: Random, life: Life) -> Life:
     return replace(life, seconds=seconds, ending=Ending.POWER, players=(), mishaps=(), frozen=True)
 
 
-def _draw_player(dice: Random, role: str, rate: float, seconds: float, wait: float) -> Player:
+def _draw_player(
+    dice: Random, role: str, rate: float, seconds: float, wait: float, *, cable: bool
+) -> Player:
     visits, now = [], 0.0
     while now < seconds:
         after = dice.expovariate(1.0 / wait)
@@ -213,12 +229,13 @@ def _draw_player(dice: Random, role: str, rate: float, seconds: float, wait: flo
             Visit(
                 after,
                 tuple(acts),
-                reads=dice.random() < 0.9,
+                reads=cable or dice.random() < 0.9,
                 room=dice.choice((ROOM_BYTES, ROOM_BYTES, ROOM_BYTES, FEW_BYTES)),
+                sip=0 if cable or dice.random() < 0.9 else SIP_BYTES,
                 farewell=dice.choice(tuple(Farewell)),
             )
         )
-    return Player(role, tuple(visits))
+    return Player(role, tuple(visits), cable)
 
 
 def _draw_act(dice: Random, role: str, rate: float) -> Act:
@@ -280,4 +297,4 @@ def _player_of(table: dict[str, Any]) -> Player:
         )
         for each in table["visits"]
     )
-    return Player(table["role"], tuple(visits))
+    return Player(table["role"], tuple(visits), table.get("cable", False))

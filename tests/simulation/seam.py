@@ -25,10 +25,12 @@ from simulation.disk import Disk
 from simulation.machine import Machine
 from simulation.network import Network
 from simulation.threads import Threading
-from trainer.io import server
+from simulation.wires import Wires
+from trainer.io import serial_line, server
 from trainer.io.recording import durability, file
 from trainer.io.recording.durability import Syncer
 from trainer.session import resume, run
+from trainer.session.nmea import outlets
 from trainer.session.time.pacer import MonotonicClock
 
 PACKAGES: Final = ("trainer.session", "trainer.io")
@@ -73,7 +75,8 @@ def day_of(machine: Machine) -> type[datetime]:
     class Day(datetime):
         @classmethod
         def now(cls, _tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
-            return BIRTHDAY + timedelta(microseconds=machine.now // 1000)
+            up = timedelta(microseconds=machine.now // 1000)
+            return BIRTHDAY + up + timedelta(seconds=machine.set_ahead)
 
     return Day
 
@@ -84,7 +87,9 @@ def beside(real: ModuleType, **fakes: object) -> SimpleNamespace:
 
 
 @contextlib.contextmanager
-def played_on(machine: Machine, network: Network, disk: Disk) -> Iterator[pytest.MonkeyPatch]:
+def played_on(
+    machine: Machine, network: Network, disk: Disk, wires: Wires
+) -> Iterator[pytest.MonkeyPatch]:
     """Run the product on a machine inside the block."""
     with pytest.MonkeyPatch.context() as patch:
         replace_clocks(patch, machine)
@@ -96,12 +101,12 @@ def played_on(machine: Machine, network: Network, disk: Disk) -> Iterator[pytest
         patch.setattr(server, "selectors", selecting)
         patch.setattr(server, "socket", beside(socket, socketpair=network.pair))
         patch.setattr(server, "listen_at", network.listen)
+        patch.setattr(serial_line, "open_port", wires.open_port)
+        patch.setattr(outlets, "Datagrams", wires.datagrams)
         patch.setattr(durability, "os", beside(os, fsync=disk.fsync))
+        patch.setattr(file, "BUSY_TIMEOUT_S", 0.0)  # nobody goes on while SQLite waits
         watch_file(patch, disk)
-        for module in (
-            run,
-            resume,
-        ):  # it would put aside what this process collects, not the session
+        for module in (run, resume):  # it would put aside what this process collects
             patch.setattr(module, "set_garbage_aside", lambda: None)
         patch.setattr(tomllib, "loads", read_once(tomllib.loads))
         yield patch

@@ -12,11 +12,13 @@ from simulation.laws import Docket, Law
 from simulation.machine import Machine
 from simulation.network import Network, Socket
 from simulation.script import Act, Farewell, Player, Visit
+from simulation.wires import Cable
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, hears_kind
 
 NOISE_TAG: Final = 900_000  # and above: of sentences that are noise
 REDIAL_S: Final = 0.5  # [s] until a program calls again where nobody listens
+SIP_PERIOD_S: Final = 1.0
 HEAR_OUT_S: Final = 1.0  # [s] for which a program that hangs up waits for answers
 GIVE_UP_S: Final = 0.2  # [s] after which a program that cannot send hangs up
 
@@ -31,9 +33,14 @@ class Program:
     network: Network
     docket: Docket
     hear: Callable[[bytes], object]  # told all that comes
+    cable: Cable | None = None  # by which it comes, None for a socket
     _end: Socket = field(init=False, repr=False)
     _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
     _tag: int = 0
+    _first: int = 0  # tag of this visit
+    _sip: int = 0  # [bytes] that it takes at once, 0 for all
+    _torn: bool = False  # what comes first may be the end of a line
+    _torn_off: bool = False  # and may have been the first answer
     _rest: bytes = b""
     _entered: bool = False  # its role was granted
 
@@ -41,12 +48,25 @@ class Program:
         """Make all visits."""
         for visit in self.player.visits:
             self.machine.sleep(visit.after)
-            while (end := self.network.call(visit.room)) is None:
+            while (end := self._call(visit.room)) is None:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
+            self._first, self._sip = self._tag + 1, visit.sip
             if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
                 self._leave(visit.farewell)
-            end.close()
+            if self.cable is None:
+                end.close()
+
+    def _call(self, room: int) -> Socket | None:
+        """Return an end that leads to the session, None where nobody listens."""
+        if self.cable is None:
+            return self.network.call(room)
+        end = self.cable.far
+        if end:
+            whole = not end.came or end.came.endswith(b"\r\n")
+            self._torn = self._torn_off = not whole
+            end.came.clear()  # nobody read it
+        return end
 
     def _act(self, visit: Visit) -> bool:
         """Say all that is to be said; return whether the line is still there."""
@@ -65,6 +85,12 @@ class Program:
         """Read what comes for a time; return whether the line is still there."""
         machine = self.machine
         until = machine.now + int(seconds * 1e9)
+        if self._sip:
+            while machine.now < until:
+                machine.sleep(SIP_PERIOD_S)
+                if self._is_heard() and not self._read():
+                    return False
+            return True
         while machine.wait(self._is_heard, max(until - machine.now, 0) / 1e9):
             if not self._read():
                 return False
@@ -101,16 +127,22 @@ class Program:
     def _leave(self, farewell: Farewell) -> None:
         if farewell is Farewell.HALF:
             self._send(order_sentence("depth 90", str(NOISE_TAG)).encode()[:-7])
-        self._end.peer.reset = farewell is Farewell.RESET
+        if self.cable is None:
+            self._end.peer.reset = farewell is Farewell.RESET
+        elif farewell is Farewell.RESET:
+            self.cable.pull()
 
     def _read(self) -> bool:
         """Take what has come; return whether the line is still there."""
         try:
-            data = self._end.recv(100_000)
+            data = self._end.recv(self._sip or 100_000)
         except OSError:
             return False
         self.hear(data)
         *lines, self._rest = (self._rest + data).split(b"\r\n")
+        if self._torn and lines:
+            self._torn = False
+            del lines[0]
         for line in lines:
             if line.startswith(b"$"):
                 self._hear_sentence(line.decode("ascii"))
@@ -129,6 +161,10 @@ class Program:
         """L5: the next answer on a line is that of the oldest order that has none."""
         if sentence.fields[0] == "say" or not sentence.tag or int(sentence.tag) >= NOISE_TAG:
             return
+        if int(sentence.tag) < self._first:
+            return  # a cable has it from a visit before
+        if self._torn_off and self._asked[0] == str(self._first) != sentence.tag:
+            self._asked.popleft()
         if not self._asked or self._asked[0] != sentence.tag:
             waiting = ", ".join(list(self._asked)[:4]) or "none"
             self.docket.enter(Law.ANSWERS, f"{self._name}: {line!r}, where {waiting} wait")

@@ -16,16 +16,15 @@ from simulation.disk import Disk
 from simulation.machine import Machine
 from simulation.network import Network
 from simulation.seam import NAMES, functions_of, modules, played_on
+from simulation.wires import Wires
 
 ROOMS: Final = ("trainer/session", "trainer/io")
 SOURCES: Final = sorted(path for room in ROOMS for path in (ROOT / room).rglob("*.py"))
-# What a session that is played has not: its own consoles, instruments, pages, other processes.
+# What a session that is played has not: its own console, pages, other processes.
 UNPLAYED: Final = frozenset(
     {
         "trainer/io/client.py",  # the far end of a line
-        "trainer/io/line.py",  # a terminal, a serial panel
-        "trainer/io/serial_line.py",
-        "trainer/io/udp.py",  # instruments
+        "trainer/io/udp.py",  # replaced whole: Datagrams
         "trainer/session/attach.py",  # a console
         "trainer/session/page_server.py",  # a process of its own
         "trainer/session/rerun/feed.py",  # a viewer of another program
@@ -141,7 +140,8 @@ def test_what_goes_past_the_seam_is_seen(source: str, tmp_path: Path) -> None:
 
 def test_no_module_keeps_the_real_clock_while_it_is_played() -> None:
     machine = Machine()
-    with played_on(machine, Network(machine), Disk(machine)):
+    network = Network(machine)
+    with played_on(machine, network, Disk(machine), Wires(network)):
         kept = [
             (module.__name__, name)
             for module, name in itertools.product(modules(), ("time", "datetime", "threading"))
@@ -160,7 +160,8 @@ def test_no_module_keeps_the_real_clock_while_it_is_played() -> None:
 
 def test_the_real_clock_is_back_afterwards() -> None:
     machine = Machine()
-    with played_on(machine, Network(machine), Disk(machine)):
+    network = Network(machine)
+    with played_on(machine, network, Disk(machine), Wires(network)):
         pass
 
     bound = [

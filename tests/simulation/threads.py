@@ -58,6 +58,29 @@ class Lock(contextlib.AbstractContextManager[None]):
         self.release()
 
 
+class Condition(Lock):
+    """A lock, in which tasks wait until another tells them that something has changed."""
+
+    def __init__(self, machine: Machine) -> None:
+        super().__init__(machine)
+        self._waiting: list[Event] = []
+
+    def wait_for(self, is_so: Callable[[], object]) -> object:
+        """Wait until something is so, looking whenever another has notified."""
+        while not (found := is_so()):
+            told = Event(self._machine)
+            self._waiting.append(told)
+            self.release()
+            told.wait()
+            self.acquire()
+        return found
+
+    def notify(self) -> None:
+        """Tell the task that has waited longest."""
+        if self._waiting:
+            self._waiting.pop(0).set()
+
+
 class Thread:
     """A task that is begun later."""
 
@@ -114,6 +137,9 @@ class Threading:
 
     def Lock(self) -> Lock:
         return Lock(self.machine)
+
+    def Condition(self) -> Condition:
+        return Condition(self.machine)
 
     def Thread(
         self,

@@ -93,15 +93,14 @@ class Roster:
         frame: Frame | None = None
         soonest = math.inf
         for subscription in self._subscriptions:
-            wait = subscription.wait(picture, now)
-            if wait > 0.0:
-                soonest = min(soonest, wait)
-                continue
-            try:
-                frame = frame or self._reader.frame(picture)
-                subscription.show(frame, picture, now)
-            except Exception as error:  # noqa: BLE001 one display's bug must not blind the others
-                self._end(subscription, error)
+            if subscription.wait(picture, now) <= 0.0:
+                try:
+                    frame = frame or self._reader.frame(picture)
+                    subscription.show(frame, picture, now)
+                except Exception as error:  # noqa: BLE001 one display's bug must not blind the others
+                    self._end(subscription, error)
+                    continue
+            soonest = min(soonest, subscription.wait(picture, now))
         return soonest
 
     def _end(self, subscription: Subscription, error: Exception) -> None:
