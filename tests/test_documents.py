@@ -115,7 +115,7 @@ def test_the_citation_agrees_with_the_project() -> None:
 # pages whose figures were flown with BB2; others take theirs from tests, or name day and machine
 FLOWN = (
     *("autopilot", "ballast", "engineer", "envelope", "identification"),
-    *("reduction", "seas", "sweeps"),
+    *("reduction", "seas", "sweeps", "waves"),
 )
 
 
