@@ -65,6 +65,7 @@ SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of 
     *("reduction.md", "debrief.md", "engineer.md", "identification.md", "report-1974.md"),
     *("vessel-files.md", "exercises.md", "exercise-files.md", "validation.md"),
     *("identification-records.md", "steering.md", "guide.md", "ship-trials.md"),
+    *("measures.md", "trainees.md", "world-tables.md"),
 }
 CASES = [
     pytest.param(

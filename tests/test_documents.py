@@ -114,8 +114,8 @@ def test_the_citation_agrees_with_the_project() -> None:
 
 # pages whose figures were flown with BB2; others take theirs from tests, or name day and machine
 FLOWN = (
-    *("autopilot", "ballast", "engineer", "envelope", "identification"),
-    *("reduction", "seas", "sweeps"),
+    *("afloat", "autopilot", "ballast", "engineer", "envelope", "identification"),
+    *("reduction", "round-trip", "seas", "sweeps", "waves"),
 )
 
 

@@ -116,8 +116,8 @@ def zigzags(folder: Path, angle: str) -> list[float]:
 
 
 def shown(angle: str) -> list[float]:
-    """Return the row of docs/identification.md for a zig-zag."""
-    page = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
+    """Return the row of docs/round-trip.md for a zig-zag."""
+    page = (ROOT / "docs" / "round-trip.md").read_text(encoding="utf-8")
     (row,) = re.findall(rf"^\| {angle}/{angle} \|(.*)\|$", page, re.MULTILINE)
     return [float(number) for number in re.findall(r"\d+(?:\.\d+)?", row)]
 
