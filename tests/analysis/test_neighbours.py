@@ -19,12 +19,12 @@ from trainer.analysis.guide.verdicts import (
 )
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Submarine
-from trainer.analysis.reduce import page
+from trainer.analysis.reduce import objective, page, verdict
 from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.programme import turn_legs
 from trainer.analysis.reduce.reduction import Reduction
-from trainer.analysis.reduce.verdict import LegVerdict
+from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict, judge_legs
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
@@ -146,7 +146,24 @@ def test_the_guide_counts_it_among_what_is_not_judged() -> None:
     guide = assemble_guide(file, (leg,), "now", {**flown, leg.task(file, "modified"): wrong}).guide
 
     assert verdicts_of(guide.sheets[0].judgements["modified"])[DOUBTFUL] == UNDETERMINED
-    assert tally_set(guide, "modified")["beyond"] == 0
+    counts = tally_set(guide, "modified")
+    assert counts["beyond"] == 0
+    assert counts["shown"] == len(guide.sheets[0].judgements["modified"]) - counts["within"]
+
+
+def test_each_part_of_a_verdict_asks_by_what_it_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    file, leg, _ = hard_turn()
+    shares = []
+
+    def note(*given: object) -> tuple[Judgement, ...]:
+        shares.append(given[-1])
+        return ()
+
+    monkeypatch.setattr(verdict, "verdict_legs", lambda *_: (leg,))
+    monkeypatch.setattr(objective, "set_apart", note)
+    judge_legs(file, Candidate(file, "modified"))
+
+    assert shares == [percent / 5.0 for percent in PART_TOLERANCES.values()]
 
 
 def test_the_page_of_a_reduction_names_it() -> None:
