@@ -6,6 +6,7 @@ import selectors
 import socket
 from collections.abc import Hashable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 from simulation.machine import Machine
@@ -20,7 +21,7 @@ OWN_ADDRESS: Final = "127.0.0.1"
 class Socket:
     """One end of a connection."""
 
-    family = socket.AF_INET
+    family: int = socket.AF_INET
 
     def __init__(self, network: "Network", room: int = ROOM_BYTES) -> None:
         self._network = network
@@ -88,13 +89,12 @@ class Socket:
 
 
 class Listener:
-    """A socket that listens at a port."""
+    """A socket that listens at a port, or at a path of this machine."""
 
-    family = socket.AF_INET
     writable = False
 
-    def __init__(self, network: "Network", port: int) -> None:
-        self._network, self.port = network, port
+    def __init__(self, network: "Network", port: int, family: int = socket.AF_INET) -> None:
+        self._network, self.port, self.family = network, port, family
         self._number = next(network.numbers)
         self.backlog: list[Socket] = []
         self.closed = False
@@ -113,13 +113,27 @@ class Listener:
     def getsockname(self) -> tuple[str, int]:
         return OWN_ADDRESS, self.port
 
-    def accept(self) -> tuple[Socket, tuple[str, int]]:
+    def accept(self) -> tuple[Socket, tuple[str, int] | str]:
         if not self.backlog:
             raise BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")
-        return self.backlog.pop(0), (OWN_ADDRESS, FIRST_CLIENT_PORT + next(self._network.numbers))
+        end = self.backlog.pop(0)
+        if self.family == socket.AF_UNIX:
+            return end, ""
+        return end, (OWN_ADDRESS, FIRST_CLIENT_PORT + next(self._network.numbers))
 
     def close(self) -> None:
         self.closed = True
+
+
+@dataclass
+class LocalDoor:
+    """A socket that listens at a path, as ``trainer.io.server.LocalSocket`` is."""
+
+    socket: Listener
+
+    def close(self) -> None:
+        """Stop listening."""
+        self.socket.close()
 
 
 @dataclass
@@ -174,11 +188,11 @@ class Network:
     machine: Machine
     numbers: "itertools.count[int]" = field(default_factory=lambda: itertools.count(1))
     ends: dict[int, Socket | Listener] = field(default_factory=dict)  # by descriptor
-    door: Listener | None = None  # where the session listens
+    doors: dict[int, Listener] = field(default_factory=dict)  # of the session, by family
 
     def boot(self) -> None:
         """Forget what a process before had."""
-        self.numbers, self.ends, self.door = itertools.count(1), {}, None
+        self.numbers, self.ends, self.doors = itertools.count(1), {}, {}
 
     def pair(self) -> tuple[Socket, Socket]:
         """Return two ends that are connected."""
@@ -188,18 +202,26 @@ class Network:
 
     def listen(self, _host: str, port: int) -> Listener:
         """Listen at a port, 0 for any."""
-        self.door = Listener(self, port or FIRST_PORT)
-        self.ends[self.door.fileno()] = self.door
-        return self.door
+        return self._open(Listener(self, port or FIRST_PORT))
 
-    def call(self, room: int) -> Socket | None:
+    def listen_here(self, _path: Path) -> "LocalDoor":
+        """Listen at a path of this machine."""
+        return LocalDoor(self._open(Listener(self, 0, socket.AF_UNIX)))
+
+    def call(self, room: int, family: int = socket.AF_INET) -> Socket | None:
         """Return a connection to the session, which keeps so many bytes; None if nobody listens."""
-        if self.door is None or self.door.closed:
+        door = self.doors.get(family)
+        if door is None or door.closed:
             return None
         ours, theirs = self.pair()
-        ours.room = room
-        self.door.backlog.append(theirs)
+        ours.room, theirs.family = room, family
+        door.backlog.append(theirs)
         return ours
+
+    def _open(self, door: Listener) -> Listener:
+        self.doors[door.family] = door
+        self.ends[door.fileno()] = door
+        return door
 
     def selector(self) -> Selector:
         """Return a selector."""

@@ -26,7 +26,7 @@ from simulation.laws import (
 )
 from simulation.machine import SECOND_NS, Machine, Task
 from simulation.network import Network
-from simulation.script import Ending, Life, Script
+from simulation.script import Ending, Life, Script, Way
 from simulation.seam import played_on
 from simulation.stations import Program
 from simulation.wires import Wires
@@ -46,6 +46,7 @@ JUDGE_TIMES_S: Final = (0.0, 0.1, 1.0, 3.0)  # that marks take
 WRITE_TIME_S: Final = 0.5  # that a debrief takes
 RAM_FOLDER: Final = Path("/dev/shm")  # noqa: S108  where there is one: files that no disk waits for
 RECORDING: Final = "it.trainer"
+LOCAL_SOCKET: Final = "here.sock"
 NOTHING_LEFT: Final = Image(b"", b"")
 
 Change = Callable[[], contextlib.AbstractContextManager[object]]  # of the product
@@ -152,7 +153,7 @@ class Stage:
         """Begin the stations and the mishaps of a process; return how many tasks."""
         for number, player in enumerate(life.players):
             hear = self._hearing(number)
-            cable = self.wires.cable(cable_of(number)) if player.cable else None
+            cable = self.wires.cable(cable_of(number)) if player.way is Way.CABLE else None
             program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
             self.machine.begin(program.run, f"{player.role} {number}")
         if life.instruments:
@@ -254,7 +255,7 @@ class Stage:
         options = {
             "serve": True,
             "listen": "127.0.0.1:0",
-            "socket": "none",
+            "socket": LOCAL_SOCKET,
             "priority": "normal",
             "headless": True,
             "unsafe_step": True,
@@ -263,7 +264,7 @@ class Stage:
             "lines": tuple(
                 f"{player.role}={cable_of(number)}"
                 for number, player in enumerate(life.players)
-                if player.cable
+                if player.way is Way.CABLE
             ),
             **(NMEA_OPTIONS if life.instruments else {}),
         }

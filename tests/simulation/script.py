@@ -71,6 +71,14 @@ class Farewell(Enum):
     HALF = "hangs up within a line"
 
 
+class Way(Enum):
+    """How a program comes to the session."""
+
+    PORT = "a TCP port"
+    PAGE = "the pages' server, which carries it to a socket of this machine"
+    CABLE = "a serial cable of its own"
+
+
 class Ending(Enum):
     """How a process ends that does not end by itself."""
 
@@ -113,7 +121,7 @@ class Player:
 
     role: str
     visits: tuple[Visit, ...]
-    cable: bool = False  # it comes by a serial cable of its own, and no socket
+    way: Way = Way.PORT
 
 
 @dataclass(frozen=True)
@@ -186,7 +194,9 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
     if exercise == "visitor-dive":
         roles.append("visitor")
     wait = dice.choice((0.5, 5.0)) if quiet else 1.0
-    cables = dice.choice((0, 0, 1, MAX_CABLES))
+    ways = [Way.CABLE] * dice.choice((0, 0, 1, MAX_CABLES)) + dice.choices(
+        (Way.PORT, Way.PAGE), k=9
+    )
     return Life(
         seed=dice.randrange(MAX_SEED),
         seconds=seconds,
@@ -194,8 +204,8 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         turns=dice.randrange(1, 300),
         at_answer=dice.random() < 0.5,
         players=tuple(
-            _draw_player(dice, role, rate, seconds, wait, cable=i < cables)
-            for i, role in enumerate(reversed(roles))
+            _draw_player(dice, role, rate, seconds, wait, way)
+            for role, way in zip(reversed(roles), ways, strict=False)
         ),
         mishaps=_draw_mishaps(dice, seconds) if dice.random() < 0.5 else (),
         interleaving=dice.choice((0.0, 0.05, 0.3)),
@@ -213,9 +223,9 @@ def _strike_again(dice: Random, life: Life) -> Life:
 
 
 def _draw_player(
-    dice: Random, role: str, rate: float, seconds: float, wait: float, *, cable: bool
+    dice: Random, role: str, rate: float, seconds: float, wait: float, way: Way
 ) -> Player:
-    visits, now = [], 0.0
+    visits, now, cable = [], 0.0, way is Way.CABLE
     while now < seconds:
         after = dice.expovariate(1.0 / wait)
         acts = []
@@ -235,7 +245,7 @@ def _draw_player(
                 farewell=dice.choice(tuple(Farewell)),
             )
         )
-    return Player(role, tuple(visits), cable)
+    return Player(role, tuple(visits), way)
 
 
 def _draw_act(dice: Random, role: str, rate: float) -> Act:
@@ -297,4 +307,4 @@ def _player_of(table: dict[str, Any]) -> Player:
         )
         for each in table["visits"]
     )
-    return Player(table["role"], tuple(visits), table.get("cable", False))
+    return Player(table["role"], tuple(visits), Way(table.get("way", Way.PORT.value)))

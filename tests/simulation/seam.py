@@ -101,6 +101,7 @@ def played_on(
         patch.setattr(server, "selectors", selecting)
         patch.setattr(server, "socket", beside(socket, socketpair=network.pair))
         patch.setattr(server, "listen_at", network.listen)
+        patch.setattr(server, "listen_here", network.listen_here)
         patch.setattr(serial_line, "open_port", wires.open_port)
         patch.setattr(outlets, "Datagrams", wires.datagrams)
         patch.setattr(durability, "os", beside(os, fsync=disk.fsync))

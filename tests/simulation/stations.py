@@ -6,19 +6,22 @@ They say what the script has, and read what they are sent.
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from socket import AF_INET, AF_UNIX
 from typing import Final
 
 from simulation.laws import Docket, Law
 from simulation.machine import Machine
 from simulation.network import Network, Socket
-from simulation.script import Act, Farewell, Player, Visit
+from simulation.script import Act, Farewell, Player, Visit, Way
 from simulation.wires import Cable
+from trainer.io.connection import carried_for
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, hears_kind
 
 NOISE_TAG: Final = 900_000  # and above: of sentences that are noise
 REDIAL_S: Final = 0.5  # [s] until a program calls again where nobody listens
 SIP_PERIOD_S: Final = 1.0
+BROWSER: Final = "192.0.2.7"  # another machine, at which the pages are looked at
 HEAR_OUT_S: Final = 1.0  # [s] for which a program that hangs up waits for answers
 GIVE_UP_S: Final = 0.2  # [s] after which a program that cannot send hangs up
 
@@ -40,7 +43,6 @@ class Program:
     _first: int = 0  # tag of this visit
     _sip: int = 0  # [bytes] that it takes at once, 0 for all
     _torn: bool = False  # what comes first may be the end of a line
-    _torn_off: bool = False  # and may have been the first answer
     _rest: bytes = b""
     _entered: bool = False  # its role was granted
 
@@ -52,6 +54,8 @@ class Program:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
             self._first, self._sip = self._tag + 1, visit.sip
+            if self.player.way is Way.PAGE:
+                end.send(f"{carried_for(BROWSER)}\n".encode())
             if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
                 self._leave(visit.farewell)
             if self.cable is None:
@@ -60,11 +64,12 @@ class Program:
     def _call(self, room: int) -> Socket | None:
         """Return an end that leads to the session, None where nobody listens."""
         if self.cable is None:
-            return self.network.call(room)
+            family = AF_UNIX if self.player.way is Way.PAGE else AF_INET
+            return self.network.call(room, family)
         end = self.cable.far
         if end:
             whole = not end.came or end.came.endswith(b"\r\n")
-            self._torn = self._torn_off = not whole
+            self._torn = not whole
             end.came.clear()  # nobody read it
         return end
 
@@ -163,7 +168,7 @@ class Program:
             return
         if int(sentence.tag) < self._first:
             return  # a cable has it from a visit before
-        if self._torn_off and self._asked[0] == str(self._first) != sentence.tag:
+        while sentence.tag in self._asked and self._may_lose(self._asked[0], sentence.tag):
             self._asked.popleft()
         if not self._asked or self._asked[0] != sentence.tag:
             waiting = ", ".join(list(self._asked)[:4]) or "none"
@@ -172,6 +177,15 @@ class Program:
             pass
         self._entered = self._entered or sentence.fields[0] == "ok"
         self.docket.answers += 1
+
+    def _may_lose(self, waiting: str, tag: str) -> bool:
+        """Return whether an answer may be missing before another.
+
+        A slow reader loses lines, which the session counts. The first order of a visit by cable
+        may hang on half a line of the visit before.
+        """
+        first = self.cable is not None and waiting == str(self._first)
+        return waiting != tag and (first or bool(self._sip))
 
     def _hear_shown(self, sentence: Sentence, line: str) -> None:
         """L11: a line has the channels and the events of its role alone."""

@@ -7,7 +7,7 @@ import pytest
 from simulation.instruments import CABLE
 from simulation.laws import Docket
 from simulation.play import Stage, folder_in_memory
-from simulation.script import Act, Ending, Farewell, Life, Player, Script, Visit
+from simulation.script import Act, Ending, Farewell, Life, Player, Script, Visit, Way
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 ORDERS: Final = tuple(Act(0.5, words) for words in ("rudder left 10", "depth 70", "status", "who"))
@@ -26,7 +26,7 @@ def play(stage: Stage) -> Docket:
 
 
 def test_a_panel_on_a_cable_has_an_answer_for_each_order() -> None:
-    docket = play(begin(Player("helm", (Visit(0.1, ORDERS),), cable=True)))
+    docket = play(begin(Player("helm", (Visit(0.1, ORDERS),), way=Way.CABLE)))
 
     assert not docket.breaches
     assert docket.answers == 1 + len(ORDERS)  # its role is asked for too
@@ -35,11 +35,21 @@ def test_a_panel_on_a_cable_has_an_answer_for_each_order() -> None:
 
 def test_a_cable_that_was_pulled_out_is_taken_up_again() -> None:
     visits = Visit(0.1, ORDERS, farewell=Farewell.RESET), Visit(0.1, ORDERS)
-    docket = play(begin(Player("helm", visits, cable=True)))
+    docket = play(begin(Player("helm", visits, way=Way.CABLE)))
 
     assert not docket.breaches
     assert docket.answers == 2 * (1 + len(ORDERS)) - 1  # the last before the pull is not heard
     assert len(docket.promises) == 2
+
+
+def test_a_page_comes_by_the_pages_server_to_the_socket_of_this_machine() -> None:
+    stage = begin(Player("helm", (Visit(0.1, ORDERS),), way=Way.PAGE))
+    docket = play(stage)
+
+    assert not docket.breaches
+    assert docket.answers == 1 + len(ORDERS)
+    ((promise, _),) = docket.promises
+    assert promise.who == "helm at local 1"
 
 
 def test_a_plotter_hears_and_steers() -> None:
