@@ -19,6 +19,11 @@ from trainer.analysis.check import (
     straight_flights,
 )
 from trainer.analysis.check_page import render
+from trainer.analysis.guide.programme import own_method
+from trainer.analysis.manoeuvres.flight import fly_manoeuvre
+from trainer.analysis.manoeuvres.submarine import Submarine
+from trainer.analysis.manoeuvres.turns import ClimbingTurn
+from trainer.analysis.manoeuvres.vehicle import DIVE
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.linear import bring_to, measure_response, modes
@@ -627,3 +632,31 @@ def test_a_step_of_the_propeller_s_torque_is_told() -> None:
     assert "-46.92 kN m by the coefficients, -93.85 kN m beyond their range" in seen
     assert "-0.14 deg of heel" in seen
     assert check_vessel(load_vessel("sdv-mk9")).remarks == ()
+
+
+@pytest.mark.parametrize("equations", ["full", "modified"])
+def test_remus_lists_to_port_by_her_propeller_s_torque(equations: str) -> None:
+    """-0.543 N m at 1.5436 m/s over z_G W is 5.3 deg; she needs turns for more, and rudder."""
+    file = load_vessel("remus100")
+    boat = Submarine(file, own_method(file, equations))
+    boat.start(1.5436)
+    state, hull = boat.boat.state, file.hull
+
+    torque = 0.5 * 1030.0 * hull.length**3 * 1.5436**2 * file.coefficients["K_star"]
+    assert torque == pytest.approx(-0.543, rel=1e-3)
+    assert math.degrees(torque / (hull.cg[2] * hull.weight)) == pytest.approx(-5.31, abs=0.01)
+    assert math.degrees(state.phi) == pytest.approx(-5.52, abs=0.05)
+    assert math.degrees(state.delta_r) == pytest.approx(-0.52, abs=0.02)
+
+
+def test_remus_s_list_and_her_slow_turn_while_she_dives_are_told(remus: CheckReport) -> None:
+    file = load_vessel("remus100")
+    dive = ClimbingTurn(4.0, 3.0, direction=DIVE, duration_s=40.0)
+    flight = fly_manoeuvre(Submarine(file, own_method(file, "full")), dive, 3.0 * KNOT)
+    (rate,) = (one.value for one in dive.measures(flight) if one.name == "steady yaw rate")
+
+    told = " ".join(render(remus).split())
+    assert rate is not None
+    assert math.degrees(rate) == pytest.approx(4.8, abs=0.05)
+    assert "lists her to port: 5.3 deg at 1.54 m/s by K / (z_G W). Flown it is 5.5 deg" in told
+    assert "turns at 4.8 deg/s where the source's law gives 6.3, 24 % less" in told

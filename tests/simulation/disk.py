@@ -15,10 +15,21 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from simulation.machine import Machine
+from trainer.io.recording.format_1 import TABLES_1
 
 SYNC_TIMES_S: Final = (0.001, 0.02)  # [s] that the disk takes when it is asked
 MOST_SET_S: Final = 30 * 3600.0  # [s] by which the time of day is set, ahead or back
 SLOW_SYNC_TIMES_S: Final = (0.001, 0.01, 0.3, 2.5)  # [s] a disk that has other work
+
+
+BEGIN_AGEING: Final = f"""
+BEGIN IMMEDIATE;
+ALTER TABLE branches RENAME TO branches_2;
+ALTER TABLE orders RENAME TO orders_2;
+ALTER TABLE events RENAME TO events_2;
+DROP INDEX orders_by_tick;
+{TABLES_1}
+"""
 
 
 class Image(NamedTuple):
@@ -74,6 +85,20 @@ class Disk:
         self.path, self.slow, self._refuses = path, slow, False
         self._writer = self._reader = None
         self.opened_at = self.machine.now
+
+    def age(self) -> None:
+        """Make the recording one of format 1, as an older program had left it on the disk."""
+        with contextlib.closing(sqlite3.connect(self.path, isolation_level=None)) as connection:
+            connection.executescript(BEGIN_AGEING)
+            for table in ("branches", "orders", "events"):
+                names = ", ".join(
+                    row[1] for row in connection.execute(f"PRAGMA table_info({table})")
+                )
+                connection.execute(f"INSERT INTO {table} SELECT {names} FROM {table}_2")
+                connection.execute(f"DROP TABLE {table}_2")
+            connection.execute("PRAGMA user_version = 1")
+            connection.execute("COMMIT")
+        self.keep()
 
     def fsync(self, _descriptor: int) -> None:
         """Put on the disk what was written before the call; OSError while it refuses."""

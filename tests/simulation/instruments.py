@@ -63,7 +63,9 @@ class Plotter:
         if machine.now - self._heard_at > MAX_SILENCE_NS:
             self.docket.enter(Law.INSTRUMENTS, "the plotter has heard nothing for 3 s")
         if machine.dice.random() < 0.1:
-            end.send(f"{machine.dice.choice(ORDERS)}\r\n".encode())
+            order = f"{machine.dice.choice(ORDERS)}\r\n".encode()
+            while order and end.writable:
+                order = order[end.send(order) :]
 
     def _hear(self, line: str) -> None:
         whole = isinstance(parse_sentence(line), NmeaSentence)

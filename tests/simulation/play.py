@@ -138,6 +138,8 @@ class Stage:
         if not first:
             self._left.write(path)
         self.disk.boot(path, slow=life.slow_disk)
+        if life.aged and not first:
+            self.disk.age()
         self.witness.session = None
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
             session = machine.begin(lambda: self._serve(life), "session")

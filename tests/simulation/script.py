@@ -24,6 +24,7 @@ TIME_SPEEDS: Final = (1.0, 5.0, 20.0, 100.0)
 ORDER_RATES_HZ: Final = (0.5, 2.0, 5.0)
 LIFE_TIMES_S: Final = (3.0, 8.0, 20.0, 40.0)
 MAX_LIVES: Final = 4
+AGED_SHARE: Final = 0.15  # [-] of processes
 UNRECORDED_SHARE: Final = 0.05  # [-] of scripts
 MAX_CABLES: Final = 2
 MAX_SEED: Final = 2**31
@@ -148,6 +149,7 @@ class Life:
     slow_disk: bool = False
     instruments: bool = False  # NMEA goes out by a cable and by datagrams
     rest: float = 0.0  # before the next process begins
+    aged: bool = False  # the recording that it goes on with is of format 1
 
 
 @dataclass(frozen=True)
@@ -213,6 +215,7 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         slow_disk=dice.random() < 0.2,
         instruments=dice.random() < 0.2,
         rest=dice.choice((0.0, 60.0)),
+        aged=dice.random() < AGED_SHARE,
     )
 
 

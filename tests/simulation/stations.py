@@ -55,7 +55,7 @@ class Program:
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
             self._first, self._sip = self._tag + 1, visit.sip
             if self.player.way is Way.PAGE:
-                end.send(f"{carried_for(BROWSER)}\n".encode())
+                self._send(f"{carried_for(BROWSER)}\n".encode())
             if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
                 self._leave(visit.farewell)
             if self.cable is None:

@@ -1,5 +1,7 @@
-"""Serial cables and instruments of a session that is played."""
+"""What a session that is played has beside sockets: cables, pages, instruments, older files."""
 
+import contextlib
+import sqlite3
 from typing import Final
 
 import pytest
@@ -8,6 +10,7 @@ from simulation.instruments import CABLE
 from simulation.laws import Docket
 from simulation.play import Stage, folder_in_memory
 from simulation.script import Act, Ending, Farewell, Life, Player, Script, Visit, Way
+from trainer.io.recording.file import FILE_FORMAT
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 ORDERS: Final = tuple(Act(0.5, words) for words in ("rudder left 10", "depth 70", "status", "who"))
@@ -70,6 +73,22 @@ def test_a_session_without_a_recording_is_played_and_leaves_none() -> None:
     assert docket.life == 1
     assert docket.answers == 1 + len(ORDERS)
     assert not stage.disk.path.exists()
+
+
+def test_a_recording_of_format_1_is_gone_on_with() -> None:
+    helm = Player("helm", (Visit(0.1, ORDERS),))
+    first = Life(1, 10.0, Ending.KILLED, 1, (helm,))
+    second = Life(2, 10.0, Ending.SIGNAL, 1, (helm,), aged=True)
+    stage = Stage(Script("", 0.0, 1.0, (first, second)))
+    with folder_in_memory():
+        docket = stage.play()
+        with contextlib.closing(sqlite3.connect(stage.disk.path)) as recording:
+            (version,) = recording.execute("PRAGMA user_version").fetchone()
+
+    assert not docket.breaches
+    assert docket.life == 2
+    assert version == FILE_FORMAT
+    assert [promise.what for promise, _ in docket.promises] == 2 * ["rudder left 10"]
 
 
 @pytest.mark.slow
