@@ -87,7 +87,7 @@ class Disk:
         self.opened_at = self.machine.now
 
     def age(self) -> None:
-        """Make the recording one of format 1, as an older program had left it on the disk."""
+        """Make the recording one of format 1, as an older program leaves it."""
         with contextlib.closing(sqlite3.connect(self.path, isolation_level=None)) as connection:
             connection.executescript(BEGIN_AGEING)
             for table in ("branches", "orders", "events"):

@@ -1,4 +1,4 @@
-"""A plotter at a cable and a display at datagrams, which listen to the boat's instruments.
+"""A plotter at a cable, and a display at datagrams, hear the boat's instruments.
 
 The plotter steers too, as an autopilot ashore would. What they hear has to be whole, and often.
 """
