@@ -32,11 +32,11 @@ if __name__ == "__main__":
 """
 SEARCH = """
 import multiprocessing, sys
-from pathlib import Path
 from trainer.analysis.reduce.candidates import CandidatePool
+from trainer.config.vessel import load_vessel
 
 if __name__ == "__main__":
-    with CandidatePool(Path("nowhere.toml"), "modified", (), 2) as crew:
+    with CandidatePool(load_vessel("bb2").path, "modified", (), 2) as crew:
         try:
             crew.differences([[1.0], [1.0]])
         except Exception:
