@@ -12,7 +12,7 @@ from trainer.analysis.guide.neighbours import neighbour_moves, set_apart
 from trainer.analysis.guide.programme import Leg, fly_all
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
-    UNDETERMINED,
+    NOT_DETERMINED,
     WITHIN_TOLERANCE,
     Judgement,
     judge,
@@ -88,7 +88,7 @@ def test_what_neighbours_move_too_is_told_and_all_else_judged() -> None:
 
     found = verdicts_of(set_apart(file, leg, full, off_by({DOUBTFUL: 1.5, SURE: 1.5})))
 
-    assert found[DOUBTFUL] == UNDETERMINED
+    assert found[DOUBTFUL] == NOT_DETERMINED
     assert found[SURE] == BEYOND_TOLERANCE
     assert found["steady speed"] == WITHIN_TOLERANCE
 
@@ -98,7 +98,7 @@ def test_neighbours_count_by_the_share_that_is_allowed() -> None:
     move = neighbour_moves(file, leg, full)[DOUBTFUL]
     far = off_by({DOUBTFUL: 5.0})
 
-    assert verdicts_of(set_apart(file, leg, full, far, 0.9 * move))[DOUBTFUL] == UNDETERMINED
+    assert verdicts_of(set_apart(file, leg, full, far, 0.9 * move))[DOUBTFUL] == NOT_DETERMINED
     assert verdicts_of(set_apart(file, leg, full, far, 1.1 * move))[DOUBTFUL] == BEYOND_TOLERANCE
 
 
@@ -145,7 +145,7 @@ def test_the_guide_counts_it_among_what_is_not_judged() -> None:
 
     guide = assemble_guide(file, (leg,), "now", {**flown, leg.task(file, "modified"): wrong}).guide
 
-    assert verdicts_of(guide.sheets[0].judgements["modified"])[DOUBTFUL] == UNDETERMINED
+    assert verdicts_of(guide.sheets[0].judgements["modified"])[DOUBTFUL] == NOT_DETERMINED
     counts = tally_set(guide, "modified")
     assert counts["beyond"] == 0
     assert counts["shown"] == len(guide.sheets[0].judgements["modified"]) - counts["within"]

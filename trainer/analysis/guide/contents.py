@@ -29,8 +29,8 @@ from trainer.analysis.guide.validation import (
 )
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
+    NOT_DETERMINED,
     NOT_JUDGED,
-    UNDETERMINED,
     WITHIN_TOLERANCE,
     Judgement,
     judge,
@@ -235,7 +235,7 @@ def tally_set(guide: Guide, equations: str) -> dict[str, Any]:
         "shown": sum(
             sheet.counted(equations, verdict)
             for sheet in sheets
-            for verdict in (NOT_JUDGED, UNDETERMINED)
+            for verdict in (NOT_JUDGED, NOT_DETERMINED)
         ),
         "manoeuvres": verdict_account([sheet.passed(equations) for sheet in sheets]),
     }

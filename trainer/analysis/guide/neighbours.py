@@ -12,13 +12,13 @@ from itertools import product
 from typing import Final
 
 from trainer.analysis.guide.programme import Leg, fly_boat
-from trainer.analysis.guide.verdicts import UNDETERMINED, Judgement, allowed_multiple, judge
+from trainer.analysis.guide.verdicts import NOT_DETERMINED, Judgement, allowed_multiple, judge
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.config.vessel import VesselFile
 from trainer.core.terms import COEFFICIENTS
 
-ROWS: Final = tuple(dict.fromkeys(term.equation for term in COEFFICIENTS))
-ONE_PERCENT: Final = 0.01  # [-] estimate: a towing tank measures no better
+COEFFICIENT_ROWS: Final = tuple(dict.fromkeys(term.equation for term in COEFFICIENTS))
+ROW_CHANGE: Final = 0.01  # [-] estimate: a towing tank measures no better
 
 
 def neighbour_moves(file: VesselFile, leg: Leg, full: Flight) -> dict[str, float]:
@@ -28,7 +28,7 @@ def neighbour_moves(file: VesselFile, leg: Leg, full: Flight) -> dict[str, float
     number counts, a multiple of what is allowed [-]. A neighbour that cannot start moves nothing.
     """
     moves: dict[str, float] = {}
-    for row, change in product(ROWS, (ONE_PERCENT, -ONE_PERCENT)):
+    for row, change in product(COEFFICIENT_ROWS, (ROW_CHANGE, -ROW_CHANGE)):
         moved = {
             name: value * (1.0 + change)
             for name, value in file.coefficients.items()
@@ -50,7 +50,7 @@ def neighbour_moves(file: VesselFile, leg: Leg, full: Flight) -> dict[str, float
 def set_apart(
     file: VesselFile, leg: Leg, full: Flight, found: Sequence[Judgement], share: float = 1.0
 ) -> tuple[Judgement, ...]:
-    """Return judgements of a leg; what is beyond, and beyond by neighbours too, is UNDETERMINED.
+    """Return judgements of a leg; what is beyond, and beyond by neighbours too, is NOT_DETERMINED.
 
     ``share`` is of what is allowed. Neighbours fly only where something is beyond.
     """
@@ -58,7 +58,7 @@ def set_apart(
         return tuple(found)
     moves = neighbour_moves(file, leg, full)
     return tuple(
-        replace(one, allowed=None, verdict=UNDETERMINED)
+        replace(one, allowed=None, verdict=NOT_DETERMINED)
         if _beyond(one, share) and moves.get(one.quantity, 0.0) > share
         else one
         for one in found

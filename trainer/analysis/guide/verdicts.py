@@ -21,7 +21,7 @@ from trainer.analysis.programs.compare import compare_runs
 WITHIN_TOLERANCE: Final = "within"
 BEYOND_TOLERANCE: Final = "BEYOND"
 NOT_JUDGED: Final = "not judged"
-UNDETERMINED: Final = "not determined"  # by the hull's own coefficients: ``neighbours``
+NOT_DETERMINED: Final = "not determined"  # by the hull's own coefficients: ``neighbours``
 MAX_DIFFERENCE: Final = 10.0  # [-] of what is allowed: a difference beyond this counts as this
 LOST_QUANTITY, CHANGE_PREFIX = "flown, without being lost, to", "change of "
 RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
@@ -86,7 +86,7 @@ class Judgement:
     full: float | None
     other: float | None
     allowed: float | None
-    verdict: str  # WITHIN_TOLERANCE, BEYOND_TOLERANCE, NOT_JUDGED or UNDETERMINED
+    verdict: str  # WITHIN_TOLERANCE, BEYOND_TOLERANCE, NOT_JUDGED or NOT_DETERMINED
 
     @property
     def difference(self) -> float | None:

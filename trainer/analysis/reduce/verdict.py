@@ -14,7 +14,7 @@ import numpy as np
 from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.programme import Leg, fly_all, guide_legs
 from trainer.analysis.guide.reasons import DropEffect, MeasureNames, drop_effects, tasks_without
-from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, UNDETERMINED, allowed_multiple
+from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, NOT_DETERMINED, allowed_multiple
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.programme import flyable_legs, holdout_legs, turn_legs
@@ -90,7 +90,7 @@ def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[LegVerd
         sizes |= {one.quantity: float("inf") for one in lost}
         worst = max(sizes, key=lambda name: sizes[name], default="")
         beyond = sum(size > 1.0 for size in sizes.values())
-        apart = tuple(one.quantity for one in judgements if one.verdict == UNDETERMINED)
+        apart = tuple(one.quantity for one in judgements if one.verdict == NOT_DETERMINED)
         yield LegVerdict(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst, apart)
 
 
