@@ -22,12 +22,12 @@ part, and which are not for it. **{declaration}** Nobody has approved this train
 
 The lines follow the STCW Code: section A-I/12 (what simulators, training and assessment must do)
 and section B-I/12, paragraphs 68 and 69 (navigation and watchkeeping, ship handling). The wording
-is ours; read the code for the law. Numbers marked *not checked* are from memory: no text of those
-paragraphs was in reach. The others were read at {read}.
+is ours; for the law read the code. Numbers marked *not checked* are from memory, because we could
+not get the text of those paragraphs. We read the others at {read}.
 
-The code is of surface ships: a line that makes no sense in a dived boat is out of scope, with the
-reason. A line that says *has* names the test that shows it, and a test refuses it if that test is
-not there.
+The code is about surface ships. If a demand makes no sense in a dived boat, it is out of scope, and
+the table gives the reason. If the state is *has*, the table names the test that shows it; another
+test makes sure that this test exists.
 
 ```sh
 trainer dev conform
