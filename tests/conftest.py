@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
+from functools import partial
 from pathlib import Path
 
 import hypothesis
@@ -20,7 +21,7 @@ from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
 NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
-FLEETS = ("test_fleet", "test_sweep", "test_python_face")  # files of tests that fly members at once
+FLEETS = ("test_fleet", "test_sweep", "test_python_")  # files of tests that fly members at once
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = [
     *("helpers.browser", "helpers.crewed", "helpers.few_points", "helpers.once_more"),
@@ -47,37 +48,38 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile once what several processes would compile side by side: the core, fits and fleets.
+    """Begin to compile what several processes would compile side by side: the core, fits, fleets.
 
-    A boat's core comes with the package, except where settings of numba ask for other code.
-
-    Fits and fleets are compiled side by side; fits are waited for, as tests of them come early.
-    Fleets, whose tests come last, and ships that are not linear go on beside the first tests. Tests
-    of fleets are marked process, because to compile fleets takes longer than all that they test.
-    Browsers are installed, where that is allowed. Who names files of tests waits for the core
-    alone: what else those need they compile.
+    A boat's core comes with the package, except where settings of numba ask for other code; it is
+    waited for. Fits, and ships that are not linear, go on beside the first tests, because their
+    own tests come late, and fleets too, whose tests come last. Who names files of tests waits for
+    the core alone: what else those need they compile. Programs are installed, where that is
+    allowed, unless no test starts any.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
     gc.enable()  # the workers collect, and not this process
-    core = started("helpers.core")
+    core, chosen = started("helpers.core"), session.config.option.markexpr
     named = session.config.args_source is pytest.Config.ArgsSource.ARGS
-    if named or session.config.option.markexpr in NEEDING_THE_CORE_ALONE:
+    if named or chosen in NEEDING_THE_CORE_ALONE:
         assert_done(core)
         return
-    fits = started("trainer", "identify", "--example")
-    slow = session.config.option.markexpr == "slow"
-    install_missing(PACKAGES | (SLOW_PACKAGES if slow else {}))
-    assert_done(core)
-    if "not process" not in session.config.option.markexpr:
+    beside = [started("helpers.fitted")]
+    if "not process" not in chosen:
+        install_missing(PACKAGES | (SLOW_PACKAGES if chosen == "slow" else {}))
         folder = tempfile.TemporaryDirectory()
         session.config.add_cleanup(folder.cleanup)
         few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
-        fleets = started("trainer", "sweep", "turn-uncertainty", *few)
-        session.config.add_cleanup(lambda: assert_done(fleets))
-    assert_done(fits)
-    ships = started("helpers.ships")
-    session.config.add_cleanup(lambda: assert_done(ships))
+        beside.append(started("trainer", "sweep", "turn-uncertainty", *few))
+    assert_done(core)
+    for process in beside:
+        session.config.add_cleanup(partial(assert_done, process))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_xdist_auto_num_workers() -> Generator[None, int, int]:
+    """Let ``-n auto`` start one process more than there are processors, because tests wait too."""
+    return (yield) + 1
 
 
 def assert_done(process: subprocess.Popen[bytes]) -> None:
@@ -98,10 +100,11 @@ def started(*words: str) -> subprocess.Popen[bytes]:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with tests that wait in half of the processes, with those that compute in the others.
 
-    Each process takes its share as it stands here, and what others have left over. Tests of fleets
-    come last of all, when these are compiled.
+    Each process takes its share as it stands here, and what others have left over. Tests of fits
+    come late, and those of fleets last of all, when these are compiled.
     """
-    items.sort(key=lambda item: item.path.name.startswith(FLEETS) or "fleet" in item.name)
+    items.sort(key=lambda item: item.path.parent.name == "identify")
+    items.sort(key=flies_members)
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     half = max(processes // 2, 1)
     waiting = [item for item in items if item.path.parent.name in WAITING]
@@ -112,6 +115,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for i in range(half):
         items += waiting[i * few : (i + 1) * few] + computing[i * beside : (i + 1) * beside]
     items += computing[half * beside :]
+
+
+def flies_members(item: pytest.Item) -> bool:
+    """Return whether a test flies members of a fleet or sweep, which take minutes to compile."""
+    return item.path.name.startswith(FLEETS) or "fleet" in item.name or "boat sweep" in item.name
 
 
 @pytest.fixture(scope="session", autouse=True)

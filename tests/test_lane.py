@@ -1,4 +1,4 @@
-"""The tests of every commit, `-m "not process and not slow"`, start no process."""
+"""The tests of everybody, `-m "not process and not slow and not long"`, start no process."""
 
 import multiprocessing
 import os

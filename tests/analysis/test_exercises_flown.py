@@ -91,6 +91,7 @@ def marks_of(name: str, crew: Crew, reaction: CrewReaction | None = None) -> Sco
 # Each at its own seed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_nobody_aboard_earns_nothing(name: str) -> None:
     card = flown(name).nobody

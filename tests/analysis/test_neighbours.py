@@ -174,4 +174,4 @@ def test_the_page_of_a_reduction_names_it() -> None:
     text = " ".join(page.render(report).split())
 
     assert "climbing turn, port, 3 kn: not judged, not determined (below): last depth" in text
-    assert "1 numbers are not determined" in text
+    assert "numbers that are not determined: 1. One row of" in text

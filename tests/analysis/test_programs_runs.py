@@ -457,6 +457,7 @@ def test_a_plot_of_a_run_that_cannot_be_is_told(
     assert said in f"{done.output} {done.exception}"
 
 
+@pytest.mark.long
 def test_the_charts_of_an_acceleration_are_drawn_from_its_run(tmp_path: Path) -> None:
     run, out = tmp_path / "a.csv", tmp_path / "a.svg"
     columns = ("delta_s,delta_b", "theta", "u", "q", "z")

@@ -162,6 +162,7 @@ def normal_force_and_moment(
 coefficient = st.floats(-0.05, 0.05).filter(lambda x: abs(x) > 1e-4)
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(
     st.fixed_dictionaries(

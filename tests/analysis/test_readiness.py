@@ -37,6 +37,7 @@ def remedies(found: Readiness) -> dict[str, str]:
     return {lack.what.partition(":")[0]: lack.remedy for lack in found.lacks}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", BOATS)
 def test_a_shipped_boat_is_accepted(name: str) -> None:
     done = CliRunner().invoke(check, [name])
@@ -45,6 +46,7 @@ def test_a_shipped_boat_is_accepted(name: str) -> None:
     assert "The compact set is within tolerance in all of them." in done.output
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("source", "length"), [("bb2", 60.0), ("bb2", 10.0), ("remus100", 2.0)])
 def test_a_scaled_boat_is_accepted(source: str, length: float, tmp_path: Path) -> None:
     path = tmp_path / "boat.toml"
@@ -55,6 +57,7 @@ def test_a_scaled_boat_is_accepted(source: str, length: float, tmp_path: Path) -
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.long
 def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path) -> None:
     text = load_vessel("bb2").text
     wrong = text.replace("N_r = 1.165", "N_r = 0.5", 1)
@@ -70,6 +73,7 @@ def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path)
     assert f"trainer boat reduce {path} --write" in done.output
 
 
+@pytest.mark.long
 def test_a_change_of_length_alone_is_not_accepted() -> None:
     text = load_vessel("bb2").text
     assert not examine_boat(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
@@ -88,6 +92,7 @@ def test_what_is_missing_is_told_with_what_makes_it() -> None:
     assert remedies(found)["gains"] == "trainer boat gains boat.toml >> boat.toml"
 
 
+@pytest.mark.long
 def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
     told = remedies(examine_boat(load_vessel("remus100")))
 
@@ -95,6 +100,7 @@ def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
     assert told["periscope_depth_m"] == "a line in [run]"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", BOATS)
 def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
     page = render(examine_boat(load_vessel(name)))

@@ -305,6 +305,7 @@ def test_turns_are_answered_with_more_speed_and_astern_bells_with_less() -> None
     assert speeds[2] < 6.0 * KNOT
 
 
+@pytest.mark.long
 @given(st.floats(-60.0, 60.0), st.floats(0.0, 360.0), st.sampled_from(["course", "rudder"]))
 def test_a_course_is_steered_the_short_way_however_often_the_boat_has_turned(
     heading: float, course: float, head: str

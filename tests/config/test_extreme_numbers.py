@@ -85,6 +85,7 @@ each_vessel = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.long
 @each_vessel
 def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Path) -> None:
     text = shipped_path("vessels", name).read_text(encoding="utf-8")
@@ -110,6 +111,7 @@ def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
         assert not math.isnan(boat.time)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "name", "load"),
     [

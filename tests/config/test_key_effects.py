@@ -137,6 +137,7 @@ each_vessel = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.long
 @each_vessel
 def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
     name: str, monkeypatch: pytest.MonkeyPatch

@@ -78,6 +78,7 @@ def inks_of(app: Console, text: str) -> set[str]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
 @pytest.mark.parametrize("role", CREW)
 def test_what_is_ordered_stands_beside_the_instrument_with_what_is_to_go(
@@ -296,6 +297,7 @@ def test_after_a_jump_only_what_waits_there_is_new() -> None:
     assert model.crew.to_repeat("helm")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("fact", "event", "rings"),
     [

@@ -38,6 +38,7 @@ def boat_at(depth: float, sea: str = "calm", way: tuple[str, str, str] = WAYS[0]
     return boat
 
 
+@pytest.mark.long
 def test_a_boat_that_asks_its_pitch_for_the_surface_has_the_bits_of_one_that_always_looks() -> None:
     seen = set()
     for regime in product(SEAS, DEPTHS_M, PITCHES, WAYS):

@@ -196,6 +196,7 @@ def test_the_outputs_have_variance_1_and_are_not_correlated(bank: int) -> None:
     assert pair.T @ pair == pytest.approx(np.eye(2), abs=0.005)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_spectrum_itself_is_within_4_per_cent_in_every_band(bank: int) -> None:
     response = responses(bank, WAVE_ROWS[bank, :, :1])[:, 0]
@@ -217,6 +218,7 @@ def gains(bank: int, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.asarray(abs(turns @ responses(bank, rows)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_force_leaks_nothing_slow_at_any_depth(bank: int) -> None:
     x = np.linspace(0.07, np.pi / PHASE_STEP, 2000)
@@ -244,6 +246,7 @@ def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int)
         assert length / pushed(bank, kappa) == pytest.approx(LENGTH_TABLE[bank, row], rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bank", [0, 1])
 @pytest.mark.parametrize(("kappa", "most"), [(0.0, 0.25), (0.1, 0.03)])
 def test_near_the_surface_the_waves_that_move_a_boat_push_as_they_should(

@@ -100,6 +100,7 @@ def mastered(idle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(path, "depth-changes", given)
 
 
+@pytest.mark.long
 def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     debrief = debriefed(idle)
     reference = beside(debrief).reference
@@ -111,6 +112,7 @@ def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     assert debrief.total == 0.0
 
 
+@pytest.mark.long
 def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(mastered: Path) -> None:
     debrief = debriefed_finely(mastered)
 
@@ -139,6 +141,7 @@ def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Pat
     assert not can_fly(replace(plan, duration=1e15))
 
 
+@pytest.mark.long
 def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     tmp_path: Path,
 ) -> None:
@@ -151,6 +154,7 @@ def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     )
 
 
+@pytest.mark.long
 def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> None:
     debrief = debriefed_finely(jam)
     onset = debrief.casualties[0].episode.begun
@@ -264,6 +268,7 @@ def test_without_keeping_lost_the_losses_are_all_that_lacks(idle: Path) -> None:
     assert debrief.costs[0].marks >= debrief.costs[1].marks >= debrief.costs[2].marks
 
 
+@pytest.mark.long
 def test_a_broken_limit_is_told_with_what_it_cost(mastered: Path) -> None:
     debrief = debriefed(mastered)
     verdict = debrief.card.verdict
@@ -428,6 +433,7 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     assert "<b>Free</b>, no marks" in told
 
 
+@pytest.mark.long
 def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) -> None:
     path = record(tmp_path / "sea.trainer", "depth-gauge-failure", {})
     debrief = debriefed(path)

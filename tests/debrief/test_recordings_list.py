@@ -313,6 +313,7 @@ def test_a_trainee_is_found_however_the_name_is_written_and_else_the_nearest() -
 # Forgotten
 
 
+@pytest.mark.long
 def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
     change_marks(kept, DebriefRequest(), [f"outcome: won, {ANN} steered well"], [])
     debrief_file(kept, None, None, DebriefRequest())
@@ -345,6 +346,7 @@ def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
 # Marks changed by the instructor
 
 
+@pytest.mark.long
 def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_path: Path) -> None:
     path = record(tmp_path / "turn.trainer", "steady-course", {62.0: "rudder right 3"})
     plain = read_compared(path, DebriefRequest())

@@ -185,6 +185,7 @@ def spoilt(draw: st.DrawFn, target: Target) -> bytes:
     return bytes(data)
 
 
+@pytest.mark.long
 @each_target
 @settings(max_examples=15)
 @given(data=st.data())

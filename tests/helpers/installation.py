@@ -11,8 +11,6 @@ import subprocess
 from collections.abc import Mapping
 from typing import Final, NoReturn
 
-import pytest
-
 INSTALLING_S: Final = 600.0  # [s] for all of them
 PACKAGES: Final = {  # one or more, by program
     "chromium": "chromium",
@@ -79,6 +77,12 @@ def installed(program: str, package: str) -> str:
 
 def do_without(why: str) -> NoReturn:
     """Skip a test that lacks a program; fail it where none may be missing."""
+    import pytest  # noqa: PLC0415  programs are installed before it is
+
     if is_complete():
         pytest.fail(f"{why} (CI_APT=1 says that all are here)")
     pytest.skip(f"{why}, or set CI_APT=1")
+
+
+if __name__ == "__main__":
+    install_missing(PACKAGES)

@@ -179,8 +179,3 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     first = np.array([*table[0, :4], *table[0, 10:]])
     table[:, [0, 1, 2, 3, 10, 11]] += ROLL_NOISE[4:] * stream.standard_normal((samples, 6))
     return Trial(f"rolled {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
-
-
-if __name__ == "__main__":  # compiles what tests of such ships would compile side by side
-    problem, parameters, _ = made_record("mmg")
-    problem.cost(parameters)

@@ -18,6 +18,7 @@ from trainer.identify.judge.validation import draw_outputs
 linalg = pytest.importorskip("scipy.linalg")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ship", [TANKER, ISLAND])
 def test_the_settled_gain_is_that_of_scipys_riccati_equation(ship: Any) -> None:
     problem = ship.problem(TANKER_RUDDER[:50])
@@ -29,6 +30,7 @@ def test_the_settled_gain_is_that_of_scipys_riccati_equation(ship: Any) -> None:
     assert_allclose(settled_gain(problem, sampled)[0].real, K, rtol=1e-8, atol=1e-12)  # type: ignore[index]
 
 
+@pytest.mark.long
 def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any:
     # second differences of the value itself, no gradient of ours in them
     problem = TANKER.problem(TANKER_RUDDER[:600])
@@ -54,6 +56,7 @@ def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any
     assert_allclose(ours, theirs, rtol=3e-3)
 
 
+@pytest.mark.long
 def test_an_armax_model_has_the_loss_and_deviations_of_statsmodels() -> None:
     tsa = pytest.importorskip("statsmodels.tsa.statespace.sarimax")
     stream = np.random.default_rng(4)

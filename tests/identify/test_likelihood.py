@@ -168,6 +168,7 @@ def stepped(problem: Any, place: Any) -> Any:
     return np.array(errors), np.array(spreads), cost
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["whole", "varied", "summed", "started", "settled from the first"])
 def test_gradient_and_information_are_those_of_an_imaginary_step(name: Any) -> None:
     problem = case(name)

@@ -209,6 +209,7 @@ def ran(study: Path, *options: Any) -> Any:
     return CliRunner().invoke(identify, [str(study), *map(str, options)])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("options", "free"),
     [

@@ -31,6 +31,7 @@ def assert_found(report: Any) -> None:
     assert numbers(report)["w"][1] < 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("noise", ["covariance", "innovations", "output-error"])
 def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
     report = identified(write_study(tmp_path), "--noise", noise)
@@ -45,6 +46,7 @@ def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
     assert ("q" in numbers(report)) == (noise != "output-error")
 
 
+@pytest.mark.long
 def test_a_program_finds_what_the_file_finds(tmp_path: Path) -> None:
     study, program = write_study(tmp_path), tmp_path / "system.py"
     program.write_text(PROGRAM)
@@ -107,6 +109,7 @@ def test_matrices_of_one_step_are_found_too(tmp_path: Path) -> None:
         identified(tmp_path / "study.toml")
 
 
+@pytest.mark.long
 def test_a_gain_of_its_own_is_taken(tmp_path: Path) -> None:
     text = SYSTEM.replace('R1 = [[0, 0], [0, "q"]]', 'K = ["g1", "g2"]').replace('R2 = [["s"]]', "")
     rows = ROWS.replace('"q"', '"g1"').replace('"s"', '"g2"')
@@ -117,6 +120,7 @@ def test_a_gain_of_its_own_is_taken(tmp_path: Path) -> None:
     assert gain[1] < 0.1
 
 
+@pytest.mark.long
 def test_two_inputs_and_none(tmp_path: Path) -> None:
     text = SYSTEM.replace('["fin"]', '["fin", "sea"]').replace('["k*w**2"]', '["k*w**2", 0]')
     path = write_study(tmp_path, text.replace("[[0], ", "[[0, 0], ") + ROWS)
@@ -136,6 +140,7 @@ def test_two_inputs_and_none(tmp_path: Path) -> None:
     assert "k" not in numbers(report)
 
 
+@pytest.mark.long
 def test_its_page_plot_series_and_check(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0))

@@ -173,6 +173,7 @@ def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:
     assert found["K"] == pytest.approx(-0.05, rel=0.05)
 
 
+@pytest.mark.long
 def test_the_example_ships_and_is_fitted_where_it_is_copied_to(tmp_path: Path) -> None:
     pytest.importorskip("scipy")
     report = json.loads(answered("--example", "--json").stdout)

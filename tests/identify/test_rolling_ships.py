@@ -61,6 +61,7 @@ def rolling_problem(name: str) -> tuple[ShipProblem, Numbers]:
     return problem, np.array([*(values[each] for each in model.free), *np.log(noise), *first])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MODELS)
 def test_gradient_and_information_are_those_of_differences(name: str) -> None:
     problem, a = rolling_problem(name)
@@ -83,6 +84,7 @@ def test_gradient_and_information_are_those_of_differences(name: str) -> None:
     assert np.diag(moved @ moved.T) == pytest.approx(np.diag(H)[places], rel=0.05)
 
 
+@pytest.mark.long
 def test_without_coupling_roll_changes_nothing_of_the_rest() -> None:
     problem, a = rolling_problem("mmg")
     for name in ("Y_phi", "N_phi"):
@@ -110,6 +112,7 @@ def found() -> ShipFit:
     return fit_ship(problem, begin, lambda *_: None)
 
 
+@pytest.mark.long
 def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     free = found.problem.model.free
     truth = np.array([HEELED[name] for name in free])
@@ -272,6 +275,7 @@ def asked(*words: object) -> Result:
     return CliRunner().invoke(cli, [str(word) for word in words])
 
 
+@pytest.mark.long
 def test_a_ship_is_fitted_written_and_sailed_with_her_heel(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

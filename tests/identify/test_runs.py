@@ -109,6 +109,7 @@ def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
     assert np.all(np.abs(found.theta - both.start)[ship] < 4.0 * ours[ship])
 
 
+@pytest.mark.long
 def test_two_records_are_fitted_by_one_command(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0), 200)
@@ -152,6 +153,7 @@ def test_outliers_are_rejected_in_each_run_and_named(tmp_path: Path) -> None:
     assert report["samples"] == 499
 
 
+@pytest.mark.long
 def test_nothing_is_estimated_where_only_a_simulation_is_wanted(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     report = identified(study, "--simulate")

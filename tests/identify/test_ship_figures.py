@@ -86,6 +86,7 @@ def test_kvlcc2_is_fitted_to_one_record_and_its_turns_stand_where_they_are_bad()
     assert all(len(line) <= 79 for line in text.splitlines())
 
 
+@pytest.mark.long
 def test_what_the_mariner_s_coefficients_are_worth_decides_its_verdict() -> None:
     ship, published = ship_and_figures("mariner")
     ((row,),) = (each.rows for each in compare_ship(ship, published))
@@ -102,6 +103,7 @@ def test_what_the_mariner_s_coefficients_are_worth_decides_its_verdict() -> None
 # Bad input
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
@@ -133,6 +135,7 @@ def test_a_mistake_in_a_ship_s_figures_is_named_with_its_line(
         compare_ship(ship, load_published(figures_path(ship)))
 
 
+@pytest.mark.long
 def test_the_guide_of_a_ship_prints_its_figures_and_makes_no_page(tmp_path: Path) -> None:
     result = CliRunner().invoke(cli, ["guide", "mariner", "--json"])
     assert result.exit_code == 0

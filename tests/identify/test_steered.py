@@ -206,6 +206,7 @@ def flown(name: str, path: Path) -> dict[str, float]:
     return {one["name"]: one["value"] for one in json.loads(result.stdout)["measures"]}
 
 
+@pytest.mark.long
 def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path) -> None:
     path = fernstrom(tmp_path)
     result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
@@ -233,6 +234,7 @@ def test_the_page_shows_what_the_command_prints(tmp_path: Path) -> None:
     assert shown in CliRunner().invoke(steering, [str(fernstrom(tmp_path))]).stdout
 
 
+@pytest.mark.long
 def test_the_spiral_is_drawn_with_its_fold(tmp_path: Path) -> None:
     (panel,) = panels(of_nomoto(fernstrom(tmp_path)))
     (curve,) = panel.curves

@@ -109,6 +109,7 @@ def test_a_ship_is_found_within_three_deviations_by_every_noise_model(
     assert report["converged"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["scoring", "bfgs", "direct"])
 def test_every_minimiser_ends_at_the_same_ship(plain: Path, usual: Any, method: Any) -> None:
     report = json.loads(run(identify, plain, "--method", method, "--json"))
@@ -134,6 +135,7 @@ def test_the_page_tells_parameters_ship_stability_losses_and_residuals(plain: Pa
     assert max(map(len, page.splitlines())) <= 79
 
 
+@pytest.mark.long
 def test_a_second_order_ship_asked_of_a_first_order_record_is_told(tmp_path: Path) -> None:
     # T2 and T3 cancel, T1 + T2 - T3 stands
     report = json.loads(
@@ -161,6 +163,7 @@ def test_a_lag_at_its_bound_leaves_the_ship_known() -> None:
     assert math.isnan(found.covariance[1, 1])
 
 
+@pytest.mark.long
 def test_an_outlier_is_screened_when_asked(tmp_path: Path) -> None:
     path = trial(tmp_path, outlier=1.0)
     crude = told(json.loads(run(identify, path, "--json")))["T1"]
@@ -235,6 +238,7 @@ def test_the_ship_found_is_written_to_sail(plain: Path, tmp_path: Path) -> None:
         run(identify, plain, "--to", "250", "--write-vessel", tmp_path / "boat.toml")
 
 
+@pytest.mark.long
 def test_a_plot_is_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     for more in ((), ("--armax",)):
@@ -287,6 +291,7 @@ def sway_trial(folder: Path) -> Path:
     return folder / "study.toml"
 
 
+@pytest.mark.long
 def test_a_ship_of_sway_alone_is_found_from_its_own_start_with_intervals(tmp_path: Path) -> None:
     report = json.loads(run(identify, sway_trial(tmp_path), "--json"))
     assert report["converged"]
@@ -368,6 +373,7 @@ def test_a_record_that_is_not_there_or_has_other_columns_is_named_with_the_next_
     assert f"trainer identify new {path} -o study.toml" in raised.value.problems[-1]
 
 
+@pytest.mark.long
 def test_orders_of_armax_are_tried_and_told(tmp_path: Path) -> None:
     page = run(identify, trial(tmp_path), "--armax")
     for part in ("ARMAX MODELS of yaw_rate", "Order by AIC", "Poles", "order", "feedback"):

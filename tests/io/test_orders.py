@@ -314,6 +314,7 @@ WORDS = st.sampled_from(
 )
 
 
+@pytest.mark.long
 @given(st.lists(WORDS | NUMBERS, min_size=1, max_size=5), st.sampled_from(UNDERSTOOD), NUMBERS)
 @settings(max_examples=300)
 def test_the_full_wording_reads_back_as_the_same_order(

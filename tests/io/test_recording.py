@@ -1348,6 +1348,7 @@ LARGE = {
 COUNTS = {"texts": 8, "branches": 3000, "orders": 20_000, "snapshots": 3000}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", LARGE)
 def test_what_would_fill_the_memory_is_refused(path: Path, what: str) -> None:
     series = "(WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n LIMIT {}) "

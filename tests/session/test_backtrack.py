@@ -479,6 +479,7 @@ WAYS = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
 def test_every_way_leads_to_the_bits_of_the_plain_run(
     ship: Ship, plain: list[bytes], way: Callable[[Ship], Lines]
@@ -674,6 +675,7 @@ class Witness:
         self.past, self.left = past, b""
 
 
+@pytest.mark.long
 @settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(TYPED, max_size=40))
 def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(

@@ -153,6 +153,7 @@ def test_the_teletype_of_a_station_shows_the_gauges_and_the_instructors_the_trut
     assert "123.4>" in instructor
 
 
+@pytest.mark.long
 def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat: Boat) -> None:
     stick_gauges(boat)
     before = everything_stations_get(frame_of(boat))

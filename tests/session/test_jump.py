@@ -12,6 +12,7 @@ from pathlib import Path
 from types import MethodType
 from typing import Any, Final, NamedTuple
 
+import pytest
 from helpers.crewed import Crewed, crewed
 
 from trainer.session.jump import followers
@@ -199,6 +200,7 @@ def exercise(crewed: Callable[..., Crewed]) -> Crewed:
     return crewed(plan=plan, lost=("depth > 400",), seconds=900.0)
 
 
+@pytest.mark.long
 def test_whoever_remembers_something_follows_a_jump_or_says_why_not(
     crewed: Callable[..., Crewed],
 ) -> None:

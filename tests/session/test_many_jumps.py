@@ -15,6 +15,7 @@ ANSWER_S = 1.0  # [s] in which an answer comes
 WORDS = ("rudder left {}", "stern planes rise {}", "tell course {}", "in {} s rpm 60", "mark {}")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("jumps", "orders"),
     [(40, 10), pytest.param(541, 57, marks=pytest.mark.slow)],

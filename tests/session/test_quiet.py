@@ -93,6 +93,7 @@ def flown_by_calls(path: Path) -> Flown:
         return boat.events, boat.orders, boat.state, columns, repr(left)
 
 
+@pytest.mark.long
 def test_a_run_has_the_same_states_orders_and_events_as_tick_by_tick(
     exercise: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -121,6 +122,7 @@ def recorded(path: Path, folder: Path, name: str) -> Flown:
     return states, orders, events, rows.read_bytes()
 
 
+@pytest.mark.long
 def test_its_recording_has_each_state_order_and_event(
     exercise: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

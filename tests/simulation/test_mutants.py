@@ -22,6 +22,7 @@ def test_a_fault_put_back_is_found_within_a_hundred_seeds(fault: Fault) -> None:
     assert any(play(script, with_fault(fault)).breaches for script in scripts)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", FOUND)
 def test_the_script_of_a_fault_that_was_found_shows_it(name: str) -> None:
     script = read_script(TESTS / "simulation" / "kept" / f"{name}.json")

@@ -129,6 +129,7 @@ BEGINNINGS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("trickles", [False, True], ids=["silent", "trickling"])
 @pytest.mark.parametrize("beginning", BEGINNINGS)
 @pytest.mark.usefixtures("hurried")
@@ -199,6 +200,7 @@ FLOODS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flood", FLOODS)
 def test_a_flood_of_bytes_that_are_no_line_is_cut_off(flood: str) -> None:
     with pages() as stub, dialled(stub.port) as other:

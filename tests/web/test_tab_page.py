@@ -200,6 +200,7 @@ def test_an_import_of_an_unknown_kind_is_not_bundled(
         maker.bundle("one.js")
 
 
+@pytest.mark.long
 def test_a_recorded_hour_is_small(tmp_path: Path, boat_page: str) -> None:
     hour = record(tmp_path / "hour.trainer", "watch", {60.0: "depth 80", 700.0: "course 90"})
     recording = Recording.look(hour)

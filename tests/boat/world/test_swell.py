@@ -97,6 +97,7 @@ def test_the_outputs_of_any_step_are_the_core_s(bank: int) -> None:
     assert mine == pytest.approx(np.array(theirs), abs=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["filter", "cosines"])
 def test_waves_elsewhere_are_as_high_as_at_the_boat(name: str) -> None:
     levels = []

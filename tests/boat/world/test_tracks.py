@@ -25,6 +25,7 @@ def where(way: Way, time: float) -> tuple[float, ...]:
     return tuple(float(each[0]) for each in situation(piece_column(way.at(time)), time)[:5])
 
 
+@pytest.mark.long
 def test_a_way_is_what_small_steps_of_its_speed_and_turn_add_up_to() -> None:
     points = [(0.0, 0.0), (4000.0, 0.0), (6000.0, 5000.0), (2000.0, 9000.0)]
     course, path = path_along(points, (3.0, 7.0, 5.0), 500.0)

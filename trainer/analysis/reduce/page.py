@@ -110,8 +110,8 @@ def _verdict(checked: Sequence[LegVerdict]) -> Iterator[str]:
             yield from wrap(f"not judged, the full set is lost or cannot start: {unjudged}")
     if apart := sum(len(one.undetermined) for one in checked):
         yield from wrap(
-            f"{apart} numbers are not determined: one row of the hull's own coefficients, 1 % "
-            "larger or smaller, moves them by more than is allowed",
+            f"numbers that are not determined: {apart}. One row of the hull's own coefficients, "
+            "1 % larger or smaller, moves each by more than is allowed",
             "",
             "  ",
         )
