@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from trainer.analysis.guide import neighbours
 from trainer.analysis.guide.programme import Leg, guide_legs, own_method
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
@@ -676,7 +677,9 @@ def test_a_boat_runs_by_the_factors_of_its_file() -> None:
 
 
 @pytest.mark.long
-def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
+def test_a_set_that_is_out_is_told_by_leg_and_quantity(monkeypatch: pytest.MonkeyPatch) -> None:
+    # neighbours of each leg that is out take half a minute, and are tried in test_neighbours
+    monkeypatch.setattr(neighbours, "neighbour_moves", lambda *_: {})
     file = load_vessel("bb2")
     candidate = Candidate(file, "modified")
     factors = reduction.as_filed(file) | {"N_r": 0.0}
