@@ -2,13 +2,16 @@
 
 import hashlib
 import re
+import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numba
 import numpy as np
 import pytest
+from helpers.places import environment
 from numba import config, float64, int64
 from numba.types import Type  # type: ignore[attr-defined]
 
@@ -23,7 +26,7 @@ from trainer.analysis.fleet.ensemble import (
 )
 from trainer.analysis.fleet.lanes import BLOCK_TYPE, LANE_COUNT, relay_kernel
 from trainer.analysis.fleet.side_by_side import new_work
-from trainer.boat import compilation
+from trainer.boat import compilation, machine_code
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.core import kernel
 from trainer.core.elementary import cosine, exponential, sine
@@ -432,3 +435,33 @@ def test_the_compiler_is_one_that_vector_code_was_tested_with() -> None:
         "with it, ticks are slower, nothing is exported. Extend it, and run this, test_tick.py "
         "and test_export.py."
     )
+
+
+FLEET_IN_A_NEW_PROCESS = """
+import numpy as np
+from trainer.analysis.fleet import shipped
+from trainer.analysis.sweep.fleets import by_files, start_members
+from trainer.boat.assemble import Method
+from trainer.config.vessel import load_vessel
+
+method = Method("modified", "lagged", "exact", "adams2", 0.5)
+fleet, able = start_members(by_files([load_vessel("bb2")], method), method, np.array([5.0]), 0, ())
+compiled = [each.__name__ for each in shipped.CALLED if "dispatcher" in vars(each)]
+print(f"fit {able.astype(float)}, compiled {compiled}")
+"""
+
+
+@compiled
+@pytest.mark.skipif(
+    machine_code.way_name() == machine_code.BY_NUMBA, reason="no machine code is shipped for this"
+)
+def test_a_fleet_does_not_compile_what_is_shipped(tmp_path: Path) -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", FLEET_IN_A_NEW_PROCESS],
+        env=environment(XDG_CACHE_HOME=str(tmp_path)),  # nothing is compiled yet
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert told.stdout == "fit [1.], compiled []\n"

@@ -27,7 +27,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import Records
-from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, TICK_NAME, Entry
+from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, TICK_NAME, Entry, entry_of
 from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, fitting_name, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
@@ -161,6 +161,12 @@ def _find_way() -> _Way:
 def way_name() -> str:
     """Return how kernels are computed: shipped, made here, compiled by numba, or interpreted."""
     return _find_way().name
+
+
+def find_addresses(*kernels: Callable[..., Any]) -> tuple[int, ...]:
+    """Return where the machine code of kernels is in this process; nothing where numba compiles."""
+    library = _find_way().library
+    return tuple(library.address_of(entry_of(each).name) for each in kernels) if library else ()
 
 
 def _address(array: Any) -> int:

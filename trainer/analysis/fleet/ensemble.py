@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.analysis.fleet.member import Fleet, FlightTrack, Schedule, fly_one_by_one
+from trainer.analysis.fleet.shipped import new_solo
 from trainer.boat.boat import STATE_PLACES
 from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
-from trainer.core.state import new_scratch
 
 __all__ = ["NO_ORDERS", "Fleet", "FleetFlight", "Schedule", "fly_members", "orders"]
 
@@ -70,5 +70,5 @@ def fly_members(
 
         side_by_side.fly_members_by_block(fleet, schedule, ticks, side_by_side.new_work(), track)
     else:
-        fly_one_by_one(fleet, schedule, ticks, new_scratch(), track)
+        fly_one_by_one(fleet, schedule, ticks, new_solo(), track)
     return FleetFlight(track.rows, track.lost)

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.analysis.fleet.shipped import SoloWork, update_boat
 from trainer.core.kernel import Record, kernel, unlocked
-from trainer.core.update import update
 
 PlaceArray = NDArray[np.int64]
 
@@ -72,7 +72,7 @@ def clear_track_rows(out: FlightTrack, member: int, start: int, end: int) -> Non
 
 @kernel
 def fly_alone(
-    fleet: Fleet, member: int, start: int, end: int, scratch: Record, out: FlightTrack
+    fleet: Fleet, member: int, start: int, end: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance a member from tick ``start`` to ``end``, or to where its numbers are lost."""
     vessel = fleet.vessels[record_span(fleet.vessels, member)]
@@ -80,10 +80,10 @@ def fly_alone(
     state = fleet.states[record_span(fleet.states, member)]
     if out.lost[member] >= 0:
         return
-    for i in range(scratch[0].gains.size):
-        scratch[0].gains[i] = 0.0  # without a schedule nobody writes them
+    for i in range(solo.scratch[0].gains.size):
+        solo.scratch[0].gains[i] = 0.0  # without a schedule nobody writes them
     for tick in range(start, end):
-        if update(vessel, compact, fleet.scheme, state, scratch) != 0:
+        if update_boat(solo.codes, vessel, compact, fleet.scheme, state, solo.scratch) != 0:
             out.lost[member] = tick
             clear_track_rows(out, member, tick, end)
             return
@@ -115,7 +115,7 @@ def next_order_tick(schedule: Schedule, member: int, next_order: int, end: int) 
 
 @kernel
 def fly_member(
-    fleet: Fleet, schedule: Schedule, ticks: int, member: int, scratch: Record, out: FlightTrack
+    fleet: Fleet, schedule: Schedule, ticks: int, member: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance a member by ``ticks``, and obey its orders."""
     state = fleet.states[record_span(fleet.states, member)]
@@ -124,14 +124,14 @@ def fly_member(
     while tick < ticks and out.lost[member] < 0:
         next_order = obey_orders(schedule, member, tick, next_order, state)
         end = next_order_tick(schedule, member, next_order, ticks)
-        fly_alone(fleet, member, tick, end, scratch, out)
+        fly_alone(fleet, member, tick, end, solo, out)
         tick = end
 
 
 @unlocked
 def fly_one_by_one(
-    fleet: Fleet, schedule: Schedule, ticks: int, scratch: Record, out: FlightTrack
+    fleet: Fleet, schedule: Schedule, ticks: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance every member by ``ticks``; the interpreter is free meanwhile."""
     for member in range(fleet.states.size):
-        fly_member(fleet, schedule, ticks, member, scratch, out)
+        fly_member(fleet, schedule, ticks, member, solo, out)

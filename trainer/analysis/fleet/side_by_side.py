@@ -33,16 +33,16 @@ from trainer.analysis.fleet.member import (
     record_span,
     write_track_row,
 )
+from trainer.analysis.fleet.shipped import SoloWork, new_solo
 from trainer.analysis.fleet.tick import tick_abreast
 from trainer.core.compact import off_centre
-from trainer.core.kernel import Numbers, Record, kernel, unlocked
-from trainer.core.state import new_scratch
+from trainer.core.kernel import Numbers, kernel, unlocked
 
 
 class ThreadWork(NamedTuple):
     """The work space of one thread."""
 
-    scratch: Record
+    solo: SoloWork
     block: Numbers
     next_order: PlaceArray  # by lane, in its row of the schedule
     alone: PlaceArray  # by lane, 1: this stretch is flown by ``update``
@@ -51,7 +51,7 @@ class ThreadWork(NamedTuple):
 def new_work() -> ThreadWork:
     """Return a work space."""
     lanes = np.zeros(LANE_COUNT, np.int64)
-    return ThreadWork(new_scratch(), new_block(), lanes, lanes.copy())
+    return ThreadWork(new_solo(), new_block(), lanes, lanes.copy())
 
 
 @kernel
@@ -112,11 +112,11 @@ def fly_stretch(
     tick = start
     if not supports_scheme(fleet.scheme):
         for lane in range(count):
-            fly_alone(fleet, first + lane, tick, end, work.scratch, out)
+            fly_alone(fleet, first + lane, tick, end, work.solo, out)
         return
     if any_without_past(fleet, first, count):
         for lane in range(count):
-            fly_alone(fleet, first + lane, tick, tick + 1, work.scratch, out)
+            fly_alone(fleet, first + lane, tick, tick + 1, work.solo, out)
         tick += 1
     if choose_members(fleet, first, count, work, out) > 0:
         fly_abreast(fleet, first, tick, end, work, out)
@@ -124,7 +124,7 @@ def fly_stretch(
         if work.alone[lane] == 0 and work_in(work.block, lane)[0].strayed == 0.0:
             store_state(work.block, lane, fleet.states[record_span(fleet.states, first + lane)])
         else:
-            fly_alone(fleet, first + lane, tick, end, work.scratch, out)
+            fly_alone(fleet, first + lane, tick, end, work.solo, out)
 
 
 @kernel

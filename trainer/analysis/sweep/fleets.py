@@ -12,6 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, Schedule, orders
+from trainer.analysis.fleet.shipped import (
+    Codes,
+    find_codes,
+    fly_level,
+    order_boats_sea,
+    set_boat_out,
+    stand_boat_by,
+)
 from trainer.analysis.manoeuvres.flight import MAX_FLIGHT_CYCLES, Conn, Manoeuvre, Mark
 from trainer.analysis.manoeuvres.submarine import CONTROL_SURFACES, DEEP_WATER_M
 from trainer.analysis.manoeuvres.vehicle import Control
@@ -27,11 +35,8 @@ from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
-from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.scheme import equations_alone
-from trainer.core.sea.sea import order_sea
-from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE, new_scratch
 from trainer.core.terms import LENGTH_POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
@@ -128,7 +133,7 @@ class FleetStart(NamedTuple):
 
 @kernel
 def start_fleet(
-    fleet: Fleet, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
+    codes: Codes, fleet: Fleet, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
 ) -> None:
     """Start every boat of a fleet at depth in a calm.
 
@@ -143,17 +148,17 @@ def start_fleet(
         for i in range(s.whole.size):
             s.whole[i] = 0.0
         s.weight, s.x_g, s.y_g, s.z_g = c.weight, c.x_g, c.y_g, c.z_g
-        fit[member] = level_flight(vessel, compact, exact, state, scratch, how.speed[member])
+        fit[member] = fly_level(codes, vessel, compact, exact, state, scratch, how.speed[member])
         if fit[member] == 0.0:
             continue
         s.z, s.seed = how.depth, 1.0
-        set_out(vessel, compact, scheme, state, scratch)
-        autopilot(vessel, scheme[0].h, state, scratch)
+        set_boat_out(codes, vessel, compact, scheme, state, scratch)
+        stand_boat_by(codes, vessel, scheme[0].h, state, scratch)
         s.telegraph_order = s.u_c
         calm = how.calm[min(member, how.calm.shape[0] - 1)]
         for i in range(1, s.sea.size):
             s.sea[i] = calm[i]
-        order_sea(vessel, scheme[0].h, 0.0, calm, scratch, state)
+        order_boats_sea(codes, vessel, scheme[0].h, 0.0, calm, scratch, state)
         s.depth_law = how.law
 
 
@@ -240,7 +245,7 @@ def start_members(
     fleet = Fleet(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
     fit, how = np.zeros(count), FleetStart(speeds, DEEP_WATER_M, law, settings)
     with np.errstate(all="ignore"):
-        start_fleet(fleet, exact, how, new_scratch(), fit)
+        start_fleet(find_codes(), fleet, exact, how, new_scratch(), fit)
     able = fit > 0.0
     for control in needs:
         if control in CONTROL_SURFACES:
