@@ -18,9 +18,9 @@ reads the product's syntax trees and refuses another clock, thread or socket.
 
 **A script** (``script``) is all that happens to one session, as data: the exercise, its stations
 with every line that they send and when, by a socket or by a serial cable (``wires``), instruments
-(``instruments``), what befalls the disk and the time of day, and how each process ends: killed,
-without power, or by a signal. A seed draws a script. A script can be written to a file, read back
-and made smaller, which a seed cannot.
+(``instruments``) and the ships that they hear (``traffic``), what befalls the disk and the time of
+day, and how each process ends: killed, without power, or by a signal. A seed draws a script. A
+script can be written to a file, read back and made smaller, which a seed cannot.
 
 **The laws** (``laws``) are what must hold whatever the script. They are looked at from outside, on
 the lines and in the file, and from beside each order, by wrapping three methods of the product.

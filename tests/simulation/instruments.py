@@ -1,18 +1,21 @@
 """A plotter at a cable, and a display at datagrams, hear the boat's instruments.
 
 The plotter steers too, as an autopilot ashore would. What they hear has to be whole, and often.
+Ships near are heard too, see ``traffic``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from simulation.laws import Docket, Law
 from simulation.machine import SECOND_NS, Machine
+from simulation.traffic import Air, Receiver
 from simulation.wires import Wires
 from trainer.io.nmea import MAX_SENTENCE_LETTERS, NmeaSentence, parse_sentence, sentence
 
 CABLE: Final = "cable of the plotter"
-NMEA_OPTIONS: Final = {"nmea": (CABLE, "udp://127.0.0.1")}
+DATAGRAMS: Final = "udp://127.0.0.1"
+NMEA_OPTIONS: Final = {"nmea": (CABLE, DATAGRAMS)}
 LOOK_PERIOD_S: Final = 0.5
 MAX_SILENCE_NS: Final = 3 * SECOND_NS  # of a session that nobody ends: three times the product's
 ORDERS: Final = (
@@ -30,9 +33,16 @@ class Plotter:
     machine: Machine
     wires: Wires
     docket: Docket
+    air: Air
+    _cable: Receiver = field(init=False)
+    _display: Receiver = field(init=False)
     _rest: bytes = b""
     _heard_at: int = 0  # [ns] the last sentence
-    _torn: bool = True  # what comes first may be the end of a line
+
+    def __post_init__(self) -> None:
+        self._cable, self._display = (
+            Receiver(f"nmea {url}", self.air, self.docket) for url in (CABLE, DATAGRAMS)
+        )
 
     def run(self) -> None:
         """Listen for as long as the process lives."""
@@ -44,21 +54,21 @@ class Plotter:
                 self._heard_at = machine.now
             self._listen()
             for line in self.wires.sent:
-                self._hear(line)
+                self._hear(line, self._display)
             self.wires.sent.clear()
 
     def _listen(self) -> None:
         """Take what has come by the cable; then order something, seldom."""
         machine, end = self.machine, self.wires.cable(CABLE).far
         if end is None or end.reset:
-            self._rest, self._torn, self._heard_at = b"", True, 0
+            self._rest, self._heard_at = b"", 0
+            self._cable.lose()
             return
         came = end.recv(len(end.came)) if end.came else b""
         *lines, self._rest = (self._rest + came).split(b"\r\n")
         for line in lines:
-            if not self._torn:
-                self._hear(line.decode("ascii", "replace"))
-            self._torn, self._heard_at = False, machine.now
+            self._hear(line.decode("ascii", "replace"), self._cable)
+            self._heard_at = machine.now
         self._heard_at = self._heard_at or machine.now
         if machine.now - self._heard_at > MAX_SILENCE_NS:
             self.docket.enter(Law.INSTRUMENTS, "the plotter has heard nothing for 3 s")
@@ -67,7 +77,9 @@ class Plotter:
             while order and end.writable:
                 order = order[end.send(order) :]
 
-    def _hear(self, line: str) -> None:
+    def _hear(self, line: str, receiver: Receiver) -> None:
         whole = isinstance(parse_sentence(line), NmeaSentence)
         if not whole or len(line) > MAX_SENTENCE_LETTERS - 2:
             self.docket.enter(Law.INSTRUMENTS, f"a damaged sentence: {line!r}")
+        else:
+            receiver.hear(line)

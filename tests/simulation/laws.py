@@ -54,6 +54,7 @@ class Law(Enum):
     DEBRIEFED = "L13: a debrief made twice is the same bytes"
     SOLE = "L14: a recording has one session: a second is refused"
     INSTRUMENTS = "L15: each sentence to an instrument is whole, and none is silent for long"
+    AIS = "L16: each ship within reach is heard by AIS as often as is promised, and no other"
 
 
 class Breach(NamedTuple):

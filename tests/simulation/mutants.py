@@ -1,6 +1,6 @@
 """Faults put back into the product, each of which a law has to find.
 
-``FAULTS`` has eleven that nobody made, at places where a careless hand would make them, and five
+``FAULTS`` has twelve that nobody made, at places where a careless hand would make them, and five
 that seeds found in the product. Those are mended; the scripts that show them are kept in
 ``tests/simulation/kept``.
 """
@@ -8,6 +8,7 @@ that seeds found in the product. Those are mended; the scripts that show them ar
 # ruff: noqa: SLF001  a fault lies in private parts
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -18,6 +19,7 @@ import pytest
 from simulation.play import Change
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
+from trainer.boat.world.contacts import ContactState
 from trainer.io.connection import MAX_WAITING_LINES, Connection
 from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -29,6 +31,7 @@ from trainer.session import dispatch, jump, resume
 from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
 from trainer.session.nmea.outlets import SteadySubscription
+from trainer.session.nmea.transponders import Messages, Transponders
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
@@ -214,6 +217,18 @@ def share_recording(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(file, "_claim", lambda *_: None)
 
 
+def tell_one_report(patch: pytest.MonkeyPatch) -> None:
+    """Send a ship's name only with a set that has not its place."""
+    due = Transponders._due
+
+    def due_first(
+        self: Transponders, ship: ContactState, before: float, now: float
+    ) -> Iterator[Messages]:
+        yield from itertools.islice(due(self, ship, before, now), 1)
+
+    patch.setattr(Transponders, "_due", due_first)
+
+
 FOUND: Final[Mapping[str, Fault]] = {
     "end-taken-back": take_end_back,
     "hub-spins": spin_hub,
@@ -233,6 +248,7 @@ FAULTS: Final[Mapping[str, Fault]] = {
     "line-lost": lose_line,
     "command-forgotten": forget_command,
     "recording-shared": share_recording,
+    "name-untold": tell_one_report,
     **FOUND,
 }
 

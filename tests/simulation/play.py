@@ -29,6 +29,7 @@ from simulation.network import Network
 from simulation.script import Ending, Life, Script, Way
 from simulation.seam import played_on
 from simulation.stations import Program
+from simulation.traffic import Air, fleet_text
 from simulation.wires import Wires
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.config.outcome import Outcome
@@ -75,8 +76,12 @@ def folder_in_memory() -> Iterator[None]:
 def exercise_of(script: Script) -> str:
     """Return the exercise of a script, "" for none.
 
-    Where the script has a duration, it is a file with that.
+    Where the script has a duration or a fleet, it is a file with that.
     """
+    if script.fleet:
+        path = Path("fleet.toml")
+        path.write_text(fleet_text(script.fleet, script.duration))
+        return str(path)
     if not script.duration:
         return script.exercise
     text = read_text(shipped_path("exercises", script.exercise))
@@ -101,6 +106,7 @@ class Stage:
     disk: Disk = field(init=False)
     docket: Docket = field(init=False)
     witness: Witness = field(init=False)
+    air: Air = field(default_factory=Air)
     _left: Image = NOTHING_LEFT  # of the recording, by the process before
 
     def __post_init__(self) -> None:
@@ -116,6 +122,7 @@ class Stage:
         """
         with played_on(self.machine, self.network, self.disk, self.wires) as patch:
             self.witness.watch(patch)
+            self.air.watch(patch)
             for number, life in enumerate(self.script.lives, 1):
                 self.docket.life = number
                 if not self._live(life) or self.docket.breaches:
@@ -133,6 +140,7 @@ class Stage:
         machine.boot(life.seed, life.interleaving)
         self.network.boot()
         self.wires.boot()
+        self.air.boot()
         path = Path(f"{self.docket.life}") / RECORDING
         path.parent.mkdir()
         if not first:
@@ -159,7 +167,7 @@ class Stage:
             program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
             self.machine.begin(program.run, f"{player.role} {number}")
         if life.instruments:
-            plotter = Plotter(self.machine, self.wires, self.docket)
+            plotter = Plotter(self.machine, self.wires, self.docket, self.air)
             self.machine.begin(plotter.run, "plotter")
         if life.mishaps:
             self.machine.begin(lambda: self._befall(life), "mishaps")

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 from simulation.disk import Trouble
 from simulation.network import ROOM_BYTES
+from simulation.traffic import traffic_words
 
 EXERCISES: Final = (
     *("", "", "depth-changes", "visitor-dive", "rise-jam-shallow", "watch"),
@@ -26,6 +27,8 @@ LIFE_TIMES_S: Final = (3.0, 8.0, 20.0, 40.0)
 MAX_LIVES: Final = 4
 AGED_SHARE: Final = 0.15  # [-] of processes
 UNRECORDED_SHARE: Final = 0.05  # [-] of scripts
+FLEET_EVERY: Final = 11  # seeds: of these one has many ships
+FLEET_SPEEDS: Final = (5.0, 20.0, 100.0)  # of time: a name comes every six minutes
 MAX_CABLES: Final = 2
 MAX_SEED: Final = 2**31
 FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
@@ -161,6 +164,7 @@ class Script:
     speed: float  # of time
     lives: tuple[Life, ...]
     recorded: bool = True  # else there is one life
+    fleet: int = 0  # the seed of many ships, in place of the exercise; 0: none
 
     @property
     def acts(self) -> int:
@@ -186,7 +190,39 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
         if lives[-1].ending is Ending.SIGNAL or len(lives) == MAX_LIVES:
             break
     recorded = dice.random() >= UNRECORDED_SHARE
-    return Script(exercise, duration, speed, tuple(lives if recorded else lives[:1]), recorded)
+    lives = lives if recorded else lives[:1]
+    script = Script(exercise, duration, speed, tuple(lives), recorded)
+    return script if seed % FLEET_EVERY else _among_ships(dice, script)
+
+
+def _among_ships(dice: Random, script: Script) -> Script:
+    """Return a script with a fleet, its master, and instruments that hear it."""
+    lives = [
+        replace(
+            life,
+            frozen=False,  # else few hear anything
+            instruments=True,
+            players=(*life.players, _draw_master(dice, life.seconds)),
+        )
+        for life in script.lives
+    ]
+    return replace(
+        script,
+        exercise="",
+        duration=0.0,
+        speed=dice.choice(FLEET_SPEEDS),
+        lives=tuple(lives),
+        fleet=dice.randrange(1, MAX_SEED),
+    )
+
+
+def _draw_master(dice: Random, seconds: float) -> Player:
+    """Return who orders the ships of a fleet."""
+    acts, now = [], 0.0
+    while now < seconds:
+        acts.append(Act(dice.expovariate(1.0), traffic_words(dice)))
+        now += acts[-1].after
+    return Player("instructor", (Visit(dice.uniform(0.0, 1.0), tuple(acts)),))
 
 
 def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life:

@@ -41,6 +41,8 @@ def smaller(script: Script) -> Iterator[Script]:
     for i, life in enumerate(lives):
         for smaller_life in _smaller_lives(life):
             yield replace(script, lives=(*lives[:i], smaller_life, *lives[i + 1 :]))
+    if script.fleet:
+        yield replace(script, fleet=0)
     if script.duration:
         yield replace(script, duration=0.0)
     if script.exercise and not script.duration:
