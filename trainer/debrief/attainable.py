@@ -451,6 +451,23 @@ def join_falls(falls: Iterable[SteepFall]) -> tuple[SteepFall, ...]:
     )
 
 
+def parted_falls(change: MarkChange, rest: float) -> tuple[MarkChange, MarkChange]:
+    """Return the part of an order and the ``rest`` of its marks, each with the falls it can hold.
+
+    They have no more marks than the part. Before the order nothing fell because of it.
+    """
+    left = replace(change, marks=rest, cause=ChangeCause.STEERING, order="", tick=None, who="")
+    begin = change.begin if change.tick is None else change.tick
+    own = [
+        each
+        for each in change.falls
+        if each.tick >= begin and each.marks <= abs(change.marks - rest)
+    ]
+    others = [each for each in change.falls if each not in own and each.marks <= abs(rest)]
+    of_order = replace(change, marks=change.marks - rest, falls=tuple(own))
+    return of_order, replace(left, falls=tuple(others))
+
+
 def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[PassedKind, str]:
     """Return what has passed between two points, for the reference crew's runs from there.
 
@@ -488,10 +505,12 @@ def explain(run: RunExplorer, stretch: MarkStretch) -> Iterator[MarkChange]:
         rest = (1.0 - share) * change.marks
         share = 1.0 if abs(rest) <= WORTH_MARKS else share
         by_order = replace(change, cause=ChangeCause.ORDER, order=order.text, tick=order.tick)
-        yield replace(by_order, who=order.who, marks=share * change.marks)
+        by_order = replace(by_order, who=order.who)
         if share == 1.0:
+            yield by_order
             return
-        change = replace(change, marks=rest, falls=())
+        by_order, change = parted_falls(by_order, rest)
+        yield by_order
     if late := run.overdue(begin, end):
         order_due, due = late.rule.order, math.ceil((late.due or 0.0) / run.step - 1e-9)
         missing = replace(change, cause=ChangeCause.MISSING, order=order_due.text, tick=due)
