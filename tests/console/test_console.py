@@ -659,7 +659,7 @@ def test_while_the_next_exercise_is_made_ready_no_line_is_no_alarm() -> None:
     now = [100.0]
     model = SessionModel(talk, "helm", LAYOUTS["helm"].charts, clock=lambda: now[0])
     app = Console(model)
-    dialled = "/run/s: no session listens there; start one with trainer serve"
+    dialled = "/run/s: no session listens there; start one: trainer run or trainer serve"
 
     async def wait() -> None:
         async with app.run_test(size=(80, 24)) as pilot:
