@@ -17,15 +17,11 @@ from trainer.config.files import shipped_names
 from trainer.debrief.attainable import (
     AttainableCurve,
     ChangeCause,
-    MarkChange,
     NoCurve,
-    PassedKind,
     RunExplorer,
-    SteepFall,
     attainable_curve,
-    parted_falls,
-    what_passes,
 )
+from trainer.debrief.attainable_falls import PassedKind, SteepFall, parted_falls, what_passes
 from trainer.debrief.attainable_stretches import (
     MAX_TICKS,
     POINT_PERIODS,
@@ -517,12 +513,12 @@ def test_where_marks_fall_within_a_second_the_debrief_says_what_passes(
 
 def test_no_part_of_a_change_is_told_with_more_marks_than_it_cost() -> None:
     before, after = (SteepFall(tick, 37.0, PassedKind.RULE, "Settled") for tick in (384, 410))
-    lost = MarkChange(380, 960, -84.0, ChangeCause.ORDER, order="bow planes dive 3", tick=400)
-    held = {fall.tick: fall for fall in (before, after)}
-    for rest, own, others in ((-64.0, [], [384, 410]), (-20.0, [410], []), (-40.0, [410], [384])):
-        parts = parted_falls(replace(lost, falls=tuple(held.values())), rest)
-        assert [[fall.tick for fall in part.falls] for part in parts] == [own, others]
-        assert sum(part.marks for part in parts) == pytest.approx(-84.0)
+    for own, rest, parts in (
+        (-20.0, -64.0, ((), (before, after))),
+        (-64.0, -20.0, ((after,), ())),
+        (-44.0, -40.0, ((after,), (before,))),
+    ):
+        assert parted_falls((before, after), 400, own, rest) == parts
 
 
 def test_a_limit_that_takes_marks_within_a_second_is_what_passes() -> None:

@@ -410,7 +410,7 @@ def sea_given(value: object, path: Path) -> SeaFile:
 
 
 def sea_words(sea: Sea) -> str:
-    """Return how high a sea is, by the key that says it, and where it comes from."""
+    """Return a sea in words: how high, and where from."""
     degrees = (
         ("sea state {:g}", sea.sea_state),
         ("wind {:g} kn", sea.wind_kn),

@@ -15,9 +15,8 @@ from trainer.debrief.attainable import (
     AttainableCurve,
     ChangeCause,
     MarkChange,
-    PassedKind,
-    SteepFall,
 )
+from trainer.debrief.attainable_falls import PassedKind, SteepFall
 from trainer.debrief.attainable_stretches import FINEST_PERIOD_S, POINT_PERIODS
 from trainer.report.svg import TIME_STEPS_S, clock, step_of
 from trainer.report.svg import ticks as axis_ticks
