@@ -297,6 +297,13 @@ def test_an_exercise_is_won_by_its_tasks(tmp_path: Path) -> None:
     assert went.nobody.verdict.reason == "Deep"
 
 
+def test_a_check_says_that_the_reference_crew_does_not_win(tmp_path: Path) -> None:
+    idle = "[[crew]]\nat_s = 1\norder = 'planesman off'\n"
+    for rules, wins in ((DIVE, True), (idle, False)):
+        told = check_exercise(drill(tmp_path, rules))
+        assert any("the reference crew does not win" in line for line in told) is not wins
+
+
 def test_a_limit_broken_for_two_seconds_leaves_50(tmp_path: Path) -> None:
     went = fly_at(drill(tmp_path, f"{DIVE}[limits]\ndepth_m_max = 65\n"))
     assert went.crew

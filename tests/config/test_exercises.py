@@ -377,6 +377,7 @@ def test_the_command_line_overrules_the_exercise_and_the_exercise_the_vessel(
     assert plan.file.path.stem == "sdv-mk9"
     assert (plan.method.equations, plan.method.step, plan.method.rates) == ("full", 0.1, "exact")
     assert (plan.seed, plan.duration, plan.sea.sea.sea_state) == (9, 60.0, 2.0)
+    assert plan.sea.name == "sea state 2 from 000"
 
     given: dict[str, Any] = {"vessel": "remus100", "equations": "basic", "step": 0.05, "seed": 2}
     given |= {"duration": 5.0, "integrator": "euler"}

@@ -66,6 +66,7 @@ KEYSTROKES = (
     (("f9", *typed("good recovery"), "enter"), "mark good recovery"),
     (("f4", *typed("stern-h -0.5 ramp 20"), "enter"), "casualty stern-hard-over -0.5 ramp 20"),
     (("f4", *typed("fl"), "enter"), "casualty flooding-aft 1 ramp 5"),
+    (("f4", *typed("stern"), "down", *typed(" 0.3"), "enter"), "casualty stern-hard-over 0.3"),
     (("f4", "down", "enter"), "casualty stern-hard-over -1 ramp 0"),
     (("f4", "down", "delete"), "clear stern-hard-over"),
     (("f4", "ctrl+x"), "clear all"),
@@ -77,7 +78,6 @@ KEYSTROKES = (
     (("f6", "shift+right", "shift+left", "r"), "replay 60 s"),
     (("f6", "2", "enter"), "reset"),
     (("f7", "1", "left", "right", "right", "enter"), "replay 50 s"),
-    (("f10", "q"), "quit"),
 )
 
 
@@ -141,6 +141,10 @@ def test_the_keys_that_stop_and_wake_a_terminal_do_nothing_and_ctrl_c_asks() -> 
     app, talk = at_the_console(press)
     assert app.return_code is None
     assert talk.orders == []
+
+
+def test_who_has_said_that_the_run_ends_for_everybody_is_not_asked_once_more() -> None:
+    assert pressed(("f10", "q")) == ["quit", "quit"]  # the second where others are attached
 
 
 def test_escape_leaves_every_dialog_and_orders_nothing() -> None:
@@ -659,7 +663,7 @@ def test_while_the_next_exercise_is_made_ready_no_line_is_no_alarm() -> None:
     now = [100.0]
     model = SessionModel(talk, "helm", LAYOUTS["helm"].charts, clock=lambda: now[0])
     app = Console(model)
-    dialled = "/run/s: no session listens there; start one with trainer serve"
+    dialled = "/run/s: no session listens there; start one: trainer run or trainer serve"
 
     async def wait() -> None:
         async with app.run_test(size=(80, 24)) as pilot:

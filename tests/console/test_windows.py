@@ -297,8 +297,12 @@ def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:
         await seen(pilot, app, "line 39")
         await pilot.press("escape")
         assert len(app.screen_stack) == 1
+        await pilot.press(*"status", "enter")
+        await seen(pilot, app, "or type an order")
+        await pilot.press(*"freeze", "enter")
+        assert len(app.screen_stack) == 1
 
-    at_the_console(ask, talk)
+    assert at_the_console(ask, talk)[1].orders[-1] == "freeze"
 
 
 # Keys in the last lines

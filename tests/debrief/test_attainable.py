@@ -18,11 +18,10 @@ from trainer.debrief.attainable import (
     AttainableCurve,
     ChangeCause,
     NoCurve,
-    PassedKind,
     RunExplorer,
     attainable_curve,
-    what_passes,
 )
+from trainer.debrief.attainable_falls import PassedKind, SteepFall, parted_falls, what_passes
 from trainer.debrief.attainable_stretches import (
     MAX_TICKS,
     POINT_PERIODS,
@@ -520,6 +519,16 @@ def test_where_marks_fall_within_a_second_the_debrief_says_what_passes(
     assert all(any(each.begin < tick <= each.end for each in explained) for tick in steep)
     assert kind in told
     assert any(told[kind] in change_words(each, run.step) for each in explained)
+
+
+def test_no_part_of_a_change_is_told_with_more_marks_than_it_cost() -> None:
+    before, after = (SteepFall(tick, 37.0, PassedKind.RULE, "Settled") for tick in (384, 410))
+    for own, rest, parts in (
+        (-20.0, -64.0, ((), (before, after))),
+        (-64.0, -20.0, ((after,), ())),
+        (-44.0, -40.0, ((after,), (before,))),
+    ):
+        assert parted_falls((before, after), 400, own, rest) == parts
 
 
 def test_a_limit_that_takes_marks_within_a_second_is_what_passes() -> None:

@@ -832,11 +832,14 @@ def test_a_client_dials_a_local_socket(tmp_path: Path, prefix: str) -> None:
 @pytest.mark.parametrize(
     ("url", "reason"),
     [
-        ("tcp://127.0.0.1:{free}", "no session listens there; start one with trainer serve"),
+        (
+            "tcp://127.0.0.1:{free}",
+            "no session listens there; start one: trainer run or trainer serve",
+        ),
         ("tcp://127.0.0.1:99999", "a port is 1 to 65535"),
         ("tcp://127.0.0.1", r"say tcp://HOST:PORT"),
         ("tcp://no.such.host.invalid:1", "no such host; 127.0.0.1 is this machine"),
-        ("/no/such/session", "no session listens there; start one with trainer serve"),
+        ("/no/such/session", "no session listens there; start one: trainer run or trainer serve"),
         ("sokcet://localhost:1", "did you mean socket"),
     ],
 )

@@ -332,6 +332,10 @@ TOO_LARGE = """() => [...document.querySelectorAll(
   .map((each) => each.outerHTML.slice(0, 90))"""
 
 
+ENDS = """(keys) => keys.map((each) => getComputedStyle(each, "::after").content)
+  .map((text) => text === "none" ? "" : text.slice(1, -1))"""
+
+
 @pytest.mark.parametrize("name", ["helm", "pilot", "trainee"])
 def test_the_telegraph_has_keys_of_forty_pixels_on_a_phone_on_its_side(
     shared: Served, look: Look, name: str
@@ -348,6 +352,7 @@ def test_the_telegraph_has_keys_of_forty_pixels_on_a_phone_on_its_side(
             assert box
             assert min(box["height"], box["width"]) >= 40, (width, height, box)
             assert box["y"] + box["height"] <= height
+        assert keys.evaluate_all(ENDS) == [""] * 6 + ["\u2193"] * 3  # which bells are astern
 
 
 # What is hidden

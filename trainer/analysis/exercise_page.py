@@ -43,6 +43,7 @@ from trainer.config.files import (
     shipped_path,
     write_once,
 )
+from trainer.config.outcome import Outcome
 from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest
@@ -284,7 +285,7 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
         free = checked.nobody_marks.get(rule.score.name, 0.0)
         if not _kept(rule) and free > MAX_NOBODY_PERCENT:
             marks = f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most"
-            problem = f'{marks}: have it be won, or part = "keeping"'
+            problem = f'{marks}: let it earn less without a crew, or write part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
     if plan.scores and all(each.earned is None for each in checked.nobody.scores):
         yield place.problem("[[scores]]: this exercise is won by standing still")
@@ -326,6 +327,9 @@ def _marks(checked: FlownExercise) -> Iterator[tuple[str, str]]:
         why = f": {card.verdict.reason}" if card.verdict and card.verdict.reason else ""
         yield word, f"{total}, {card.verdict.outcome if card.verdict else '-'}{why}"
     if checked.crew is not None:
+        verdict = checked.crew.verdict
+        if verdict and verdict.outcome != Outcome.WON:
+            yield "note", "the reference crew does not win; a debrief draws what it does"
         given = checked.flights["crew"].rules_given
         for i, rule in enumerate(plan.crew.rules):
             if i not in given:

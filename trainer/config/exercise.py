@@ -47,7 +47,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.score_rules import ScoreRule, read_rules
-from trainer.config.sea import SeaFile, load_sea, read_sea
+from trainer.config.sea import Sea, SeaFile, load_sea, read_sea
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.config.stated import StatedValue, read_stated
 from trainer.config.steps import Step, read_steps
@@ -406,7 +406,18 @@ def sea_given(value: object, path: Path) -> SeaFile:
     if isinstance(value, str):
         return load_sea(relative_name(path, value))
     sea = read_sea(value, Place(path.name, "sea"))
-    return SeaFile(path=path, text="", name="the exercise's sea", sea=sea)
+    return SeaFile(path=path, text="", name=sea_words(sea), sea=sea)
+
+
+def sea_words(sea: Sea) -> str:
+    """Return a sea in words: how high, and where from."""
+    degrees = (
+        ("sea state {:g}", sea.sea_state),
+        ("wind {:g} kn", sea.wind_kn),
+        ("waves of {:g} m", sea.height_m),
+    )
+    (words,) = (text.format(value) for text, value in degrees if value is not None)
+    return f"{words} from {sea.direction_deg:03.0f}"
 
 
 def read_orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:

@@ -458,9 +458,12 @@ class Console(App[Refused], inherit_bindings=False):
         self.push_screen(Dialog(subject, past), self._finish)
 
     def _finish(self, done: DialogOutcome | None) -> None:
-        """Send the orders of a dialog that has ended."""
+        """Send the orders of a dialog that has ended, or go on with the one begun in it."""
         if done is None:
             return
+        if done.begun:
+            entry = self.screen_stack[0].query_one(Entry)
+            entry.begin(done.begun + entry.value)  # keys right behind it may have come first
         for words in done.orders:
             self.model.order(words)
         if done.leave:

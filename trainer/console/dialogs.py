@@ -44,10 +44,11 @@ class ChoiceRow(NamedTuple):
 
 
 class DialogOutcome(NamedTuple):
-    """How a dialog ends: with these orders, and perhaps with the console."""
+    """How a dialog ends: with these orders, with an order begun, or with the console."""
 
     orders: tuple[str, ...] = ()
     leave: bool = False
+    begun: str = ""
 
 
 NO_OUTCOME: Final = DialogOutcome()
@@ -122,10 +123,16 @@ class Choice:
         if key in moves:
             self.moved = min(max(self.place + moves[key], 0), last)
         elif key == "backspace":
-            self.typed, self.moved = self.typed[:-1], None
+            self._type(self.typed[:-1])
         elif character and character.isprintable():
-            self.typed, self.moved = self.typed + character, None
+            self._type(self.typed + character)
         return None
+
+    def _type(self, typed: str) -> None:
+        """Take what is typed now; a row that was moved to stays chosen while it is shown."""
+        kept = None if self.moved is None else self.chosen
+        self.typed = typed
+        self.moved = self.shown.index(kept) if kept and kept in self.shown else None
 
     def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Choose the row of a click. A row that was chosen already is ordered."""
@@ -308,7 +315,8 @@ class Question:
 
 def leave_question(*, own: bool) -> Question:
     """Return the question whether the instructor ends the run or only leaves it."""
-    end = ("end the run for everybody", DialogOutcome(("quit",)))
+    # Twice: where others are attached the session asks once more, as this question has just done.
+    end = ("end the run for everybody", DialogOutcome(("quit", "quit")))
     goes = "leave; the run ends if nobody else is attached" if own else "leave; the session goes on"
     return Question("Leave?", {"q": end, "l": (goes, DialogOutcome(leave=True))})
 

@@ -132,12 +132,15 @@ class TextView:
     title: str
     text: Text
     keys: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # their orders, and words
+    typing: bool = False  # a letter closes it, and begins the next order
     top: int = 0
     size: tuple[int, int] = (96, 60)
     _last: int = 0  # the largest top that still fills the window
 
-    def press(self, key: str, _character: str | None) -> DialogOutcome | None:
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""
+        if self.typing and character and character.isalpha():
+            return DialogOutcome(begun=character)
         if key in SCROLL_STEPS:
             self.top = min(max(self.top + SCROLL_STEPS[key], 0), self._last)
             return None
@@ -169,7 +172,8 @@ class TextView:
         more = f" {below} more lines below: Down or Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
         does = "".join(f"   {says}" for _, says in self.keys.values() if says)
-        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
+        closes = " Esc closes; or type an order" if self.typing else " Esc closes"
+        return line((f"{more}{back}", "warning"), (closes, "dim"), (does, "title"))
 
 
 def break_line(drawn: Line, width: int) -> Lines:
@@ -343,7 +347,7 @@ def briefing(model: SessionModel) -> TextView:
 def answer(words: str, lines: Sequence[str]) -> TextView:
     """Return the window with a long answer."""
     rows = [line((f" {text}", "plain")) for text in lines if text]
-    return TextView(words, lambda: rows)
+    return TextView(words, lambda: rows, typing=True)
 
 
 class NextStep(NamedTuple):

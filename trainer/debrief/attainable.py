@@ -24,6 +24,7 @@ from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
 from trainer.config.reference_crew import MARK_ORDER
+from trainer.debrief.attainable_falls import SteepFall, join_falls, parted_falls, steep_falls
 from trainer.debrief.attainable_stretches import (
     IDLE_POINTS,
     POINT_PERIODS,
@@ -36,7 +37,6 @@ from trainer.debrief.attainable_stretches import (
     without_luck,
 )
 from trainer.debrief.episodes import crew_orders
-from trainer.debrief.judgement import before_gate, marks_given, share_of
 from trainer.debrief.reference import can_fly, join_runs
 from trainer.debrief.rehearsal import (
     ByReference,
@@ -84,24 +84,6 @@ class ChangeCause(Enum):
     STEERING = "steering"  # planes or rudder, worked otherwise than by the reference crew
     BETTER = "better"  # than the reference crew did
     RECORD_ENDS = "record-ends"  # before the exercise does
-
-
-class PassedKind(Enum):
-    """The kinds of what passes where the marks fall within a second."""
-
-    LOSS = "loss"  # from there on even the reference crew loses the exercise
-    LIMIT = "limit"  # it breaks a limit, or breaks it by more
-    RULE = "rule"  # it falls short in one score
-
-
-@dataclass(frozen=True)
-class SteepFall:
-    """Falls by more than WORTH_MARKS within the finest period each, and what passes there."""
-
-    tick: int  # at the end of the first
-    marks: float  # [%]
-    kind: PassedKind
-    text: str
 
 
 @dataclass(frozen=True)
@@ -424,53 +406,6 @@ def worst_order(run: RunExplorer, stretch: MarkStretch) -> tuple[RecordedOrder, 
     return None
 
 
-def steep_falls(stretch: MarkStretch, finest: int) -> tuple[SteepFall, ...]:
-    """Return the falls of a stretch within ``finest`` ticks, those of one kind as one."""
-    return join_falls(
-        SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
-        for before, after in pairwise(stretch.points)
-        if after.tick - before.tick <= finest and before.marks - after.marks > WORTH_MARKS
-    )
-
-
-def join_falls(falls: Iterable[SteepFall]) -> tuple[SteepFall, ...]:
-    """Return the falls, those of one score or kind as one.
-
-    It has the words of the steepest.
-    """
-    alike: dict[tuple[PassedKind, str], list[SteepFall]] = defaultdict(list)
-    for fall in falls:
-        alike[fall.kind, fall.text if fall.kind is PassedKind.RULE else ""].append(fall)
-    return tuple(
-        replace(
-            max(group, key=lambda fall: fall.marks),
-            tick=group[0].tick,
-            marks=sum(fall.marks for fall in group),
-        )
-        for group in alike.values()
-    )
-
-
-def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[PassedKind, str]:
-    """Return what has passed between two points, for the reference crew's runs from there.
-
-    A loss comes first, then a limit that leaves less than the marks of the scores, then the score
-    that lost most.
-    """
-    if before.card is None or after.card is None:
-        return PassedKind.RULE, ""
-    verdict = after.card.verdict
-    if verdict and (verdict.void or after.lost) and not before.lost:
-        return PassedKind.LOSS, verdict.reason
-    if verdict and verdict.gate and not after.lost and after.marks < before_gate(verdict):
-        return PassedKind.LIMIT, verdict.gate
-    earned = [
-        {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
-        for card in (before.card, after.card)
-    ]
-    return PassedKind.RULE, max(earned[0], key=lambda name: earned[0][name] - earned[1][name])
-
-
 def explain(run: RunExplorer, stretch: MarkStretch) -> Iterator[MarkChange]:
     """Yield a change with its cause: the order without which it would not have been.
 
@@ -488,10 +423,13 @@ def explain(run: RunExplorer, stretch: MarkStretch) -> Iterator[MarkChange]:
         rest = (1.0 - share) * change.marks
         share = 1.0 if abs(rest) <= WORTH_MARKS else share
         by_order = replace(change, cause=ChangeCause.ORDER, order=order.text, tick=order.tick)
-        yield replace(by_order, who=order.who, marks=share * change.marks)
+        by_order = replace(by_order, who=order.who, marks=share * change.marks)
         if share == 1.0:
+            yield by_order
             return
-        change = replace(change, marks=rest, falls=())
+        own, others = parted_falls(change.falls, order.tick, share * change.marks, rest)
+        yield replace(by_order, falls=own)
+        change = replace(change, marks=rest, falls=others)
     if late := run.overdue(begin, end):
         order_due, due = late.rule.order, math.ceil((late.due or 0.0) / run.step - 1e-9)
         missing = replace(change, cause=ChangeCause.MISSING, order=order_due.text, tick=due)

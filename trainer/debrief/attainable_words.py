@@ -15,9 +15,8 @@ from trainer.debrief.attainable import (
     AttainableCurve,
     ChangeCause,
     MarkChange,
-    PassedKind,
-    SteepFall,
 )
+from trainer.debrief.attainable_falls import PassedKind, SteepFall
 from trainer.debrief.attainable_stretches import FINEST_PERIOD_S, POINT_PERIODS
 from trainer.report.svg import TIME_STEPS_S, clock, step_of
 from trainer.report.svg import ticks as axis_ticks
@@ -78,7 +77,7 @@ def _better_words(change: MarkChange, step: float) -> Iterator[str]:
 def _fall_words(fall: SteepFall, step: float) -> str:
     """Return what passes where marks fall within a second, because no order need come there."""
     what = FALL_WORDS[fall.kind].format(fall.text)
-    return f"At {clock(fall.tick * step)} {fall.marks:.0f} of them: from there even {what}."
+    return f"Of these, {fall.marks:.0f} went at {clock(fall.tick * step)}: from there even {what}."
 
 
 def _cause_words(change: MarkChange, step: float) -> str:

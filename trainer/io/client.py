@@ -24,7 +24,7 @@ MAX_PORT = 65535  # of TCP
 LOCAL_PREFIX = "local:"
 PEER_STRUCT = struct.Struct("3i")  # process, user and group at the far end
 OTHER_USER_TEXT = "that session is another user's; ask for a port of it"
-NO_SESSION_TEXT = "no session listens there; start one with trainer serve"
+NO_SESSION_TEXT = "no session listens there; start one: trainer run or trainer serve"
 ABSENT_ERRORS = frozenset({errno.ECONNREFUSED, errno.ENOENT, errno.ENOTSOCK})
 
 

@@ -58,7 +58,7 @@ def top(model: SessionModel, width: int, _height: int) -> Lines:
 def trouble(model: SessionModel) -> str:
     """Return the trouble of the line or of its data, "" while there is none."""
     if model.over:
-        return "THE SESSION IS OVER: F10 leaves"
+        return "THE SESSION IS OVER: F10 leaves; the next one will be joined"
     if model.follows:
         return ""
     if not model.joined:

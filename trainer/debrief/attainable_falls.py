@@ -1,0 +1,92 @@
+"""Steep falls of the marks that could still be earned, and what passes there.
+
+``attainable`` finds the stretches over which the marks fall, and their causes. Where they fall
+within a second no order need come there: the last moment for something has gone.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import pairwise
+
+from trainer.debrief.attainable_stretches import WORTH_MARKS, AttainablePoint, MarkStretch
+from trainer.debrief.judgement import before_gate, marks_given, share_of
+
+
+class PassedKind(Enum):
+    """The kinds of what passes where the marks fall within a second."""
+
+    LOSS = "loss"  # from there on even the reference crew loses the exercise
+    LIMIT = "limit"  # it breaks a limit, or breaks it by more
+    RULE = "rule"  # it falls short in one score
+
+
+@dataclass(frozen=True)
+class SteepFall:
+    """Falls by more than WORTH_MARKS within the finest period each, and what passes there."""
+
+    tick: int  # at the end of the first
+    marks: float  # [%]
+    kind: PassedKind
+    text: str
+
+
+def steep_falls(stretch: MarkStretch, finest: int) -> tuple[SteepFall, ...]:
+    """Return the falls of a stretch within ``finest`` ticks, those of one kind as one."""
+    return join_falls(
+        SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
+        for before, after in pairwise(stretch.points)
+        if after.tick - before.tick <= finest and before.marks - after.marks > WORTH_MARKS
+    )
+
+
+def join_falls(falls: Iterable[SteepFall]) -> tuple[SteepFall, ...]:
+    """Return the falls, those of one score or kind as one.
+
+    It has the words of the steepest.
+    """
+    alike: dict[tuple[PassedKind, str], list[SteepFall]] = defaultdict(list)
+    for fall in falls:
+        alike[fall.kind, fall.text if fall.kind is PassedKind.RULE else ""].append(fall)
+    return tuple(
+        replace(
+            max(group, key=lambda fall: fall.marks),
+            tick=group[0].tick,
+            marks=sum(fall.marks for fall in group),
+        )
+        for group in alike.values()
+    )
+
+
+def parted_falls(
+    falls: Sequence[SteepFall], given: int, own: float, rest: float
+) -> tuple[tuple[SteepFall, ...], tuple[SteepFall, ...]]:
+    """Return the falls that an order cost, and those of the rest.
+
+    Nothing fell because of it before the tick at which it was ``given``, and no part of a fall by
+    ``own`` and ``rest`` [%] has one that is greater than itself.
+    """
+    of_order = tuple(each for each in falls if each.tick >= given and each.marks <= abs(own))
+    left = tuple(each for each in falls if each not in of_order and each.marks <= abs(rest))
+    return of_order, left
+
+
+def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[PassedKind, str]:
+    """Return what has passed between two points, for the reference crew's runs from there.
+
+    A loss comes first, then a limit that leaves less than the marks of the scores, then the score
+    that lost most.
+    """
+    if before.card is None or after.card is None:
+        return PassedKind.RULE, ""
+    verdict = after.card.verdict
+    if verdict and (verdict.void or after.lost) and not before.lost:
+        return PassedKind.LOSS, verdict.reason
+    if verdict and verdict.gate and not after.lost and after.marks < before_gate(verdict):
+        return PassedKind.LIMIT, verdict.gate
+    earned = [
+        {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
+        for card in (before.card, after.card)
+    ]
+    return PassedKind.RULE, max(earned[0], key=lambda name: earned[0][name] - earned[1][name])
