@@ -28,6 +28,7 @@ MAX_LIVES: Final = 4
 AGED_SHARE: Final = 0.15  # [-] of processes
 UNRECORDED_SHARE: Final = 0.05  # [-] of scripts
 FLEET_EVERY: Final = 11  # seeds: of these one has many ships
+FLEET_LIFE_S: Final = 20.0  # of a process among them, each tick of which takes 30 ms
 FLEET_SPEEDS: Final = (5.0, 20.0, 100.0)  # of time: a name comes every six minutes
 MAX_CABLES: Final = 2
 MAX_SEED: Final = 2**31
@@ -178,6 +179,7 @@ class Script:
 def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     """Return the script of a seed, no process of which is played for longer [s]."""
     dice = Random(f"{seed}/script")  # noqa: S311  no secrets
+    longest = longest if seed % FLEET_EVERY else min(longest, FLEET_LIFE_S)
     exercise = dice.choice(EXERCISES)
     duration = dice.choice((0.0, 5.0, 20.0, 120.0)) if exercise else 0.0
     rate = dice.choice(ORDER_RATES_HZ)
