@@ -422,7 +422,7 @@ def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
     told = listed_targets()
     assert told["riscv64"].startswith("no ")
     assert told["riscv64"].endswith("has no riscv64 here; pip's has: " + REINSTALL_HINT)
-    assert not told["aarch64"].startswith("no ")
+    assert "has no" not in told["aarch64"]  # its linker may be missing, its processor is not
     with pytest.raises(ConfigError, match="--cpu riscv64: the compiler in llvmlite has no riscv64"):
         write_core(boat, tmp_path, "riscv64")
 

@@ -245,7 +245,7 @@ class Typist:
         return start_trainer(*words, cwd=self.folder, env=own, stderr=subprocess.PIPE)
 
     def serve(self, line: str) -> Done:
-        """Begin a session, in place of the last; return once it listens."""
+        """Begin a session, in place of the last; return once it listens, here last."""
         self.end()
         if "--listen" not in line:
             line += " --listen 127.0.0.1:0"
@@ -255,6 +255,7 @@ class Typist:
             said.append(told)
             if "listening at tcp" in told:
                 self.address = told.strip().rpartition("//")[2]
+            elif "listening at" in told:
                 return Done(line, 0, told, "")
         return Done(line, self.served.wait(), "", "".join(said))
 
