@@ -446,7 +446,7 @@ from trainer.config.vessel import load_vessel
 
 method = Method("modified", "lagged", "exact", "adams2", 0.5)
 fleet, able = start_members(by_files([load_vessel("bb2")], method), method, np.array([5.0]), 0, ())
-compiled = [each.__name__ for each in shipped.CALLED if "dispatcher" in vars(each)]
+compiled = [each.__name__ for each in shipped.SHIPPED_KERNELS if "dispatcher" in vars(each)]
 print(f"fit {able.astype(float)}, compiled {compiled}")
 """
 

@@ -20,8 +20,8 @@ from trainer.core.kernel import Record
 from trainer.core.sea import sea
 from trainer.core.state import new_scratch
 
-Codes = tuple[int, ...]  # addresses in this process, of CALLED; none where numba compiles
-CALLED: Final[tuple[Any, ...]] = (
+Codes = tuple[int, ...]  # addresses in this process, of SHIPPED_KERNELS; none where numba compiles
+SHIPPED_KERNELS: Final[tuple[Any, ...]] = (
     update.update,
     start.level_flight,
     start.set_out,
@@ -31,8 +31,8 @@ CALLED: Final[tuple[Any, ...]] = (
 
 
 def find_codes() -> Codes:
-    """Return the addresses of CALLED."""
-    return find_addresses(*CALLED)
+    """Return the addresses of SHIPPED_KERNELS."""
+    return find_addresses(*SHIPPED_KERNELS)
 
 
 class SoloWork(NamedTuple):
@@ -54,9 +54,9 @@ def call_code(_context: Any, address: Any, given: Any) -> tuple[Any, Callable[..
     It takes what the row in ``boat.entries`` says: arrays by address, numbers as doubles.
     """
 
-    def generate(context: Any, builder: Any, called: Any, values: Any) -> Any:
+    def generate(context: Any, builder: Any, signed: Any, values: Any) -> Any:
         words = []
-        for place, kind in enumerate(called.args[1].types):
+        for place, kind in enumerate(signed.args[1].types):
             value = builder.extract_value(values[1], place)
             if isinstance(kind, types.Array):
                 words.append(context.make_array(kind)(context, builder, value).data)
@@ -69,8 +69,8 @@ def call_code(_context: Any, address: Any, given: Any) -> tuple[Any, Callable[..
     return signature(types.int64, address, given), generate  # type: ignore[no-untyped-call]
 
 
-def called(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
-    """Return what calls a kernel after its addresses, of which it has a place."""
+def bind_kernel(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
+    """Return what kernels of a fleet call; its address is at ``place`` among the first argument."""
 
     def call(codes: Codes, *given: Any) -> Any:
         del codes  # interpreted there are none
@@ -90,5 +90,5 @@ def called(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
 
 
 update_boat, fly_level, set_boat_out, stand_boat_by, order_boats_sea = (
-    called(kernel, place) for place, kernel in enumerate(CALLED)
+    bind_kernel(kernel, place) for place, kernel in enumerate(SHIPPED_KERNELS)
 )
