@@ -70,7 +70,7 @@ def call_code(_context: Any, address: Any, given: Any) -> tuple[Any, Callable[..
 
 
 def bind_kernel(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
-    """Return what kernels of a fleet call; its address is at ``place`` among the first argument."""
+    """Return what a fleet calls for a kernel, whose address is at ``place``."""
 
     def call(codes: Codes, *given: Any) -> Any:
         del codes  # interpreted there are none
