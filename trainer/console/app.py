@@ -34,7 +34,7 @@ from trainer.console.drawing.evaluation import evaluation
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, OrderNames, hint
-from trainer.console.guide import EndView, PlanView, answer, briefing, guide
+from trainer.console.guide import EndView, PlanView, TextView, answer, briefing, guide
 from trainer.console.keys import (
     KEYS,
     DialogAction,
@@ -216,6 +216,10 @@ class Console(App[Refused], inherit_bindings=False):
         if isinstance(event, events.Key) and not self._mounted and self.model.instructs:
             self._early.append(event)
             return
+        if isinstance(event, events.Key) and not event.is_forwarded and self._gives_way(event):
+            self.pop_screen()  # now, or keys right behind it would still be the window's
+            self.query_one(Entry).begin(event.character or "")
+            return
         if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
             key = self._keys.get(event.key)
             if key is not None:
@@ -225,6 +229,12 @@ class Console(App[Refused], inherit_bindings=False):
                 self.query_one(Entry).begin(event.character)  # no Enter before an order
                 return
         await super().on_event(event)
+
+    def _gives_way(self, event: events.Key) -> bool:
+        """Return whether a letter begins an order, and so closes the window with an answer."""
+        above = self.screen_stack[-1]
+        view = above.subject if isinstance(above, Dialog) else None
+        return isinstance(view, TextView) and view.typing and (event.character or "").isalpha()
 
     def on_key(self, event: events.Key) -> None:
         """Act on a key, unless a dialog or a half-typed order takes it.
@@ -458,12 +468,9 @@ class Console(App[Refused], inherit_bindings=False):
         self.push_screen(Dialog(subject, past), self._finish)
 
     def _finish(self, done: DialogOutcome | None) -> None:
-        """Send the orders of a dialog that has ended, or go on with the one begun in it."""
+        """Send the orders of a dialog that has ended."""
         if done is None:
             return
-        if done.begun:
-            entry = self.screen_stack[0].query_one(Entry)
-            entry.begin(done.begun + entry.value)  # keys right behind it may have come first
         for words in done.orders:
             self.model.order(words)
         if done.leave:

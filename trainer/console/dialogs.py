@@ -44,11 +44,10 @@ class ChoiceRow(NamedTuple):
 
 
 class DialogOutcome(NamedTuple):
-    """How a dialog ends: with these orders, with an order begun, or with the console."""
+    """How a dialog ends: with these orders, and perhaps with the console."""
 
     orders: tuple[str, ...] = ()
     leave: bool = False
-    begun: str = ""
 
 
 NO_OUTCOME: Final = DialogOutcome()
@@ -243,15 +242,15 @@ class Dialog(ModalScreen[DialogOutcome]):
     def __init__(self, subject: DialogSubject, past: Callable[[], bool] = lambda: False) -> None:
         """Show a subject until a key ends it, or it is ``past``."""
         super().__init__()
-        self._subject = subject
+        self.subject = subject
         self._past = past
 
     def compose(self) -> ComposeResult:
         """Show the subject."""
         pane = Pane(
-            self._subject.draw, "dialog", moving=True, click=self._clicked, wheel=self._turned
+            self.subject.draw, "dialog", moving=True, click=self._clicked, wheel=self._turned
         )
-        columns, rows = self._subject.size
+        columns, rows = self.subject.size
         pane.styles.width, pane.styles.height = columns, rows + FRAME_ROWS
         yield pane
 
@@ -264,15 +263,15 @@ class Dialog(ModalScreen[DialogOutcome]):
         """Hand the key to the subject."""
         event.stop()
         event.prevent_default()
-        self._go_on(self._subject.press(event.key, event.character))
+        self._go_on(self.subject.press(event.key, event.character))
 
     def _clicked(self, column: int, row: int) -> None:
         width = self.query_one(Pane).size.width
-        self._go_on(self._subject.click(column, row, width))
+        self._go_on(self.subject.click(column, row, width))
 
     def _turned(self, lines: int) -> None:
         for _ in range(abs(lines)):
-            self._subject.press("down" if lines > 0 else "up", None)
+            self.subject.press("down" if lines > 0 else "up", None)
         self._go_on(None)
 
     def _go_on(self, done: DialogOutcome | None) -> None:

@@ -137,10 +137,8 @@ class TextView:
     size: tuple[int, int] = (96, 60)
     _last: int = 0  # the largest top that still fills the window
 
-    def press(self, key: str, character: str | None) -> DialogOutcome | None:
+    def press(self, key: str, _character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""
-        if self.typing and character and character.isalpha():
-            return DialogOutcome(begun=character)
         if key in SCROLL_STEPS:
             self.top = min(max(self.top + SCROLL_STEPS[key], 0), self._last)
             return None
