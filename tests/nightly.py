@@ -44,7 +44,7 @@ PARTS: Final = {
         {"NUMBA_BOUNDSCHECK": "1"},
     ),
     "slow": Part(
-        "long flights, further sizes, palettes and browsers, every command of the documents",
+        "long flights, fits and guides, further sizes and browsers, every command of the documents",
         (*PYTEST, "-m", "slow"),
         {"CI_APT": "1"},
     ),

@@ -70,7 +70,7 @@ def missing(shown: str, seen: str) -> list[str]:
     return [line for line in shown.splitlines() if line not in seen]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_first_hour_goes_as_its_page_says(tmp_path: Path) -> None:
     walk = Walk(tmp_path)
     for kind, text, old, new in BLOCK.findall(PAGE):

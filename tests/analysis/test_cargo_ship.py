@@ -165,7 +165,7 @@ def test_a_cargo_ship_makes_the_zig_zag_of_its_regression_values(
         assert found["time of execute 2"] == pytest.approx(execute, rel=0.02)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("angle", "advance", "tactical", "steady"),
     [(35.0, 570.0, 1029.0, 1111.0), (20.0, 674.0, 1160.0, 1226.0)],
@@ -183,7 +183,7 @@ def test_a_cargo_ship_makes_the_turn_of_its_regression_values(
         assert speed / 7.7175 == pytest.approx(0.78, rel=0.02)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_ship_unstable_on_course_turns_by_itself_and_the_reverse_spiral_shows_it() -> None:
     _, pulled = ship(PullOut(), 0.5)
     _, direct = ship(Spiral(), 0.5)

@@ -580,7 +580,7 @@ def test_speeds_are_round_between_the_ends(
     assert round_speeds(*ends) == pytest.approx(speeds)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
 def test_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
     page = render(check_vessel(load_vessel(name)))

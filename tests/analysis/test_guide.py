@@ -260,7 +260,7 @@ def test_a_trainer_s_guide_has_page_figures_and_verdict(tmp_path: Path) -> None:
     assert "Published figures" not in text
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_trainer_s_guide_of_a_set_that_is_out_ends_with_exit_code_1(tmp_path: Path) -> None:
     path = tmp_path / "boat.toml"
     path.write_text(without_reduction(load_vessel("bb2").text), encoding="utf-8")
@@ -272,7 +272,7 @@ def test_a_trainer_s_guide_of_a_set_that_is_out_ends_with_exit_code_1(tmp_path: 
     assert "FINDINGS" not in result.stdout
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(("term", "sheet"), [("N_v", "starboard"), ("K_v", "port")])
 def test_a_compact_set_with_one_term_a_tenth_off_is_out_on_either_side(
     term: str, sheet: str
@@ -316,7 +316,7 @@ def without_reduction(text: str) -> str:
     return re.sub(tables, "", text, flags=re.MULTILINE)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_guide_says_what_the_dropped_coefficients_do(book: GuideContents) -> None:
     effect = {
         drop.coefficient: drop.percent["turn: steady diameter"] or 0.0 for drop in book.guide.drops
@@ -362,7 +362,7 @@ def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Gui
 # --- the document
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
     later = assemble_guide(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
 

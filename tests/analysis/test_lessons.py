@@ -314,7 +314,7 @@ def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_ther
         assert bool(ship.facts(trainee, "marks")) is alone
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -95,7 +95,7 @@ def test_a_crew_40_s_late_is_below_90_and_one_15_s_late_above_it(name: str) -> N
         assert total(late(name, 15.0)) > 90.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_eight_seconds_cost_ten_marks_at_most(name: str) -> None:
     own = total(flown(name).crew)
@@ -105,7 +105,7 @@ def test_eight_seconds_cost_ten_marks_at_most(name: str) -> None:
         assert total(jittering(name, seed)) >= own - 10.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_hunting_with_planes_or_rudder_costs_something(name: str) -> None:
     for surface in ("stern", "rudder"):

@@ -75,7 +75,7 @@ def test_json_is_json_with_numbers_only(name: str, runs: dict[str, str]) -> None
     assert isinstance(json.loads(done.stdout, parse_constant=refuse), dict)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 def test_a_plot_has_the_form_of_its_name_and_the_same_bytes_each_time(
     form: str, tmp_path: Path
@@ -93,7 +93,7 @@ def test_a_plot_has_the_form_of_its_name_and_the_same_bytes_each_time(
     assert drawn[0] == drawn[1]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_program_draws_its_plot_and_prints_its_page_as_well(
     name: str, runs: dict[str, str], tmp_path: Path

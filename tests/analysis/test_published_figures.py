@@ -93,7 +93,7 @@ def test_a_shipped_table_of_uncertainty_is_of_that_boat_and_of_every_figure(name
         assert one.sd <= 1.01 * prior[one.name].sd
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_what_was_fitted_is_named_and_the_bad_figures_stand_where_they_are(
     book: GuideContents,
 ) -> None:
@@ -459,7 +459,7 @@ def test_a_table_of_another_boat_is_stale_and_judges_nothing(tmp_path: Path) -> 
             uncertainty.load_spreads(file, mine)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_boat_without_figures_has_nothing_to_be_uncertain_of_and_says_why(
     tmp_path: Path,
 ) -> None:

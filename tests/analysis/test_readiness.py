@@ -46,7 +46,7 @@ def test_a_shipped_boat_is_accepted(name: str) -> None:
     assert "The compact set is within tolerance in all of them." in done.output
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(("source", "length"), [("bb2", 60.0), ("bb2", 10.0), ("remus100", 2.0)])
 def test_a_scaled_boat_is_accepted(source: str, length: float, tmp_path: Path) -> None:
     path = tmp_path / "boat.toml"
@@ -57,7 +57,7 @@ def test_a_scaled_boat_is_accepted(source: str, length: float, tmp_path: Path) -
     assert done.exit_code == 0, done.output
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path) -> None:
     text = load_vessel("bb2").text
     wrong = text.replace("N_r = 1.165", "N_r = 0.5", 1)
@@ -73,7 +73,7 @@ def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path)
     assert f"trainer boat reduce {path} --write" in done.output
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_change_of_length_alone_is_not_accepted() -> None:
     text = load_vessel("bb2").text
     assert not examine_boat(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
@@ -100,7 +100,7 @@ def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
     assert told["periscope_depth_m"] == "a line in [run]"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOATS)
 def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
     page = render(examine_boat(load_vessel(name)))

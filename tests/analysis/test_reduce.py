@@ -287,7 +287,7 @@ def test_heel_is_judged_as_it_stands_with_a_tenth_of_a_degree_at_least() -> None
     assert small.allowed == pytest.approx(np.radians(0.1))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
     for name in BOATS:
         file = load_vessel(name)
@@ -342,7 +342,7 @@ def test_planes_are_eased_until_the_full_set_is_not_lost_and_a_jam_until_it_is_r
         assert fly_manoeuvre(boat, leg.manoeuvre, leg.speed_kn * KNOT).time_of("level") is not None
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOATS)
 def test_the_kernel_has_room_for_all_that_the_shipped_hulls_have(name: str) -> None:
     file = load_vessel(name)
@@ -602,7 +602,7 @@ def test_a_second_search_broken_off_ends_in_the_same_bits(
     assert after == reduction.search(slim, 1, None, lambda _: None)
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
     factors = np.ones(len(Candidate(slim, "modified").terms))
     several = [factors * (1.0 + 0.01 * i) for i in range(3)]
@@ -676,7 +676,7 @@ def test_a_boat_runs_by_the_factors_of_its_file() -> None:
         assert np.array_equal(found.column(column), own.column(column)), column
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_set_that_is_out_is_told_by_leg_and_quantity(monkeypatch: pytest.MonkeyPatch) -> None:
     # neighbours of each leg that is out take half a minute, and are tried in test_neighbours
     monkeypatch.setattr(neighbours, "neighbour_moves", lambda *_: {})
@@ -704,7 +704,7 @@ def test_nothing_is_judged_where_the_full_set_is_lost() -> None:
     assert {one.verdict for one in judge(manoeuvre, lost, other)} == {NOT_JUDGED}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
     code, out, _ = run("remus100", "--check")
 

@@ -75,7 +75,7 @@ def test_a_band_beyond_what_the_step_can_show_has_no_energy() -> None:
     assert found.bands[-1].ratio is None
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -102,7 +102,7 @@ def test_json_has_numbers_only_and_a_calm_has_no_waves() -> None:
     assert json.loads(ask("calm", "--json").stdout)["depths"] == []
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_plot_has_two_series_the_spectrum_and_the_suction(tmp_path: Path) -> None:
     path = tmp_path / "sea.svg"
     done = ask("sea-state-5", "--plot", str(path))

@@ -222,7 +222,7 @@ def order_of_marks(name: str, count: int) -> float:
     return rank_correlation(skills, marks)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["backing", "crash-stop", "air-bank-failure", "gyro-stuck"])
 def test_a_crew_that_is_a_little_late_has_a_little_less(name: str) -> None:
     assert order_of_marks(name, 4) >= LEAST_CORRELATION
@@ -237,7 +237,7 @@ def test_the_marks_of_every_shipped_exercise_order_skill(name: str) -> None:
 # The command
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_same_seeds_give_the_same_page(tmp_path: Path) -> None:
     pages = [tmp_path / "one.html", tmp_path / "two.html"]
     words = (DRILL, "--seeds", "1", "--cores", "1", "--html")

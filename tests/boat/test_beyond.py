@@ -244,7 +244,7 @@ def test_a_boat_afloat_rides_a_long_swell(make_boat: Callable[..., Boat], cosine
     assert abs(boat.state.phi) < 0.5
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("peaked", [0.0, 1.0])
 @pytest.mark.parametrize(
     "towards",

@@ -78,7 +78,7 @@ def boat(written: Path) -> VesselFile:
     return load_vessel(str(written / "boat.toml"))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_boat_passes_check_at_its_own_step(boat: VesselFile) -> None:
     report = check_vessel(boat)
 
@@ -399,7 +399,7 @@ def test_the_step_lets_a_free_roll_die_out_by_the_compact_set_too() -> None:
     assert abs(yardstick.differences(candidate)).max() < 0.5  # of what is allowed
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_compact_set_is_searched_for_quickly_in_the_file_that_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -140,7 +140,7 @@ def required(lines: list[str]) -> set[str]:
     return {IMPORTED_AS.get(name, name) for name in names}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_library_is_of_the_plain_install_or_has_an_extra() -> None:
     plain = required(PROJECT["dependencies"]) | {"trainer", *BROUGHT}
     for path in sorted((ROOT / "trainer").rglob("*.py")):

@@ -111,7 +111,7 @@ def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
         assert not math.isnan(boat.time)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "name", "load"),
     [

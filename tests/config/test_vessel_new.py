@@ -206,7 +206,7 @@ def once() -> Callable[[str, float, str, str], Measured]:
     return ask
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize("name", ["turning-circle", "zigzag-20", "zigzag-10"])
 @pytest.mark.parametrize(

@@ -216,7 +216,7 @@ def test_the_same_words_can_be_typed_at_a_station_whose_keys_are_controls() -> N
 # The order line
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("role", sorted(KEYS))
 def test_the_brackets_change_the_time_of_the_charts_on_every_screen(role: str) -> None:
     async def press(pilot: Pilot[Refused], app: Console) -> None:
@@ -250,7 +250,7 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
     assert at_the_console(press, talk)[1].orders == []
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("role", CREW)
 def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
     moves = [
@@ -543,7 +543,7 @@ def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
 WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("role", LAYOUTS)
 def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
     async def act(pilot: Pilot[Refused], app: Console) -> None:

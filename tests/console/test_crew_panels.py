@@ -297,7 +297,7 @@ def test_after_a_jump_only_what_waits_there_is_new() -> None:
     assert model.crew.to_repeat("helm")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fact", "event", "rings"),
     [

@@ -101,7 +101,7 @@ def drawings(post: Layout) -> Iterator[Drawing]:
         yield partial(title_of_chart, number)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("role", LAYOUTS)
 def test_every_number_on_a_panel_is_one_that_is_there_whatever_its_size(role: str) -> None:
     model = model_of(role)

@@ -44,7 +44,7 @@ def words_of(texts: list[str]) -> list[str]:
 # Text in windows
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("role", ROLES)
 def test_help_shows_every_word_of_itself_at_every_size(role: str, size: tuple[int, int]) -> None:
@@ -99,7 +99,7 @@ def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
     assert "20 more lines below" in plain(window.draw(60, 12))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("role", ROLES)
 def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
@@ -166,7 +166,7 @@ def test_who_comes_after_the_end_reads_the_marks_without_their_words() -> None:
     at_the_console(read, talk, "helm", (80, 24))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "order"),
     [("d", "debrief"), ("aa", "again"), ("HH", "again from 2 min"), ("n", "next")],

@@ -804,7 +804,7 @@ print(hashlib.sha256(state.tobytes()).hexdigest(), s.weight)
 
 
 @pytest.mark.process
-@pytest.mark.long
+@pytest.mark.slow
 def test_tanks_and_air_are_the_same_to_the_bit_without_the_compiler(tmp_path: Path) -> None:
     answers = [
         subprocess.run(

@@ -79,7 +79,7 @@ def test_a_number_depends_on_seed_stream_and_tick_only() -> None:
     assert gaussian(7, 3, 9) != gaussian(7 + 2**32, 3, 9)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_ten_million_deviates_have_the_moments_of_the_normal_distribution(
     record: np.ndarray,
 ) -> None:

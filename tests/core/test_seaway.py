@@ -247,7 +247,7 @@ def test_steps_too_long_for_the_shortest_waves_keep_the_variance_and_stay_stable
     assert np.var(eta) == pytest.approx((by_wind(10.0)[0] / 4.0) ** 2, rel=0.05)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("generator", GENERATORS)
 @pytest.mark.parametrize("wind", [20.0, 40.0])
 def test_ten_hours_of_waves_have_the_ordered_height(wind: float, generator: float) -> None:

@@ -118,7 +118,7 @@ CASES = [
 ]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(("state", "bank", "h"), CASES)
 def test_every_band_has_the_spectrum_s_energy_at_any_step(
     state: int, bank: float, h: float
@@ -140,7 +140,7 @@ def test_the_energy_of_sea_state_5_is_right_in_every_band(bank: float) -> None:
     assert np.sum(power[x < 0.6, 0, 0].real) < 0.002  # of the filter of 1969 it is 0.017
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("state", SEAS)
 @pytest.mark.parametrize("bank", [STANDARD, RAISED])
 def test_the_height_is_the_ordered_one_within_half_a_per_cent(state: int, bank: float) -> None:
@@ -218,7 +218,7 @@ def gains(bank: int, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.asarray(abs(turns @ responses(bank, rows)))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_force_leaks_nothing_slow_at_any_depth(bank: int) -> None:
     x = np.linspace(0.07, np.pi / PHASE_STEP, 2000)

@@ -342,7 +342,7 @@ def vertical_forces(
     return np.array(records)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_all_generators_give_the_vertical_force_the_same_spectrum_within_a_third() -> None:
     # The filters are long-crested with one length for all their waves, the sum has five
     # directions: they need not agree closer.

@@ -155,7 +155,7 @@ def test_on_the_reference_crew_s_own_run_nothing_is_ever_lost(name: str, step_s:
     assert {at: marks for at, marks in lost.items() if abs(marks - own) > 1.0} == {}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seconds", "order"),
     [
@@ -174,7 +174,7 @@ def test_a_harmful_order_is_named_within_five_seconds(
     assert abs(dearest.tick / 2.0 - seconds) <= 5.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_an_order_that_is_missing_is_named() -> None:
     left_out = planted("stern-plane-jam", 0.0, "", without="bell astern full")
     (change, *_) = attainable_curve(explored("stern-plane-jam", left_out)).changes
@@ -196,7 +196,7 @@ def sentences(run: RunExplorer) -> list[str]:
     return [change_words(each, run.step) for each in attainable_curve(run).changes]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seconds", "told"),
     [
@@ -298,7 +298,7 @@ def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
     return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_fatal_order_is_named_where_without_it_nobody_does_anything() -> None:
     order = "stern planes dive 10"
     said = sentences(
@@ -316,7 +316,7 @@ def test_planes_that_nobody_touched_were_not_worked_by_anybody() -> None:
     assert not [each for each in touched if "nobody worked" in each]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_an_order_of_a_file_is_somebody_s(tmp_path: Path) -> None:
     (tmp_path / "mine.orders").write_text("65 stern planes dive 10\n")
     options = RunOptions(exercise="first-depth-change", orders_file=tmp_path / "mine.orders")
@@ -371,7 +371,7 @@ def test_marks_that_come_back_while_nobody_does_anything_were_never_lost() -> No
     assert [each.tick for each in level] == [0, 20, 40, 60, 80, 100]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -433,7 +433,7 @@ def is_named(name: str, right: str, wrong: str | None, late: float) -> bool:
     )
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", QUICK_FAULTS)
 def test_a_fault_of_the_crew_is_named_at_its_moment(
     fault: tuple[str, str, str | None, float],
@@ -494,7 +494,7 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
     assert "scope raise" in [each.rule.order.text for each in mute.pending(boat.time)]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
@@ -552,7 +552,7 @@ def test_who_takes_over_gives_at_once_what_is_overdue() -> None:
     assert (first.text, first.tick) == ("bell astern full", 2 * 73)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_nobody_who_steers_straight_on_loses_a_task_between_two_seconds() -> None:
     curve = attainable_curve(explored("steady-course", fly_rehearsal(plan_of("steady-course"))))
     assert not any(each.falls for each in curve.changes)

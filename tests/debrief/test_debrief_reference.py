@@ -100,7 +100,7 @@ def mastered(idle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(path, "depth-changes", given)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     debrief = debriefed(idle)
     reference = beside(debrief).reference
@@ -112,7 +112,7 @@ def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     assert debrief.total == 0.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(mastered: Path) -> None:
     debrief = debriefed_finely(mastered)
 
@@ -154,7 +154,7 @@ def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     )
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> None:
     debrief = debriefed_finely(jam)
     onset = debrief.casualties[0].episode.begun
@@ -433,7 +433,7 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     assert "<b>Free</b>, no marks" in told
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) -> None:
     path = record(tmp_path / "sea.trainer", "depth-gauge-failure", {})
     debrief = debriefed(path)

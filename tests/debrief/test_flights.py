@@ -35,7 +35,7 @@ def assert_same(one: Rehearsal, other: Rehearsal) -> None:
 CREWED = ("stern-plane-jam", "depth-gauge-failure", "periscope-depth", "canyon", "crossing-traffic")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CREWED)
 def test_a_crew_that_looks_when_it_must_gives_the_orders_of_one_that_always_looks(
     monkeypatch: pytest.MonkeyPatch, name: str

@@ -106,7 +106,7 @@ def test_hints_stand_in_the_debrief_in_the_marks_told_live_and_are_no_answer(
     assert marks.times[place] == 70.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_points")
 def test_a_hint_moves_nothing_in_what_could_still_be_earned(tmp_path: Path) -> None:
     plain = record(tmp_path / "plain.trainer", "stern-plane-jam", HELPFUL, WHO)

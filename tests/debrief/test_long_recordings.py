@@ -98,7 +98,7 @@ def test_a_recording_of_too_many_branches_is_refused_in_one_line(
     assert wrong == f"trainer: {path} is too long to be read: 41 branches, and 20 is the most\n"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.usefixtures("small")
 def test_of_too_many_events_the_first_are_debriefed_and_the_rest_is_told(
     folder: Path, run: Run

@@ -61,7 +61,7 @@ def told(capsys: pytest.CaptureFixture[str], *words: str, code: int = 0) -> str:
     return "".join(capsys.readouterr())
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_run_is_kept_with_its_marks_and_what_cost_most(tmp_path: Path) -> None:
     dive = {100.0: "stern planes dive 10"}
     path = record(tmp_path / "dive.trainer", "first-depth-change", dive, trainee=(ANN, "Bob"))

@@ -346,7 +346,7 @@ def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
 # Marks changed by the instructor
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_path: Path) -> None:
     path = record(tmp_path / "turn.trainer", "steady-course", {62.0: "rudder right 3"})
     plain = read_compared(path, DebriefRequest())

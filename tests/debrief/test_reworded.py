@@ -49,7 +49,7 @@ def decided(debrief: DebriefData) -> dict[str, Any]:
     }
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("exercise", RUNS)
 def test_a_debrief_of_reworded_texts_decides_the_same(tmp_path: Path, exercise: str) -> None:
     path = record(tmp_path / "said.trainer", exercise, RUNS[exercise], who="diving at panel")

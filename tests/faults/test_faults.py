@@ -27,15 +27,15 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     [
         (faults.kill_sessions, 3),  # type: ignore[attr-defined]
         (faults.damage_last_page, 10),  # type: ignore[attr-defined]
-        (faults.stop_session, 2),  # type: ignore[attr-defined]
-        (faults.unplug, 2),
+        pytest.param(faults.stop_session, 2, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.unplug, 2, marks=pytest.mark.slow),
         (faults.full, 2),  # type: ignore[attr-defined]
-        (faults.full_disk, 1),  # type: ignore[attr-defined]
-        (faults.lock_recording, 1),  # type: ignore[attr-defined]
-        (faults.relieve_disk, 1),  # type: ignore[attr-defined]
-        (faults.take_disk_away, 1),  # type: ignore[attr-defined]
-        (faults.clock_set, 2),  # type: ignore[attr-defined]
-        (faults.console_killed, 1),  # type: ignore[attr-defined]
+        pytest.param(faults.full_disk, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.lock_recording, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.relieve_disk, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.take_disk_away, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.clock_set, 2, marks=pytest.mark.slow),  # type: ignore[attr-defined]
+        pytest.param(faults.console_killed, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
     ],
 )
 def test_a_fault_loses_nothing_that_is_journalled(
@@ -55,7 +55,7 @@ def good_recording(bench: Bench) -> bytes:
 
 
 @posix
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "way",
     sample_cases(recordings.DAMAGES, recordings.pages_changed, recordings.texts_changed),

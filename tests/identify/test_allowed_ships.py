@@ -116,7 +116,7 @@ def test_draws_of_small_numbers_are_not_lost_beside_a_huge_one() -> None:
     assert np.corrcoef(found.T) == pytest.approx(correlations, abs=0.02)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_ships_allowed_hold_the_truth_and_the_estimate(fitted: Any) -> None:
     others = draw_allowed(fitted)
     spans = dict(zip(fitted.quantity_names, zip(*others.spans, strict=True), strict=True))
@@ -166,7 +166,7 @@ def test_a_lever_arm_is_drawn_by_its_moment() -> None:
     assert np.std(found[:, 0] * found[:, 1]) < 0.1 * 0.007
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_page_and_the_json_have_intervals_and_directions(path: Any) -> None:
     report = json.loads(told(path, "--json"))
     ship = {one["name"]: one for one in report["ship"]}
@@ -194,13 +194,13 @@ def test_a_model_is_tested_against_a_simpler_one_and_without_a_parameter(path: A
     assert without["ratio"] == pytest.approx(ratio)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_parameter_that_is_nothing_is_not_missed(path: Any) -> None:
     report = json.loads(told(path, "--json", "--without", "delta_0"))
     assert report["rivals"][0]["probability"] > 0.01
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -214,7 +214,7 @@ def test_tests_of_what_is_no_simpler_model_are_refused(path: Any, options: Any, 
     assert words in str(result.exception)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_sheet_needs_nothing_beside_itself_and_holds_the_figures(
     path: Any, tmp_path: Path
 ) -> None:

@@ -56,7 +56,7 @@ def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any
     assert_allclose(ours, theirs, rtol=3e-3)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_an_armax_model_has_the_loss_and_deviations_of_statsmodels() -> None:
     tsa = pytest.importorskip("statsmodels.tsa.statespace.sarimax")
     stream = np.random.default_rng(4)

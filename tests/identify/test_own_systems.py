@@ -140,7 +140,7 @@ def test_two_inputs_and_none(tmp_path: Path) -> None:
     assert "k" not in numbers(report)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_its_page_plot_series_and_check(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0))

@@ -220,7 +220,7 @@ def test_matrices_of_the_first_order_ship_are_those_of_the_textbook(path: Any) -
     assert pytest.approx(A @ P @ A.T + found.sampled["R1"] - gain @ R @ gain.T, rel=1e-6) == P
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_matrices_are_printed_when_asked(path: Any) -> None:
     page = told(path, "--matrices")
     assert "Matrices, start values; states v, r, psi, SI; outputs sway, yaw_rate, heading" in page
@@ -292,7 +292,7 @@ def test_the_page_has_a_link_to_every_screen(path: Any, tmp_path: Path) -> None:
     assert ">Known least</a>" in text
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_pdf_has_a_page_for_each_screen(path: Any, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     told(path, "--plot", tmp_path / "fit.pdf")

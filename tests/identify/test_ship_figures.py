@@ -103,7 +103,7 @@ def test_what_the_mariner_s_coefficients_are_worth_decides_its_verdict() -> None
 # Bad input
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

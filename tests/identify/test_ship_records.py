@@ -443,7 +443,7 @@ def blocks(kind: str) -> list[str]:
     return re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_page_leads_from_a_record_to_a_turning_circle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -218,7 +218,7 @@ GOOD = [
 ]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("lines", [15_000, pytest.param(95_000, marks=pytest.mark.slow)])
 def test_lines_of_noise_are_survived_in_flat_memory(lines: int) -> None:
     source = random.Random(1967)  # noqa: S311  noise, not a secret

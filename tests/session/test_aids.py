@@ -65,7 +65,7 @@ def test_the_ghost_is_the_reference_crews_run_from_the_start(allowing: Crewed) -
     assert np.array_equal(ghost[:, 3], run["theta"])
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("role", sorted(ROLES))
 def test_no_role_sees_anything_of_an_aid_that_is_off(allowing: Crewed, role: str) -> None:
     line = allowing.instructor if role == "instructor" else allowing.comes(role)

@@ -130,7 +130,7 @@ def help_on_every_order() -> str:
     return "\n".join(line for head in heads for line in help_text(head)).lower()
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", shipped_names("exercises"))
 def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
     here = attended(name, *CREW_ROLES, "observer")

@@ -155,7 +155,7 @@ def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> No
     assert here.say("helm", "aye") == ["course 045 aye"]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_jump_reads_and_understands_no_order_however_many_were_given(
     crew: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:

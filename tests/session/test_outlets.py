@@ -246,7 +246,7 @@ def place_of(row: dict[str, float]) -> tuple[float, float]:
 
 
 @pytest.mark.process
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["pty", "udp"])
 def test_pynmea2_reads_every_sentence_of_ten_minutes_and_it_is_the_state(
     stream: Stream, way: str

@@ -122,7 +122,7 @@ def recorded(path: Path, folder: Path, name: str) -> Flown:
     return states, orders, events, rows.read_bytes()
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_its_recording_has_each_state_order_and_event(
     exercise: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

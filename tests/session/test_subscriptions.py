@@ -219,7 +219,7 @@ def test_closing_sends_what_is_due_first(roster: Roster, boat: Boat) -> None:
     assert to.lines[-1] == "9"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [0.1, 2.0, 10.0, 50.0])
 def test_no_more_lines_are_sent_than_the_rate_allows(
     roster: Roster, boat: Boat, rate: float

@@ -28,7 +28,7 @@ def energy(boat: Boat) -> tuple[float, float]:
     return float(motion @ (0.25 * (matrix + matrix.T)) @ motion), float(place)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(("vessel", "step"), [("bb2", 0.1), ("sdv-mk9", 0.02), ("remus100", 0.02)])
 def test_what_the_boat_has_is_what_water_and_propeller_gave_it(
     make_boat: Callable[..., Boat], vessel: str, step: float

@@ -186,7 +186,7 @@ def test_a_ship_that_no_fit_has_written_cannot_sail(tmp_path: Path) -> None:
         exercise(tmp_path, ship="./bare.toml")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_ship_that_has_lost_its_way_lies_there_and_says_why(tmp_path: Path) -> None:
     contacts = exercise(tmp_path)
     assert "speed" in str(order(contacts, "contact one speed 0", 10))
