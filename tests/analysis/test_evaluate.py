@@ -103,7 +103,7 @@ def test_compact_is_full_where_the_dropped_coefficients_are_zero(
         assert compact[name] == pytest.approx(full[name], rel=1e-12, abs=1e-12 * largest), name
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("rates", ["exact", "lagged"])
 @given(state=states())
 @settings(max_examples=50)
@@ -216,7 +216,7 @@ def answer_or_refusal(text: str) -> str:
         return str(refused)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @given(text=st.text() | st.from_regex(r'\{"[a-z_]{1,9}": [-0-9.eE]{1,8}\}'))
 @settings(max_examples=200)
 def test_any_text_is_refused_by_line_or_blank(text: str) -> None:

@@ -202,6 +202,7 @@ def test_a_member_beyond_the_last_is_told(tmp_path: Path) -> None:
     assert str(done.exception) == "--member 8: members are 0 to 7"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["svg", "png"])
 def test_the_plot_has_the_distribution_and_the_tornado(tmp_path: Path, form: str) -> None:
     plot = tmp_path / f"plot.{form}"
@@ -290,6 +291,7 @@ def change_of_peak(speed: float, name: str, low: float, high: float) -> tuple[fl
     return found[0], found[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "size", "slow", "fast"),
     [

@@ -77,7 +77,7 @@ def fly_unit(case: CheckCase, run: CaseRun, flown: Instance) -> dict[str, list[f
 
 
 @pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("name", sample_cases(CASES, "turn", "dive", "blow", "filter-sea"))
+@pytest.mark.parametrize("name", sample_cases(CASES, "turn", "filter-sea"))
 def test_a_unit_flies_a_check_case_as_the_trainer_does_to_the_last_bit(
     name: str, version: int, tmp_path: Path
 ) -> None:

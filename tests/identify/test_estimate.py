@@ -38,7 +38,7 @@ def best(cost: Any) -> Any:
     return find_best_minimum(cost, TANKER.start(), "bfgs", SearchOptions(most=500))
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("method", MINIMISER_BY_NAME)
 def test_every_minimiser_comes_to_the_same_minimum(cost: Any, best: Any, method: Any) -> None:
     if method == "direct":
@@ -82,7 +82,7 @@ def test_a_disturbance_near_nothing_is_known_no_better_than_the_record_tells(cos
     assert abs(curvature[place, place]) < 10.0 * information[place, place]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_an_impossible_gain_is_no_cost_and_no_traceback() -> None:
     held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
     problem = recorded(replace(TANKER, free=held), 60)

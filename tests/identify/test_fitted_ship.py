@@ -85,7 +85,7 @@ def test_columns_units_and_signs_may_be_one_s_own(ship: Any) -> None:
     assert predicted == pytest.approx(np.degrees(ship.predict(own)["yaw_rate"]), abs=1e-4)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_frame_of_pandas_and_a_file_give_the_same_ship(ship: Any, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     own = motion(1)
@@ -174,7 +174,7 @@ def tanker(dimensions: Path) -> Any:
     return identify.fit(zigzag(20.0, 1), "mmg", ship=dimensions)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_ship_that_is_not_linear_is_found_from_arrays(tanker: Any, tmp_path: Path) -> None:
     assert tanker.converged
     assert abs(tanker.parameters["N_F"] - COEFFICIENTS["N_F"]) < 4.0 * tanker.deviations["N_F"]
@@ -194,7 +194,7 @@ def test_a_ship_that_is_not_linear_is_found_from_arrays(tanker: Any, tmp_path: P
     assert len(tanker.plot().axes) == 13
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_it_predicts_a_record_that_it_has_not_seen_in_the_units_of_the_fit(
     tanker: Any, dimensions: Path
 ) -> None:
@@ -222,7 +222,7 @@ def test_it_predicts_a_record_that_it_has_not_seen_in_the_units_of_the_fit(
     )
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_records_of_one_ship_are_fitted_together_and_may_be_files(
     dimensions: Path, tmp_path: Path
 ) -> None:

@@ -209,7 +209,7 @@ def ran(study: Path, *options: Any) -> Any:
     return CliRunner().invoke(identify, [str(study), *map(str, options)])
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "free"),
     [

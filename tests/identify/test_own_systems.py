@@ -46,7 +46,7 @@ def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
     assert ("q" in numbers(report)) == (noise != "output-error")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_program_finds_what_the_file_finds(tmp_path: Path) -> None:
     study, program = write_study(tmp_path), tmp_path / "system.py"
     program.write_text(PROGRAM)
@@ -109,7 +109,7 @@ def test_matrices_of_one_step_are_found_too(tmp_path: Path) -> None:
         identified(tmp_path / "study.toml")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_gain_of_its_own_is_taken(tmp_path: Path) -> None:
     text = SYSTEM.replace('R1 = [[0, 0], [0, "q"]]', 'K = ["g1", "g2"]').replace('R2 = [["s"]]', "")
     rows = ROWS.replace('"q"', '"g1"').replace('"s"', '"g2"')

@@ -61,7 +61,7 @@ def rolling_problem(name: str) -> tuple[ShipProblem, Numbers]:
     return problem, np.array([*(values[each] for each in model.free), *np.log(noise), *first])
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_gradient_and_information_are_those_of_differences(name: str) -> None:
     problem, a = rolling_problem(name)

@@ -61,7 +61,7 @@ def found(trial: Any) -> Any:
     return reports
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["1", "nomoto2"])
 def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> None:
     ship = {one["name"]: (one["value"], one["deviation"]) for one in found[model]["ship"]}

@@ -153,7 +153,7 @@ def test_outliers_are_rejected_in_each_run_and_named(tmp_path: Path) -> None:
     assert report["samples"] == 499
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_nothing_is_estimated_where_only_a_simulation_is_wanted(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     report = identified(study, "--simulate")

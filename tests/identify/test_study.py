@@ -109,7 +109,7 @@ def test_a_ship_is_found_within_three_deviations_by_every_noise_model(
     assert report["converged"]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["scoring", "bfgs", "direct"])
 def test_every_minimiser_ends_at_the_same_ship(plain: Path, usual: Any, method: Any) -> None:
     report = json.loads(run(identify, plain, "--method", method, "--json"))
@@ -291,7 +291,7 @@ def sway_trial(folder: Path) -> Path:
     return folder / "study.toml"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_ship_of_sway_alone_is_found_from_its_own_start_with_intervals(tmp_path: Path) -> None:
     report = json.loads(run(identify, sway_trial(tmp_path), "--json"))
     assert report["converged"]
@@ -373,7 +373,7 @@ def test_a_record_that_is_not_there_or_has_other_columns_is_named_with_the_next_
     assert f"trainer identify new {path} -o study.toml" in raised.value.problems[-1]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_orders_of_armax_are_tried_and_told(tmp_path: Path) -> None:
     page = run(identify, trial(tmp_path), "--armax")
     for part in ("ARMAX MODELS of yaw_rate", "Order by AIC", "Poles", "order", "feedback"):
