@@ -6,11 +6,13 @@ import os
 import re
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 from helpers.places import environment
 from helpers.screens import run_aside, typed
+from textual import events
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
@@ -24,7 +26,9 @@ from trainer.console.exercise_choice import (
     FREE_SAILING,
     I_INSTRUCT,
     I_TRAIN,
+    ExerciseChoice,
     ExerciseScreen,
+    SideThenExercise,
     choose_exercise,
     exercise_choice,
     side_choice,
@@ -41,7 +45,7 @@ OFFERED = (
 
 def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[DialogOutcome | None, str]:
     """Return how the screen ends when keys are pressed, and what it showed before the last."""
-    screen = ExerciseScreen(exercise_choice(OFFERED))
+    screen = ExerciseScreen(SideThenExercise(lambda _: exercise_choice(OFFERED), I_TRAIN))
     text = ""
 
     async def press(pilot: Pilot[DialogOutcome]) -> None:
@@ -121,46 +125,73 @@ def test_letters_of_no_title_are_answered_and_do_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("done", "name"),
+    ("done", "chosen"),
     [
-        (DialogOutcome((FREE_SAILING,)), ""),
-        (DialogOutcome(("stern-plane-jam",)), "stern-plane-jam"),
+        (DialogOutcome((FREE_SAILING,)), (I_TRAIN, "")),
+        (DialogOutcome(("stern-plane-jam",)), (I_TRAIN, "stern-plane-jam")),
         (NO_OUTCOME, None),
     ],
 )
 def test_what_is_chosen_is_returned_by_its_name(
-    done: DialogOutcome, name: str | None, monkeypatch: pytest.MonkeyPatch
+    done: DialogOutcome, chosen: tuple[str, str] | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ExerciseScreen, "run", lambda _: done)
-    assert choose_exercise(OFFERED) == name
+    assert choose_exercise(lambda _: exercise_choice(OFFERED), I_TRAIN) == chosen
+
+
+@pytest.mark.parametrize("side", [I_TRAIN, I_INSTRUCT])
+def test_keys_pressed_at_once_choose_the_side_and_then_from_its_list(side: str) -> None:
+    def offer(told: str) -> ExerciseChoice:
+        return exercise_choice(OFFERED, trains=told == I_TRAIN)
+
+    subject = SideThenExercise(offer)
+    screen = ExerciseScreen(subject)
+
+    async def press() -> None:
+        async with screen.run_test(size=(80, 24)) as pilot:
+            await pilot.pause(0.1)
+            for key in (*("down",) * (side == I_INSTRUCT), "enter", "down", "enter"):
+                screen.post_message(events.Key(key, None))
+            await pilot.pause(0.1)
+
+    run_aside(press())
+    assert subject.side == side
+    names = {I_TRAIN: "first-depth-change", I_INSTRUCT: "depth-gauge-failure"}
+    assert screen.return_value == DialogOutcome((names[side],))
+
+
+def test_esc_at_either_list_leaves() -> None:
+    for keys in (("escape",), ("enter", "escape")):
+        subject = SideThenExercise(lambda _: exercise_choice(OFFERED))
+        assert [subject.press(key, None) for key in keys][-1] == NO_OUTCOME
 
 
 def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[Lesson] = []
+    asked: list[str] = []
 
-    def choose(offered: list[Lesson], *, trains: bool, progress: Progress | None) -> str | None:
-        assert (progress is not None) is trains  # by the name of the account
-        asked[:] = offered
-        assert trains is (side == I_TRAIN)
-        return answer
+    def choose(offer: Callable[[str], ExerciseChoice], given: str) -> tuple[str, str] | None:
+        told = given or side
+        choice = offer(told)
+        assert ("Kept on this machine" in choice.advice[-1]) is (told == I_TRAIN)
+        asked[:] = [row.words for row in choice.rows if row.words != FREE_SAILING]
+        return None if answer is None else (told, answer)
 
-    side: str | None = I_INSTRUCT
+    side = I_INSTRUCT
     monkeypatch.setattr("trainer.console.exercise_choice.choose_exercise", choose)
-    monkeypatch.setattr("trainer.console.exercise_choice.ask_side", lambda: side)
     options = RunOptions()
     answer: str | None = "heavy-boat"
     wanted = replace(options, exercise="heavy-boat", given=frozenset({"exercise"}))
     assert command.choose(options) == wanted
-    assert {each.name for each in asked} == set(shipped_names("exercises"))
-    assert asked == course()
-    assert [each.place for each in asked] == [*range(1, len(asked)), math.inf]
-    assert all(each.title and each.briefing for each in asked)
+    assert set(asked) == set(shipped_names("exercises"))
+    assert asked == [each.name for each in course()]
+    assert [each.place for each in course()] == [*range(1, len(asked)), math.inf]
+    assert all(each.title and each.briefing for each in course())
     side = I_TRAIN
     assert command.choose(options) == replace(wanted, train=True)
     assert command.trained(command.choose(options)).frozen
-    assert asked == [*lessons(), *course()]
+    assert asked == [each.name for each in [*lessons(), *course()]]
     side = I_INSTRUCT
     answer = ""
     assert command.choose(options) == options
@@ -168,14 +199,9 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     with pytest.raises(SystemExit) as left:
         command.choose(options)
     assert left.value.code == 0
-    side, answer = None, "heavy-boat"
-    with pytest.raises(SystemExit):
-        command.choose(options)
-    side = I_INSTRUCT  # what the menu is told; nobody is asked
-    monkeypatch.setattr("trainer.console.exercise_choice.ask_side", lambda: None)
+    answer, side = "heavy-boat", "nobody is asked"  # what the menu is told
     instructs = replace(options, instruct=True)
     assert command.choose(instructs) == replace(wanted, instruct=True)
-    side = I_TRAIN
     assert command.choose(replace(options, train=True)) == replace(wanted, train=True)
 
 
@@ -189,11 +215,8 @@ def test_the_list_tells_length_and_hand_and_who_trains_begins_with_a_lesson() ->
     assert [row.name for row in side_choice().rows] == [I_TRAIN, I_INSTRUCT]
 
 
-@pytest.mark.process
-@pytest.mark.long
-@pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
-@pytest.mark.parametrize(("words", "asks"), [((), True), (("--no-record",), False)])
-def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) -> None:
+def shown_at_start(words: tuple[str, ...], wanted: bytes, question: bytes = b"") -> bytes:
+    """Return what `trainer run` shows until ``wanted``; Enter twice is pressed at ``question``."""
     import fcntl  # noqa: PLC0415  not everywhere
     import pty  # noqa: PLC0415
     import struct  # noqa: PLC0415
@@ -211,18 +234,39 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
         os.close(near)
         late = threading.Timer(60.0, process.kill)
         late.start()
-        shown, wanted = b"", b"I instruct" if asks else b"F1 shows help"
+        shown = b""
         with contextlib.suppress(OSError):
-            while not re.search(wanted, shown) and (some := os.read(far, 65536)):
+            while wanted not in shown and (some := os.read(far, 65536)):
                 shown += some
+                if question and question in shown:
+                    os.write(far, b"\r\r")
+                    question = b""
         process.terminate()
         with contextlib.suppress(OSError):
             while os.read(far, 65536):
                 pass
         late.cancel()
     os.close(far)
+    return shown
+
+
+@pytest.mark.process
+@pytest.mark.long
+@pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
+@pytest.mark.parametrize(("words", "asks"), [((), True), (("--no-record",), False)])
+def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) -> None:
+    wanted = b"I instruct" if asks else b"F1 shows help"
+    shown = shown_at_start(words, wanted)
     assert wanted in shown
     assert (b"I instruct" in shown) == asks
+
+
+@pytest.mark.process
+@pytest.mark.clock
+@pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
+def test_enter_twice_at_once_begins_the_first_lesson() -> None:
+    wanted = b"Esc closes"  # the briefing of the lesson
+    assert wanted in shown_at_start((), wanted, b"I instruct")
 
 
 def test_a_trainee_is_offered_what_is_weakest_and_told_why() -> None:

@@ -41,6 +41,7 @@ from trainer.session.options import RunOptions
 if TYPE_CHECKING:
     import threading
 
+    from trainer.console.exercise_choice import ExerciseChoice
     from trainer.session.exercise import DebriefSource
 from trainer.cli.web import require_pages
 
@@ -178,25 +179,26 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
 
 def choose(asked: RunOptions) -> RunOptions:
     """Return the options with an exercise chosen at the terminal. End without a choice."""
-    from trainer.config.course import course, lessons
-    from trainer.config.progress import read_progress
-    from trainer.console.exercise_choice import (
-        I_INSTRUCT,
-        I_TRAIN,
-        ask_side,
-        choose_exercise,
-    )
+    from trainer.console.exercise_choice import I_INSTRUCT, I_TRAIN, choose_exercise
 
-    side = I_TRAIN if asked.train else I_INSTRUCT if asked.instruct else ask_side()
-    trains = side == I_TRAIN
-    offered = [*lessons(), *course()] if trains else course()
-    names = trained(replace(asked, train=trains)).trainee
-    progress = read_progress(names[0]) if names else None
-    chosen = side and choose_exercise(offered, trains=trains, progress=progress)
+    def offer(side: str) -> "ExerciseChoice":
+        from trainer.config.course import course, lessons
+        from trainer.config.progress import read_progress
+        from trainer.console.exercise_choice import exercise_choice
+
+        trains = side == I_TRAIN
+        offered = [*lessons(), *course()] if trains else course()
+        names = trained(replace(asked, train=trains)).trainee
+        progress = read_progress(names[0]) if names else None
+        return exercise_choice(offered, trains=trains, progress=progress)
+
+    given = I_TRAIN if asked.train else I_INSTRUCT if asked.instruct else ""
+    chosen = choose_exercise(offer, given)
     if chosen is None:
         sys.exit(0)
-    asked = replace(asked, train=trains)
-    return replace(asked, exercise=chosen, given=frozenset({"exercise"})) if chosen else asked
+    side, name = chosen
+    asked = replace(asked, train=side == I_TRAIN)
+    return replace(asked, exercise=name, given=frozenset({"exercise"})) if name else asked
 
 
 def trained(asked: RunOptions) -> RunOptions:

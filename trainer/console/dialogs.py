@@ -250,9 +250,12 @@ class Dialog(ModalScreen[DialogOutcome]):
         pane = Pane(
             self.subject.draw, "dialog", moving=True, click=self._clicked, wheel=self._turned
         )
+        self._fit(pane)
+        yield pane
+
+    def _fit(self, pane: Pane) -> None:
         columns, rows = self.subject.size
         pane.styles.width, pane.styles.height = columns, rows + FRAME_ROWS
-        yield pane
 
     def leave_if_past(self) -> None:
         """End, if what it is about is over."""
@@ -277,7 +280,9 @@ class Dialog(ModalScreen[DialogOutcome]):
     def _go_on(self, done: DialogOutcome | None) -> None:
         """Show what has changed, or end; keys pressed after the end change nothing."""
         if done is None:
-            self.query_one(Pane).look()
+            pane = self.query_one(Pane)
+            self._fit(pane)
+            pane.look()
         elif self.is_current:
             self.dismiss(done)
 

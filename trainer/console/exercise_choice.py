@@ -5,8 +5,8 @@ there is a session, because the session is made for what is chosen.
 """
 
 import textwrap
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import ClassVar, Final
 
@@ -137,6 +137,47 @@ def exercise_choice(
     return choice
 
 
+@dataclass
+class SideThenExercise:
+    """Who trains or instructs, then the list of exercises for him.
+
+    Both are one dialog, because a second screen would lose the keys pressed while its list is read.
+    """
+
+    offer: Callable[[str], ExerciseChoice]
+    side: str = ""  # once it is known
+    choice: ExerciseChoice = field(default_factory=side_choice)
+
+    def __post_init__(self) -> None:
+        """Ask for the exercise alone where the side is known."""
+        if self.side:
+            self.choice = self.offer(self.side)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Return columns and rows, at most."""
+        return self.choice.size
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return the dialog."""
+        return self.choice.draw(width, height)
+
+    def press(self, key: str, character: str | None) -> DialogOutcome | None:
+        """Take a key; return how the dialog ends, None while it goes on."""
+        return self._go_on(self.choice.press(key, character))
+
+    def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
+        """Take a click; return how the dialog ends, None while it goes on."""
+        return self._go_on(self.choice.click(column, row, width))
+
+    def _go_on(self, done: DialogOutcome | None) -> DialogOutcome | None:
+        if self.side or done is None or done == NO_OUTCOME:
+            return done
+        (self.side,) = done.orders
+        self.choice = self.offer(self.side)
+        return None
+
+
 class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
     """The choice, alone on the screen."""
 
@@ -144,7 +185,7 @@ class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, choice: ExerciseChoice) -> None:
+    def __init__(self, choice: SideThenExercise) -> None:
         super().__init__()
         self._choice = choice
 
@@ -153,24 +194,19 @@ class ExerciseScreen(App[DialogOutcome], inherit_bindings=False):
         self.push_screen(Dialog(self._choice), self.exit)
 
 
-def ask_side() -> str | None:
-    """Ask at the terminal who trains and who instructs; return the answer, None to leave."""
-    from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
-
-    forget_size()
-    done = ExerciseScreen(side_choice()).run()
-    return done.orders[0] if done and done.orders else None
-
-
 def choose_exercise(
-    offered: Sequence[Lesson], *, trains: bool = False, progress: Progress | None = None
-) -> str | None:
-    """Ask at the terminal. Return the name of an exercise, "" to sail freely, None to leave."""
+    offer: Callable[[str], ExerciseChoice], side: str = ""
+) -> tuple[str, str] | None:
+    """Ask at the terminal for a side, unless it is given, and for an exercise.
+
+    ``offer`` makes the list for a side. Return both, "" to sail freely; None to leave.
+    """
     from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
 
     forget_size()
-    done = ExerciseScreen(exercise_choice(offered, trains=trains, progress=progress)).run()
+    choice = SideThenExercise(offer, side)
+    done = ExerciseScreen(choice).run()
     if done is None or done == NO_OUTCOME:
         return None
     (name,) = done.orders
-    return "" if name == FREE_SAILING else name
+    return choice.side, "" if name == FREE_SAILING else name
