@@ -220,9 +220,11 @@ def sea_choice(_sight: SessionModel) -> Choice:
 
 
 class DialogSubject(Protocol):
-    """The subject of a dialog, and the columns and rows that it wants at most."""
+    """The subject of a dialog."""
 
-    size: tuple[int, int]
+    @property
+    def size(self) -> tuple[int, int]:
+        """Return the columns and rows that it wants at most."""
 
     def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the dialog ends, None while it goes on."""
