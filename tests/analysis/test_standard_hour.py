@@ -41,7 +41,10 @@ from trainer.core.state import STATE_FIELDS
 # surface. Without a sea the hour has the bits of before.
 # It was 075af4c0... until a boat afloat heeled outward: the hour ends at the surface.
 # It was 6803b421... until waves had a moment of roll, and a boat afloat heeled inward.
-SHA256 = "a200bc783598624a6908225ca1046f65349fd23e8b95a857baac1f7deb8187ae"
+# It was a200bc78... until `dive` ended an ascent (2026-11-27): from tick 6201 on (3100 s) the boat,
+# afloat after the blow, keeps the depth that the order names. Without that the core, which surfaces
+# level since then, ends the hour in a200bc78... still: none of its orders is `surface`.
+SHA256 = "75a9ffa60185397c1831e08a48e02068c3c8cbae16a74d14ad050de4b05c67af"
 SHORT = 160  # [ticks] with a depth change under way
 
 needs_compiler = pytest.mark.skipif(

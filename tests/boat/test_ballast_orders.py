@@ -9,8 +9,10 @@ import pytest
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
+from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
@@ -21,6 +23,7 @@ SURFACING = {
     **dict.fromkeys(("vent_aft", "ordered_depth", "hover"), 0.0),
 }
 DIVING = {
+    "ascent": NO_ASCENT,
     **dict.fromkeys(("vent_forward", "vent_mid", "vent_aft"), 1.0),
     "blow_aft": 0.0,
     "ordered_depth": 17.5,
@@ -99,7 +102,7 @@ def fly(boat: Boat, seconds: float) -> None:
             {"hover": 0.0, "move_depth_control": 0.0},
         ),
         ({"vent_aft": 1.0, "hover": 1.0}, "surface", SURFACING),
-        ({"blow_aft": 2.0, "ordered_depth": 0.0}, "dive", DIVING),
+        ({"blow_aft": 2.0, "ordered_depth": 0.0, "ascent": ASCENT_AFLOAT}, "dive", DIVING),
         ({}, "periscope depth", {"ordered_depth": 17.5}),
     ],
 )
@@ -189,6 +192,38 @@ def test_a_boat_without_a_periscope_depth_asks_for_a_depth() -> None:
     refused = answer(under_way("sdv-mk9", 3.0), "periscope depth")
     assert isinstance(refused, Refused)
     assert "order a depth" in refused.reason
+
+
+@pytest.mark.parametrize(("depth", "time", "bow_down"), [(60.0, 120.0, 8.0), (300.0, 500.0, 22.0)])
+def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_afloat(
+    depth: float, time: float, bow_down: float
+) -> None:
+    boat = under_way()
+    boat.start(10.0 * KNOT, depth, 0.0)
+    pilot = PilotMonitor.over(boat)
+    told(boat, "surface")
+    s = boat.state
+    said, lowest = [], 0.0
+    for _ in range(round((time + 60.0) / boat.method.step)):
+        assert boat.tick() == 0
+        said += pilot.look(boat)
+        lowest = min(lowest, s.theta)
+    assert math.degrees(lowest) > -bow_down  # 23 by planes that kept depth 0
+    assert s.z < 4.5
+    assert (s.command_s, s.command_b) == (0.0, 0.0)
+    of_autopilot = [text.partition("autopilot: ")[2] for text in said if "autopilot: " in text]
+    assert of_autopilot == [GIVEN_UP_TEXTS["level ascent"], GIVEN_UP_TEXTS["afloat"]]
+
+    told(boat, "dive")
+    fly(boat, 300.0)
+    assert s.z == pytest.approx(17.5, abs=3.0)
+
+
+def test_planes_in_hand_stay_in_hand_when_the_boat_surfaces() -> None:
+    boat = under_way()
+    told(boat, "planes manual", "surface")
+    fly(boat, 1.0)
+    assert boat.state.ascent == NO_ASCENT
 
 
 @pytest.mark.parametrize("equations", ["modified", "full"])

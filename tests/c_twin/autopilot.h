@@ -308,12 +308,18 @@ static int is_blown(const struct state *s)
     return s->blow_forward == EMERGENCY_OPENING || s->blow_mid == EMERGENCY_OPENING || s->blow_aft == EMERGENCY_OPENING;
 }
 
+static int is_surfacing(const struct state *s)
+{
+    return s->ordered_depth == 0.0 && most(most(s->blow_forward, s->blow_mid), s->blow_aft) > 0.0;
+}
+
 static void watch_blow(const struct vessel *c, struct state *s)
 {
     int planes = s->stern_by_hand == 0.0 || s->bow_by_hand == 0.0;
+    int begins = is_surfacing(s) && s->ascent == 0.0;
     if (!(planes && c->gain_count > 0.0))
         s->ascent = 0.0;
-    else if (is_blown(s) && s->ascent != ASCENT_RISING) {
+    else if (begins || (is_blown(s) && s->ascent != ASCENT_RISING)) {
         s->ascent = ASCENT_RISING;
         s->ascent_pitch = s->theta;
         s->ascent_quiet = s->ordered_depth = 0.0;
@@ -352,6 +358,8 @@ static void hand_back(const struct vessel *c, double h, struct state *s)
         s->ascent = ASCENT_AFLOAT;
         return;
     }
+    if (is_surfacing(s))
+        return;
     s->ascent = 0.0;
     s->ordered_depth = s->depth_reference = s->z;
     s->depth_reference_rate = 0.0;

@@ -227,6 +227,27 @@ def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
     assert boat.state.z == pytest.approx(40.0, abs=1.0)
 
 
+def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level(started: Start) -> None:
+    boat = started(5.0, 60.0)
+    s = boat.state
+    s.blow[:3] = 1.0  # as a panel or a program does, without an order
+    before = sail(boat, 10.0, "ascent")[:, 0]
+    s.ordered_depth = 0.0
+    rising = sail(boat, 40.0, "ascent")[:, 0]
+    order(boat, "blow stop")
+    order(boat, "vent all open")
+    while s.ascent == ASCENT_RISING and boat.time < 600.0:
+        assert boat.tick() == 0
+    kept = float(s.ordered_depth)
+    after = sail(boat, 60.0, "ascent")[:, 0]
+
+    assert set(before) == {NO_ASCENT}, "the planes keep another depth against a blow"
+    assert set(rising) == {ASCENT_RISING}
+    assert kept > 10.0
+    assert set(after) == {NO_ASCENT}, "broken off deep, nothing begins again"
+    assert s.ordered_depth == kept
+
+
 def test_with_the_planes_in_hand_a_blow_is_the_crews(started: Start) -> None:
     boat = started(10.0, 60.0)
     order(boat, "planes manual")

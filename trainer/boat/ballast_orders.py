@@ -13,6 +13,7 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import limit_refusal
+from trainer.core.autopilot.ascent import NO_ASCENT
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import MAX_WAY_SPEED, SURE_PUMP_SHARE, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
@@ -209,6 +210,7 @@ def _dive(boat: Boat, _order: Order) -> Reply:
     s = boat.state
     _main_ballast(boat, groups=MAIN_TANKS, blow=0.0, vent=1.0)
     s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)
+    s.ascent = NO_ASCENT
     return f"diving: main vents open, keeping depth {s.ordered_depth:g} m"
 
 

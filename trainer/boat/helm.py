@@ -159,7 +159,7 @@ def _depth(boat: Boat, order: Order) -> Reply:
             return refusal
     if order.word != "auto":
         boat.state.ordered_depth = order.value
-        boat.state.ascent = 0.0  # afloat after an emergency blow, this is the order to leave it
+        boat.state.ascent = 0.0  # afloat after a blow, this is the order to leave it
     _automatic(boat, "stern", "bow")
     return f"keeping depth {boat.state.ordered_depth:g} m"
 

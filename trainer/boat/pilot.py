@@ -13,11 +13,17 @@ import numpy as np
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import active_casualties
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
-from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
+from trainer.core.autopilot.ascent import ASCENT_AFLOAT, EMERGENCY_OPENING, NO_ASCENT
 from trainer.core.autopilot.depth import LEAST_ASTERN
 from trainer.core.autopilot.speed import PROPELLER_SLACK
 from trainer.core.autopilot.steering import ASTERN_SPEED
-from trainer.core.ballast.tanks import AUXILIARY_TANK, TANKS, TRIM_AFT, TRIM_FORWARD
+from trainer.core.ballast.tanks import (
+    AUXILIARY_TANK,
+    NEGATIVE_TANK,
+    TANKS,
+    TRIM_AFT,
+    TRIM_FORWARD,
+)
 from trainer.core.envelope import (
     AHEAD,
     ASTERN,
@@ -32,6 +38,7 @@ from trainer.units import KNOT
 MIN_LACK_TIME_S: Final = 60.0  # [s] without speed, or water to trim, before it is called
 GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call of each
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
+    "level ascent": "surfacing: planes hold the boat level; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
     "for the tanks",
@@ -39,6 +46,7 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
+ASCENTS: Final = ("emergency ascent", "level ascent")  # the second by an ordinary blow
 ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
 ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
 SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
@@ -255,7 +263,7 @@ class PilotMonitor:
         news = [GIVEN_UP_TEXTS[name] for name in sorted(now - self.given_up)]
         for name in now - self.given_up:
             self.times.setdefault(name, []).append(boat.time)
-        if "emergency ascent" in self.given_up and boat.plain[ASCENT_PLACE] == NO_ASCENT:
+        if self.given_up.intersection(ASCENTS) and boat.plain[ASCENT_PLACE] == NO_ASCENT:
             news.append(f"the ascent is over: keeping depth {boat.state.ordered_depth:.0f} m")
         self.given_up = now
         return news
@@ -267,12 +275,21 @@ class PilotMonitor:
         lost = lost or boat.time - self.trimmed > MIN_LACK_TIME_S
         return lost or plain[ASCENT_PLACE] != NO_ASCENT or plain[SPEED_PLACE] < ASTERN_SPEED
 
+    def _name_ascent(self, boat: Boat) -> str:
+        """Return which law of GIVEN_UP_TEXTS holds a boat that comes up, or came up."""
+        emergency, level = ASCENTS
+        if boat.plain[ASCENT_PLACE] == ASCENT_AFLOAT:
+            return "afloat"
+        opening = boat.state.blow[:NEGATIVE_TANK].max()  # of main ballast
+        is_emergency = opening == EMERGENCY_OPENING or emergency in self.given_up
+        return emergency if is_emergency else level
+
     def _left_undone(self, boat: Boat) -> set[str]:
         """Return what is given up, of GIVEN_UP_TEXTS."""
         plain, s = boat.plain, boat.state
         undone = set()
         if plain[ASCENT_PLACE] != NO_ASCENT:
-            undone.add("afloat" if plain[ASCENT_PLACE] == ASCENT_AFLOAT else "emergency ascent")
+            undone.add(self._name_ascent(boat))
         if (
             plain[SPEED_PLACE] < ASTERN_SPEED
             and plain[ASCENT_PLACE] == NO_ASCENT

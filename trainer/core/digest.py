@@ -16,7 +16,7 @@ KERNEL_FOLDERS = (  # folders that have any
     "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset({"e0c9683e3afd379a", "adc908a66d1b35c6"})
+SAME_BITS: frozenset[str] = frozenset()
 
 
 @cache

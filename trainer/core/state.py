@@ -193,7 +193,7 @@ STATE: Final = record_dtype(
     "wave_count",  # [-] number of such crossings, as far as it matters
     "wave_share",  # [-] of the law for waves, 0 in a calm
     ("notch", (12,)),  # [rad] of two notches, stern planes and bow planes: see waves
-    "ascent",  # [-] after an emergency blow: 1 on the way up, 2 afloat, 0 none
+    "ascent",  # [-] in a blow: 1 on the way up, 2 afloat, 0 none
     "ascent_pitch",  # [rad] pitch to be held, as it is taken up
     "ascent_quiet",  # [s] for which the boat has come to rest
     ("hover_filter", (9,)),  # [m] of two notches and a low-pass: see sections

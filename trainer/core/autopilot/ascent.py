@@ -1,11 +1,15 @@
-"""The emergency blow with the planes automatic: the ascent with the bow up.
+"""The way up with the planes automatic: bow up in an emergency, level in surfacing.
 
-Depth keeping would dive against the blow. While the emergency valve of a main tank is open, the
-stern planes hold a pitch of ASCENT_BUBBLE, more at speed, and the bow planes lie amidships. The
-after group is blown only while the bow is up, since the planes alone cannot hold it up at slow
-speed. Once the blow is over and the boat has come to rest for QUIET_TIME_S, it keeps the depth that
-it has, and depth keeping takes over without a jump. At the surface no depth is kept until one is
-ordered. The law is this project's own; its figures and what it does on BB2 are in
+Planes that keep a depth, be it 0, would work against the blow: it lifts the boat faster than they
+ask, so they would put the bow down, and afloat they would go to their stops. While the emergency
+valve of a main tank is open, the stern planes hold a pitch of ASCENT_BUBBLE, more at speed. While
+the boat surfaces, with ordinary valves and an ordered depth of 0, they hold her level. The bow
+planes lie amidships.
+
+In an emergency the after group is blown only while the bow is up, since the planes alone cannot
+hold it up at slow speed. Once the blow is over and the boat has come to rest for QUIET_TIME_S, it
+keeps the depth that it has, and depth keeping takes over without a jump. At the surface no depth is
+kept until one is ordered. The law is this project's own; its figures and what it does on BB2 are in
 docs/autopilot.md.
 """
 
@@ -44,6 +48,16 @@ def is_blown(state: Record) -> bool:
 
 
 @part
+def is_surfacing(state: Record) -> bool:
+    """Return whether main ballast is blown to keep depth 0.
+
+    A blow with another depth ordered is the crew's, and the planes go on keeping that depth.
+    """
+    s = state[0]
+    return s.ordered_depth == 0.0 and max(s.blow_forward, s.blow_mid, s.blow_aft) > 0.0
+
+
+@part
 def minds_blow(vessel: Record, state: Record) -> bool:
     """Return whether the pilot has planes with which to answer a blow."""
     s = state[0]
@@ -53,14 +67,15 @@ def minds_blow(vessel: Record, state: Record) -> bool:
 
 @part
 def watch_blow(vessel: Record, state: Record) -> None:
-    """Begin an ascent when the emergency valves blow main ballast.
+    """Begin an ascent when main ballast is blown in an emergency, or to surface.
 
-    End it where the pilot has no planes.
+    End it where the pilot has no planes. A boat that has surfaced stays afloat with valves open.
     """
     s = state[0]
+    begins = is_surfacing(state) and s.ascent == NO_ASCENT
     if not minds_blow(vessel, state):
         s.ascent = NO_ASCENT
-    elif is_blown(state) and s.ascent != ASCENT_RISING:
+    elif begins or (is_blown(state) and s.ascent != ASCENT_RISING):
         s.ascent = ASCENT_RISING
         s.ascent_pitch = s.theta
         s.ascent_quiet = s.ordered_depth = 0.0
@@ -70,7 +85,7 @@ def watch_blow(vessel: Record, state: Record) -> None:
 def take_up_bubble(h: float, state: Record) -> None:
     """Move the pitch that is to be held by ``h`` [s].
 
-    It goes bow up while the tanks are blown, and back to zero after that.
+    It goes bow up in an emergency blow, and to zero in surfacing and after a blow.
     """
     s = state[0]
     wanted = 0.0
@@ -105,7 +120,8 @@ def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None
 def hand_back(vessel: Record, h: float, state: Record) -> None:
     """End an ascent that has come to rest.
 
-    The boat then keeps the depth that it has; at the surface it keeps none.
+    The boat then keeps the depth that it has; at the surface it keeps none. Deep, one that surfaces
+    goes on, because at great depth it takes minutes until the blow lifts it.
     """
     s = state[0]
     still = abs(s.zdot) < QUIET_RATE and abs(s.theta) < QUIET_PITCH and not is_blown(state)
@@ -115,6 +131,8 @@ def hand_back(vessel: Record, h: float, state: Record) -> None:
     if s.z < SURFACED_DEPTH * vessel[0].diameter:
         s.ascent = ASCENT_AFLOAT
         return
+    if is_surfacing(state):
+        return
     s.ascent = NO_ASCENT
     s.ordered_depth = s.depth_reference = s.z
     s.depth_reference_rate = 0.0
@@ -122,7 +140,7 @@ def hand_back(vessel: Record, h: float, state: Record) -> None:
 
 @part
 def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command the planes from an emergency blow until a depth is kept again."""
+    """Command the planes from a blow until a depth is kept again."""
     if state[0].ascent == ASCENT_AFLOAT:
         lay_amidships(state)
     else:

@@ -52,8 +52,8 @@ def hold_commands(gains: Numbers, state: Record) -> None:
 def keep_planes(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Command both pairs of planes.
 
-    They keep the depth, or bring the boat up after an emergency blow. While the boat hovers, its
-    tank keeps the depth and the planes lie amidships.
+    They keep the depth, or bring the boat up in a blow. While the boat hovers, its tank keeps the
+    depth and the planes lie amidships.
     """
     s, gains = state[0], scratch[0].gains
     watch_blow(vessel, state)
