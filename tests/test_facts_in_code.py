@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from helpers.places import ROOT
+from helpers.syntax import tree_of
 
 WORDS_FOR_PEOPLE = frozenset(
     ("why", "told", "text", "who", "reason", "answer", "says", "verdict", "outcome")
@@ -109,7 +110,7 @@ def test_no_code_decides_by_words_that_people_read() -> None:
         f"{name}:{node.lineno}: {ast.unparse(node)}"
         for path in modules()
         if (name := str(path.relative_to(ROOT))) not in NOTATIONS
-        for node in texts(ast.parse(path.read_text(encoding="utf-8")))
+        for node in texts(tree_of(path))
     ]
     assert not found, "ask a field in place of words:\n" + "\n".join(found)
 
@@ -161,7 +162,7 @@ def test_a_function_that_may_refuse_answers_by_a_type() -> None:
     found = {
         f"{path.relative_to(ROOT)}: {name}"
         for path in paths
-        for name in answers_by_text(ast.parse(path.read_text(encoding="utf-8")))
+        for name in answers_by_text(tree_of(path))
     }
     assert found == set(STATES), "answer by `Refused | None`, or tell in STATES what it is"
 

@@ -1,6 +1,7 @@
 """Whatever writes a file goes through ``io/outputs``, so that no input is ever written over."""
 
 import ast
+import functools
 from collections.abc import Iterator
 
 from helpers.places import ROOT
@@ -16,6 +17,7 @@ WRITERS = frozenset((
     "sqlite3.connect",
 ))
 # fmt: on
+WRITING_WORDS = {"open", "replace", *(each.rpartition(".")[2] for each in WRITERS)}
 OWN_FUNCTIONS = frozenset(("write_text", "write_table"))  # of that name here, which go through it
 GIVEN_BY = frozenset(("replacing", "renewing"))  # what yields where to write
 OUTPUTS = "io/outputs.py"
@@ -51,6 +53,8 @@ REASONS = {
 
 def writes(call: ast.Call) -> bool:
     """Return whether a call writes a file, or may."""
+    if getattr(call.func, "attr", getattr(call.func, "id", "")) not in WRITING_WORDS:
+        return False
     name = ast.unparse(call.func)
     last = name.rpartition(".")[2]
     if "os.devnull" in ast.unparse(call):
@@ -92,6 +96,7 @@ def places_past(tree: ast.Module) -> Iterator[str]:
     yield from look(tree, "", frozenset())
 
 
+@functools.cache
 def found_past() -> set[str]:
     """Return all functions of the package that write past ``io/outputs``."""
     return {

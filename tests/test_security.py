@@ -80,10 +80,11 @@ def calls(tree: ast.AST) -> Iterator[tuple[str, ast.Call]]:
     """Yield the calls of a source, by the last word of what is called."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
-            called = node.func
-            whole = ast.unparse(called)
-            builtin = isinstance(called, ast.Name) or whole.startswith(("os.", "tempfile."))
-            yield (whole.rpartition(".")[2] if builtin else whole), node
+            match node.func:
+                case ast.Name(name) | ast.Attribute(ast.Name("os" | "tempfile"), name):
+                    yield name, node
+                case _:  # a method of whatever else
+                    yield "", node
 
 
 # What files and lines can make it run

@@ -213,6 +213,12 @@ def test_the_same_words_can_be_typed_at_a_station_whose_keys_are_controls() -> N
     assert pressed(typing, "helm") == ["rudder right 9", "rudder amidships"]
 
 
+def test_a_letter_that_is_no_key_begins_an_order_at_every_station() -> None:
+    typing = (*typed("course 090"), "enter", "1")
+    assert pressed(typing, "helm") == ["course 090", "bell ahead one-third"]
+    assert pressed((*typed("depth 80"), "enter", "a"), "planes") == ["depth 80", "planes auto"]
+
+
 # The order line
 
 

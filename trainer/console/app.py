@@ -225,8 +225,8 @@ class Console(App[Refused], inherit_bindings=False):
             if key is not None:
                 self.act(key.act)
                 return
-            if self.model.trains and event.character and event.character.isalpha():
-                self.query_one(Entry).begin(event.character)  # no Enter before an order
+            if event.character and event.character.isalpha():  # no key, so it begins an order
+                self.query_one(Entry).begin(event.character)
                 return
         await super().on_event(event)
 

@@ -140,7 +140,9 @@ REPEAT_KEY: Final = Key(
     "repeat a new order (aye), or type an order",
     PlainAction.REPEAT,
 )
-TYPE_KEY: Final = Key(("colon",), ":", "", "type an order; Esc comes back", TypingAction(""))
+TYPE_KEY: Final = Key(
+    ("colon",), ":", "", "type an order, as other letters do; Esc comes back", TypingAction("")
+)
 
 FREEZE_KEY: Final = Key(
     ("f2", "space"), "F2", "freeze", "stop time, or start it again", PlainAction.TOGGLE
