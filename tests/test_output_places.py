@@ -51,10 +51,13 @@ REASONS = {
 }
 
 
+def may_write(call: ast.Call) -> bool:
+    """Return whether a call's last word is one of those that write, which is quick to see."""
+    return getattr(call.func, "attr", getattr(call.func, "id", "")) in WRITING_WORDS
+
+
 def writes(call: ast.Call) -> bool:
     """Return whether a call writes a file, or may."""
-    if getattr(call.func, "attr", getattr(call.func, "id", "")) not in WRITING_WORDS:
-        return False
     name = ast.unparse(call.func)
     last = name.rpartition(".")[2]
     if "os.devnull" in ast.unparse(call):
@@ -86,7 +89,7 @@ def places_past(tree: ast.Module) -> Iterator[str]:
                 known = isinstance(opener, ast.Call) and ast.unparse(opener.func) in GIVEN_BY
                 if known and item.optional_vars:
                     given |= {ast.unparse(item.optional_vars)}
-        if isinstance(node, ast.Call) and writes(node):
+        if isinstance(node, ast.Call) and may_write(node) and writes(node):
             names = {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
             if not given & names:
                 yield where

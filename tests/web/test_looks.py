@@ -7,7 +7,9 @@ import pytest
 from helpers.hands import TOO_WIDE, see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
+from helpers.waiting import eventually
 from playwright.sync_api import Page, expect
+from soak.session_process import Caller
 
 from trainer.web.modules import ASSETS_FOLDER
 from trainer.web.pages import PAGES
@@ -169,6 +171,41 @@ def test_who_wants_no_motion_gets_none(shared: Served, look: Look, name: str) ->
 
     moving = "document.getAnimations().filter((each) => each.playState === 'running').length"
     assert page.evaluate(moving) == 0
+
+
+# Pictures drawn within two seconds, and whether what is seen of the water has moved
+DRAWN = """async () => {
+  const water = () => document.querySelector("boat-side pattern")?.getAttribute("patternTransform");
+  const [before, count] = [water(), { drawn: 0, moved: false }];
+  const add = () => (count.drawn += 1);
+  document.motion.addEventListener("frame", add);
+  await new Promise((done) => setTimeout(done, 2000));
+  document.motion.removeEventListener("frame", add);
+  return { ...count, moved: water() !== before };
+}"""
+
+
+PRESSED = """() => setInterval(() => document.body.dispatchEvent(
+  new KeyboardEvent("keydown", { key: "Shift", bubbles: true })), 200)"""
+
+
+@pytest.mark.parametrize("name", ["helm", "instructor"])
+def test_a_page_rests_in_a_freeze_until_somebody_does_something(
+    shared: Served, instructor: Caller, look: Look, name: str
+) -> None:
+    page = look(shared, name)
+    ready(page)
+    assert eventually(lambda: page.evaluate(DRAWN)["drawn"] <= 6)
+    assert not page.evaluate(DRAWN)["moved"]
+
+    page.evaluate(PRESSED)
+    assert page.evaluate(DRAWN)["drawn"] > 10  # of forty, on a machine that has other work
+
+    page.reload()
+    ready(page)
+    assert instructor.ask("run")[0]
+    assert eventually(lambda: page.evaluate(DRAWN)["drawn"] > 10)
+    assert page.evaluate(DRAWN)["moved"] is (name == "instructor")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -23,12 +23,14 @@ const WORDS = 2000; // [ms] between descriptions
 
 /**
  * `<boat-side>`; `at="0.5"` is the boat's place across, and `fixed` holds the view still from the
- * surface down. `span` is the water shown [m]. Properties: `length` of the boat [m], `words`.
+ * surface down. `span` is the water shown [m]. Properties: `length` of the boat [m], `words`, and
+ * `still`, where time stands still.
  */
 export class BoatSide extends HTMLElement {
   constructor() {
     super();
     this.length = LENGTH;
+    this.still = false;
     this.words = { surface: say("surface"), ordered: say("ordered"), limit: say("limit"), metres: unit, ground: say("ground") };
     this.water = new Water();
     this.hull = new Hull(this.water.shade);
@@ -66,9 +68,10 @@ export class BoatSide extends HTMLElement {
     const passed = Math.min((now - this.shownAt) / 1000, 0.5);
     this.shownAt = now;
     const view = this.view(seen.depth ?? 0);
-    const speed = this.calm.matches ? 0 : (seen.speed ?? 0);
+    const still = this.calm.matches || this.still;
+    const speed = still ? 0 : (seen.speed ?? 0);
     this.water.place(view, seen.ordered ?? null, seen.limit ?? null, this.words, this.ground);
-    this.water.flow(view, this.calm.matches ? 0 : passed, speed * KNOT, seen.surface ?? 0);
+    this.water.flow(view, still ? 0 : passed, speed * KNOT, seen.surface ?? 0);
     this.place(seen, view);
     this.hull.turnPlanes(seen.stern ?? null, seen.bow ?? null);
     this.hull.turnPropeller(speed, passed);

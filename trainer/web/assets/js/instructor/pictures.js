@@ -118,7 +118,7 @@ export const POINTERS = {
 
 /** Shows the boat from the side and from astern. @param {Desk} desk @param {Motion} motion */
 export function showAttitude({ session, moment }, motion) {
-  const side = /** @type {Picture} */ (one("boat-side"));
+  const side = /** @type {Picture & { still?: boolean }} */ (one("boat-side"));
   const stern = /** @type {Picture} */ (one("boat-stern"));
   const value = (/** @type {keyof typeof POINTERS} */ name) =>
     moment.looking ? moment.number(POINTERS[name].place) : (motion.shown[name] ?? null);
@@ -129,6 +129,7 @@ export function showAttitude({ session, moment }, motion) {
     const speed = moment.number("motion.speed");
     const surface = moment.number("sea.elevation");
     const clearance = moment.number("motion.clearance");
+    side.still = session.state === "frozen";
     side.show?.({ depth, pitch, speed, stern: value("stern"), bow, ordered, limit, surface, clearance });
     stern.show?.({ heel: value("heel"), rudder: value("rudder") });
   };

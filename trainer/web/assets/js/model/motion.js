@@ -2,6 +2,8 @@
 
 const FOLLOW = 0.12; // [s] time constant of a pointer, so that a tick makes no jump
 const FRAME = 50; // [ms] between pictures: twenty a second
+const REST = 10; // pictures of which one is drawn while nothing moves
+const AWAKE = 1000; // [ms] that all are drawn after something has changed, or somebody has done something
 const STILL = 4; // from this pace of time on ticks are shown as they come
 
 /**
@@ -10,7 +12,10 @@ const STILL = 4; // from this pace of time on ticks are shown as they come
  * have [1/s], and whether it turns round at 360.
  */
 
-/** Moves pointers; dispatches `frame` for each picture. */
+/**
+ * Moves pointers; dispatches `frame` for each picture. In a freeze few are drawn, because a page at
+ * rest must not cost a station its battery.
+ */
 export class Motion extends EventTarget {
   /**
    * @param {import("./session.js").Session} session
@@ -28,15 +33,41 @@ export class Motion extends EventTarget {
     /** @type {number[]} [ms] of script in the last pictures */
     this.cost = [];
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    this.awake = 0; // [ms] until when all pictures are drawn, though time stands still
+    this.left = 0; // pictures left out since the last
+    /** @type {Map<string, string>} the last reading of each channel, as it was */
+    this.heard = new Map();
     session.on("tick", () => this.take());
+    session.addEventListener("reading", (event) => this.hear(/** @type {CustomEvent} */ (event).detail));
+    for (const what of ["pointerdown", "pointermove", "pointerup", "wheel", "keydown", "resize"])
+      addEventListener(what, () => this.wake(), { capture: true, passive: true });
   }
 
   /** Begins to draw, never while the page is hidden. @param {number} [every] [ms] */
   start(every = FRAME) {
     Object.assign(document, { motion: this }); // where it is found by who measures its cost
     setInterval(() => {
-      if (!document.hidden) requestAnimationFrame((now) => this.frame(now));
+      this.left = this.rests() ? (this.left + 1) % REST : 0;
+      if (!document.hidden && this.left === 0) requestAnimationFrame((now) => this.frame(now));
     }, every);
+  }
+
+  /** Draws all pictures for a while. */
+  wake() {
+    this.awake = performance.now() + AWAKE;
+  }
+
+  /** Returns whether time stands still and nothing has changed of late. */
+  rests() {
+    return this.session.state === "frozen" && performance.now() > this.awake;
+  }
+
+  /** Wakes where a reading is another than the last. @param {{ channel: string, values: object }} reading */
+  hear({ channel, values }) {
+    const now = JSON.stringify(values);
+    if (this.heard.get(channel) === now) return;
+    this.heard.set(channel, now);
+    this.wake();
   }
 
   /** Takes a reading: where the told rate is secret, the last two readings give one. */

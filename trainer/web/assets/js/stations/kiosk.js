@@ -224,6 +224,7 @@ function furnishLever() {
 }
 
 function picture() {
+  if (scene === "attract") motion.wake(); // its boat sails, though no session does
   const { depth, pitch, speed, stern, bow } = motion.shown;
   const ordered = led() ? session.number("orders.depth") : dive.target;
   side.show(

@@ -108,6 +108,7 @@ function limit() {
 function picture() {
   const { depth, pitch, speed, stern, bow, surface } = motion.shown;
   const ordered = session.number("orders.depth");
+  side.still = session.state === "frozen";
   side.show({ depth, pitch, speed, stern, bow, surface, limit: limit(), ordered });
 }
 
