@@ -219,6 +219,17 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     assert s.z == pytest.approx(17.5, abs=3.0)
 
 
+def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() -> None:
+    boat = under_way()
+    pilot = PilotMonitor.over(boat)
+    told(boat, "surface")
+    fly(boat, 1.0)
+    pilot.look(boat)
+    told(boat, "dive")
+    fly(boat, 1.0)
+    assert pilot.look(boat)[0].endswith("autopilot: the ascent is over: keeping depth 17.5 m")
+
+
 def test_planes_in_hand_stay_in_hand_when_the_boat_surfaces() -> None:
     boat = under_way()
     told(boat, "planes manual", "surface")

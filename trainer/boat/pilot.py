@@ -46,7 +46,7 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
-ASCENTS: Final = ("emergency ascent", "level ascent")  # the second by an ordinary blow
+ASCENT_NAMES: Final = ("emergency ascent", "level ascent")  # the second by an ordinary blow
 ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
 ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
 SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
@@ -263,8 +263,9 @@ class PilotMonitor:
         news = [GIVEN_UP_TEXTS[name] for name in sorted(now - self.given_up)]
         for name in now - self.given_up:
             self.times.setdefault(name, []).append(boat.time)
-        if self.given_up.intersection(ASCENTS) and boat.plain[ASCENT_PLACE] == NO_ASCENT:
-            news.append(f"the ascent is over: keeping depth {boat.state.ordered_depth:.0f} m")
+        if self.given_up.intersection(ASCENT_NAMES) and boat.plain[ASCENT_PLACE] == NO_ASCENT:
+            kept = round(float(boat.state.ordered_depth), 1)
+            news.append(f"the ascent is over: keeping depth {kept:g} m")
         self.given_up = now
         return news
 
@@ -277,7 +278,7 @@ class PilotMonitor:
 
     def _name_ascent(self, boat: Boat) -> str:
         """Return which law of GIVEN_UP_TEXTS holds a boat that comes up, or came up."""
-        emergency, level = ASCENTS
+        emergency, level = ASCENT_NAMES
         if boat.plain[ASCENT_PLACE] == ASCENT_AFLOAT:
             return "afloat"
         opening = boat.state.blow[:NEGATIVE_TANK].max()  # of main ballast
