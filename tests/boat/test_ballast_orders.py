@@ -212,7 +212,7 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     assert s.z < 4.5
     assert (s.command_s, s.command_b) == (0.0, 0.0)
     of_autopilot = [text.partition("autopilot: ")[2] for text in said if "autopilot: " in text]
-    assert of_autopilot == [GIVEN_UP_TEXTS["level ascent"], GIVEN_UP_TEXTS["afloat"]]
+    assert of_autopilot == [GIVEN_UP_TEXTS["afloat"]], "what was ordered is no alarm"
 
     told(boat, "dive")
     fly(boat, 300.0)
@@ -222,9 +222,9 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
 def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() -> None:
     boat = under_way()
     pilot = PilotMonitor.over(boat)
-    told(boat, "surface")
+    told(boat, "emergency blow")
     fly(boat, 1.0)
-    pilot.look(boat)
+    assert GIVEN_UP_TEXTS["emergency ascent"] in pilot.look(boat)[0]
     told(boat, "dive")
     fly(boat, 1.0)
     assert pilot.look(boat)[0].endswith("autopilot: the ascent is over: keeping depth 17.5 m")

@@ -202,7 +202,8 @@ def _surface(boat: Boat, _order: Order) -> Reply:
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
     if bank < EMPTY_BANK_SHARE:
         return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
-    return "surfacing: blowing all main ballast; type blow stop when the boat is up"
+    level = ", planes level, no depth is kept" if boat.automatic else ""
+    return f"surfacing: blowing all main ballast{level}; type blow stop when the boat is up"
 
 
 def _dive(boat: Boat, _order: Order) -> Reply:

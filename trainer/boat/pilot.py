@@ -13,7 +13,12 @@ import numpy as np
 from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import active_casualties
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
-from trainer.core.autopilot.ascent import ASCENT_AFLOAT, EMERGENCY_OPENING, NO_ASCENT
+from trainer.core.autopilot.ascent import (
+    ASCENT_AFLOAT,
+    ASCENT_RISING,
+    EMERGENCY_OPENING,
+    NO_ASCENT,
+)
 from trainer.core.autopilot.depth import LEAST_ASTERN
 from trainer.core.autopilot.speed import PROPELLER_SLACK
 from trainer.core.autopilot.steering import ASTERN_SPEED
@@ -38,7 +43,6 @@ from trainer.units import KNOT
 MIN_LACK_TIME_S: Final = 60.0  # [s] without speed, or water to trim, before it is called
 GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call of each
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
-    "level ascent": "surfacing: planes hold the boat level; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
     "for the tanks",
@@ -46,7 +50,6 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
-ASCENT_NAMES: Final = ("emergency ascent", "level ascent")  # the second by an ordinary blow
 ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
 ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
 SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
@@ -203,6 +206,7 @@ class PilotMonitor:
 
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+    rising: bool = False  # in an emergency, or to surface, which is ordered and needs no call
     trimmed: float = 0.0  # [s] when tanks last had what automatic trim asks for
     tail: TailMonitor = field(default_factory=TailMonitor)
     engine: EngineMonitor = field(default_factory=EngineMonitor)
@@ -218,6 +222,7 @@ class PilotMonitor:
         """Take the boat as it is. Nothing of it is news."""
         self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
+        self.rising = boat.plain[ASCENT_PLACE] == ASCENT_RISING
         self.tail.lacking.clear()
         self.tail.look(boat)
         self.engine = EngineMonitor()
@@ -234,7 +239,7 @@ class PilotMonitor:
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
-        if self.given_up:
+        if self.given_up or self.rising:
             return 0
         mask = flown["hover_lost"] != 0.0
         mask |= (flown["speed_short"] > MIN_LACK_TIME_S) | (flown["ascent"] != NO_ASCENT)
@@ -257,13 +262,14 @@ class PilotMonitor:
         """Return what the autopilot has newly given up, or has again."""
         if not lacks_water(boat):
             self.trimmed = boat.time
-        if not self.given_up and not self._is_unusual(boat):
+        rose, self.rising = self.rising, boat.plain[ASCENT_PLACE] == ASCENT_RISING
+        if not (self.given_up or rose or self._is_unusual(boat)):
             return []
         now = self._left_undone(boat)
         news = [GIVEN_UP_TEXTS[name] for name in sorted(now - self.given_up)]
         for name in now - self.given_up:
             self.times.setdefault(name, []).append(boat.time)
-        if self.given_up.intersection(ASCENT_NAMES) and boat.plain[ASCENT_PLACE] == NO_ASCENT:
+        if rose and boat.plain[ASCENT_PLACE] == NO_ASCENT:
             kept = round(float(boat.state.ordered_depth), 1)
             news.append(f"the ascent is over: keeping depth {kept:g} m")
         self.given_up = now
@@ -276,21 +282,15 @@ class PilotMonitor:
         lost = lost or boat.time - self.trimmed > MIN_LACK_TIME_S
         return lost or plain[ASCENT_PLACE] != NO_ASCENT or plain[SPEED_PLACE] < ASTERN_SPEED
 
-    def _name_ascent(self, boat: Boat) -> str:
-        """Return which law of GIVEN_UP_TEXTS holds a boat that comes up, or came up."""
-        emergency, level = ASCENT_NAMES
-        if boat.plain[ASCENT_PLACE] == ASCENT_AFLOAT:
-            return "afloat"
-        opening = boat.state.blow[:NEGATIVE_TANK].max()  # of main ballast
-        is_emergency = opening == EMERGENCY_OPENING or emergency in self.given_up
-        return emergency if is_emergency else level
-
     def _left_undone(self, boat: Boat) -> set[str]:
         """Return what is given up, of GIVEN_UP_TEXTS."""
         plain, s = boat.plain, boat.state
         undone = set()
-        if plain[ASCENT_PLACE] != NO_ASCENT:
-            undone.add(self._name_ascent(boat))
+        if plain[ASCENT_PLACE] == ASCENT_AFLOAT:
+            undone.add("afloat")
+        elif plain[ASCENT_PLACE] == ASCENT_RISING:
+            blown = EMERGENCY_OPENING in s.blow[:NEGATIVE_TANK]  # main ballast
+            undone |= {"emergency ascent"} if blown else self.given_up & {"emergency ascent"}
         if (
             plain[SPEED_PLACE] < ASTERN_SPEED
             and plain[ASCENT_PLACE] == NO_ASCENT
