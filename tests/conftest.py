@@ -47,6 +47,19 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Have each process begin to collect at another folder, so that each compiles other files.
+
+    What one has compiled the others read, where all who go the same way compile everything.
+    """
+    worker, count = (os.environ.get(f"PYTEST_XDIST_WORKER{end}", "") for end in ("", "_COUNT"))
+    if worker and config.args_source is not pytest.Config.ArgsSource.ARGS:
+        folder = Path(__file__).parent
+        files = sorted(map(str, folder.rglob("test_*.py")))
+        first = len(files) * int(worker.removeprefix("gw")) // int(count)
+        config.args[:] = files[first:] + files[:first]
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Begin to compile what several processes would compile side by side: the core, fits, fleets.
 
@@ -103,6 +116,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     Each process takes its share as it stands here, and what others have left over. Tests of fits
     come late, and those of fleets last of all, when these are compiled.
     """
+    items.sort(key=lambda item: item.path)  # which processes collect in orders of their own
     items.sort(key=lambda item: item.path.parent.name == "identify")
     items.sort(key=flies_members)
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 import pytest
+from helpers.lanes import sample_cases
 
 from c_twin.compiler import SAME_BITS, build
 from trainer.analysis.bench.standard_hour import TickRunner
@@ -44,7 +45,9 @@ STEP: Final = {  # [s] long enough to be divided
 PUSHED: Final = 40  # [ticks] after the boat was put into any motion at all
 
 
-@pytest.fixture(scope="module", params=SAME_BITS, ids=lambda way: way.name)
+@pytest.fixture(
+    scope="module", params=sample_cases(SAME_BITS, SAME_BITS[0]), ids=lambda way: way.name
+)
 def in_c(request: pytest.FixtureRequest) -> TickRunner:
     """Return the tick in C."""
     return build(request.param)

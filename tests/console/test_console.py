@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from helpers.contrast import contrast
 from helpers.document_tables import key_tables
+from helpers.lanes import sample_cases
 from helpers.places import ROOT
 from helpers.screens import (
     CREW,
@@ -332,7 +333,7 @@ def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("role", LAYOUTS)
+@pytest.mark.parametrize("role", sample_cases(LAYOUTS, "instructor", "helm", "trainee"))
 def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> None:
     async def resize(pilot: Pilot[Refused], app: Console) -> None:
         for width, height in SIZES:

@@ -8,7 +8,7 @@ coefficients, strips, planes, stability of the step, engine.
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,12 @@ from numpy.typing import NDArray
 from trainer.config.vessel import VesselFile
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.ballast.tanks import NEGATIVE_TANK
-from trainer.core.kernel import Numbers, Record
+from trainer.core.kernel import Numbers
 from trainer.units import KNOT
+
+# The core's vessel records, a number a member. As an array, mypy tries each of numpy's overloads
+# for each sum of fields, which took a fifth of its time.
+VesselRecords: TypeAlias = Any
 
 # What holds where a vessel file says nothing; docs/envelope.md has where it comes from.
 TESTED_FLOW_DEG: Final = 12.0  # [deg]
@@ -40,7 +44,7 @@ TORQUE_STOPPING: Final = (0.0532, -0.0024, 0.0526)
 TORQUE_ASTERN: Final = (0.0591, -0.0143, -0.0502)
 
 
-def write_envelope(file: VesselFile, vessels: Record) -> None:
+def write_envelope(file: VesselFile, vessels: VesselRecords) -> None:
     """Write the constants of the envelope to vessel records [member] that are else complete."""
     said, length = file.envelope, file.hull.length
     low, high = said.handover_deg or HANDOVER_DEG
@@ -89,7 +93,7 @@ def hull_shares(file: VesselFile) -> tuple[float, float]:
     return (_or(said.hull_share_horizontal, HULL_SHARE), _or(said.hull_share_vertical, HULL_SHARE))
 
 
-def added_masses(c: Record) -> dict[str, Numbers]:
+def added_masses(c: VesselRecords) -> dict[str, Numbers]:
     """Return the added masses [kg, kg m, kg m2] of each member, positive and symmetric."""
     return {
         "m11": -c["X_udot"],
@@ -110,7 +114,7 @@ def _matrices(rows: Sequence[Sequence[Any]]) -> Numbers:
     return np.moveaxis(np.array(rows, float), -1, 0)
 
 
-def viscous_part(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
+def viscous_part(c: VesselRecords, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
     """Return the viscous part of the linear coefficients. Y K N are by v p r, Z M by w q.
 
     A coefficient of u and a velocity holds an ideal part, which is taken off. ``shares`` [-] of
@@ -151,7 +155,7 @@ def dissipative_forces(
     return np.where(feeds[:, None, None], (damping + odd) * scale, forces), feeds
 
 
-def is_clipped(file: VesselFile, vessel: Record) -> bool:
+def is_clipped(file: VesselFile, vessel: VesselRecords) -> bool:
     """Return whether the file's own viscous coefficients would feed the boat."""
     length = file.hull.length
     pairs = (viscous_part(vessel, (0.0, 0.0)), viscous_part(vessel, hull_shares(file)))
@@ -161,7 +165,7 @@ def is_clipped(file: VesselFile, vessel: Record) -> bool:
     )
 
 
-def largest_sail_lift(c: Record) -> Numbers:
+def largest_sail_lift(c: VesselRecords) -> Numbers:
     """Return the sail's lift slope [N s2/m2] that the boat can lose, at most.
 
     Without it the viscous forces by v p r still take energy from any motion, ahead and astern. The
@@ -182,7 +186,7 @@ def largest_sail_lift(c: Record) -> Numbers:
     return np.asarray(np.maximum(np.minimum(*limits), 0.0))
 
 
-def _write_strips(file: VesselFile, c: Record) -> None:
+def _write_strips(file: VesselFile, c: VesselRecords) -> None:
     """Write the cross-flow drag [N s2/m2] of hull, tail and sail, and the damping of roll."""
     said = file.envelope
     area = 0.5 * file.fluid.rho * file.hull.length**2
@@ -208,7 +212,7 @@ def _write_strips(file: VesselFile, c: Record) -> None:
     c["roll_drag"] = np.minimum(c["K_pap"] + sail * abs(c["strip_z"]) ** 3, 0.0)
 
 
-def _stiffness(c: Record) -> Numbers:
+def _stiffness(c: VesselRecords) -> Numbers:
     """Return the fastest mode [1/m] in a flow of 1 m/s: roll across it, or the viscous forces.
 
     The core divides a tick by it where the flow makes this mode too fast for the step.
@@ -230,7 +234,7 @@ def _stiffness(c: Record) -> Numbers:
     return np.asarray(np.maximum.reduce([roll, *(0.5 * mode for mode in modes)]))
 
 
-def _still_mode(c: Record) -> Numbers:
+def _still_mode(c: VesselRecords) -> Numbers:
     """Return the faster of roll and pitch [rad/s] that the weight rights in a deep boat.
 
     They are what is left of the stiffness where nothing flows past the boat.
@@ -240,7 +244,7 @@ def _still_mode(c: Record) -> Numbers:
     return np.asarray(np.sqrt(righting / least))
 
 
-def _write_surface(file: VesselFile, c: Record) -> None:
+def _write_surface(file: VesselFile, c: VesselRecords) -> None:
     """Write the boat at the surface: where it begins, damping, fastest mode, wave resistance."""
     length = file.hull.length
     area = 0.5 * file.fluid.rho * length**2
@@ -252,7 +256,7 @@ def _write_surface(file: VesselFile, c: Record) -> None:
     c["surface_mode"] = np.maximum.reduce(list(surface_modes(c).values()))
 
 
-def _write_engine(file: VesselFile, c: Record) -> None:
+def _write_engine(file: VesselFile, c: VesselRecords) -> None:
     """Write the engine's limits, and the propeller's torque in three quadrants."""
     engine = file.propulsion
     torque, power = engine.torque_limit_n_m, engine.shaft_power_w
@@ -271,7 +275,7 @@ def _write_engine(file: VesselFile, c: Record) -> None:
     c["torque"] = np.array([engine.KQ, stopping, astern])
 
 
-def lightness(c: Record) -> Numbers:
+def lightness(c: VesselRecords) -> Numbers:
     """Return the share of the buoyancy [-] above the water at the lightest. It is at most half."""
     blown = c["start"][:, :NEGATIVE_TANK].sum(axis=1) * c["g"] * (c["fitted"] != 0.0)
     light = (c["buoyancy"] - c["weight"] + blown) / c["buoyancy"]
@@ -290,7 +294,7 @@ def float_height(share: float) -> float:
     return 0.5 * (low + high)
 
 
-def surface_modes(c: Record) -> dict[str, Numbers]:
+def surface_modes(c: VesselRecords) -> dict[str, Numbers]:
     """Return the frequencies [rad/s] of heave, pitch and roll of boats afloat at their lightest.
 
     The lightest boat has the fastest; a tick on the surface is divided by it.
