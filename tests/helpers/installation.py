@@ -35,8 +35,8 @@ SLOW_PACKAGES: Final = {  # of the slow lane alone
     "wine": "wine wine64",
     "x86_64-w64-mingw32-gcc": "gcc-mingw-w64-x86-64",
 }
-# A network that is away for two minutes, and another process that installs, are waited for.
-PATIENT: Final = ("-o", "Acquire::Retries=8", "-o", "DPkg::Lock::Timeout=300")
+# A network that is away for two minutes (8 tries end after 121 s), and another process that installs, are waited for.
+PATIENT: Final = ("-o", "Acquire::Retries=12", "-o", "DPkg::Lock::Timeout=300")
 
 
 def is_complete() -> bool:
