@@ -62,7 +62,7 @@ TOLD = {
     "debrief/changes.py",  # when a mark was changed
     "debrief/progress_words.py",  # how many days ago an exercise was flown
     "console/exercise_choice.py",  # likewise
-    "session/conduct.py",  # likewise, of the next one
+    "session/training.py",  # likewise, of the next one
 }
 TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
 

@@ -266,7 +266,7 @@ def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Callable[..., Crewed
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     ship.leaves(ship.instructor)
-    ship.conduct.following = type(ship.conduct.following)(barred=None)
+    ship.conduct.training.barred = None
     ship.fly(20)
     assert ship.say(trainee, "next trim-by-hand") == ("ok", "next: trim-by-hand")
     assert ship.session.control.following == "trim-by-hand"
@@ -309,8 +309,8 @@ def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_ther
         if alone:
             ship.leaves(ship.instructor)
         ship.fly(20)
-        ending = ship.conduct.ending
-        ship.settle(lambda ending=ending: bool(ending.marks))  # type: ignore[misc]
+        marks = ship.conduct.marks
+        ship.settle(lambda marks=marks: bool(marks.found))  # type: ignore[misc]
         assert bool(ship.facts(trainee, "marks")) is alone
 
 
@@ -325,10 +325,7 @@ def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(
         ship = crewed(seconds=5.0)
         trainee = ship.comes("trainee")
         ship.leaves(ship.instructor)
-        ship.conduct.exercise, ship.conduct.following = (
-            before,
-            type(ship.conduct.following)(barred=None),
-        )
+        ship.conduct.training.exercise, ship.conduct.training.barred = before, None
         ship.fly(20)
         assert ship.say(trainee, "next") == ("ok", "next: the one after this")
         assert ship.session.control.following == after

@@ -24,6 +24,13 @@ def test_a_boat_s_tick_is_the_tick_of_its_records(make_boat: Callable[..., Boat]
     assert bound.records.state.tobytes() == called.records.state.tobytes()
 
 
+@pytest.mark.parametrize(("seconds", "ticks"), [(0.0, 0), (1.1, 11), (1.11, 12), (3 * 0.1, 3)])
+def test_a_time_on_a_tick_is_that_tick(
+    make_boat: Callable[..., Boat], seconds: float, ticks: int
+) -> None:
+    assert make_boat(step=0.1).ticks_in(seconds) == ticks
+
+
 def test_the_tick_is_compiled_by_the_first_boat_that_takes_one(
     make_boat: Callable[..., Boat],
 ) -> None:

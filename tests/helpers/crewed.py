@@ -25,8 +25,8 @@ from trainer.io.lines import OverlongLine
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise import DebriefSource, ExerciseEnd, Judgement, WrittenDebrief
 from trainer.session.history import History
+from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
 from trainer.session.plan import Plan
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
@@ -110,11 +110,12 @@ class Crewed:
             Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
             for text in lost
         ]
-        self.conduct.ending = ExerciseEnd.of(self.boat, losses, seconds)
-        self.conduct.kept, self.conduct.scored = path, True
-        self.conduct.clock = self.conduct.command.clock = lambda: self.now
+        self.conduct.ending.expect(losses, seconds)
+        self.conduct.marks.kept = self.conduct.past.kept = path
+        self.conduct.marks.scored = True
+        self.conduct.company.clock = self.conduct.command.clock = lambda: self.now
         self.judged = threading.Event()
-        self.conduct.debriefing = DebriefSource(self._judge, self._write)
+        self.conduct.marks.debriefing = DebriefSource(self._judge, self._write)
         self.instructor = self.comes("instructor")
 
     def _judge(self, path: Path, branch: int) -> Judgement:

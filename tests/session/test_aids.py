@@ -16,7 +16,7 @@ from trainer.config.outcome import Outcome
 from trainer.console.model import marks_in_words
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
-from trainer.session.exercise import Judgement
+from trainer.session.marks import Judgement
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.second_boat import boat_of

@@ -127,7 +127,7 @@ def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed:
     ship.fly(400)
     ship.say(line, "role helm")
     ship.say(line, "role trainee")
-    kept = ship.conduct.kept
+    kept = ship.conduct.marks.kept
     assert kept
     ship.recording.flush()
     assert aids_of(kept, 1, ship) == ()
@@ -150,7 +150,7 @@ def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed:
     ship.fly(20)
     ship.say(line, "role trainee")
     ship.recording.flush()
-    kept = ship.conduct.kept
+    kept = ship.conduct.marks.kept
     assert kept
     assert aids_of(kept, 1, ship) == ("a look as instructor until 0:10",)
 

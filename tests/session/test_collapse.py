@@ -178,7 +178,7 @@ def test_while_time_runs_the_collapse_stops_it(watch: Watch) -> None:
     watch.sail(iter([DIVE, "run"]))
 
     assert watch.failure.startswith("collapse at 12")
-    assert watch.session.conduct.deserted.startswith("frozen at ")
+    assert watch.session.control.deserted.startswith("frozen at ")
 
 
 def test_after_a_backtrack_the_run_goes_on(watch: Watch) -> None:

@@ -17,22 +17,15 @@ from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
 from trainer.config.derived import ALL_QUANTITIES, Condition
 from trainer.config.exercise import load_exercise
-from trainer.config.files import ConfigError, shipped_names
+from trainer.config.files import shipped_names
 from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
-from trainer.session.exercise import (
-    DebriefSource,
-    ExerciseEnd,
-    Judgement,
-    NextExercises,
-    WrittenDebrief,
-    is_met,
-    quantity_of,
-)
+from trainer.session.exercise import is_met, quantity_of
+from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
 from trainer.session.stations.roles import ROLES
 
 # The end of an exercise
@@ -41,17 +34,20 @@ from trainer.session.stations.roles import ROLES
 @pytest.mark.parametrize("name", shipped_names("exercises"))
 def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed], name: str) -> None:
     exercise = load_exercise(name)
-    boat = crewed().boat
-    ending = ExerciseEnd.of(boat, exercise.lost, exercise.heading.duration_s)
+    ship = crewed()
+    boat, ending = ship.boat, ship.conduct.ending
+    ending.expect(exercise.lost, exercise.heading.duration_s)
     assert ending.watched
     boat.state.z = 30.0
-    assert not ending.look(boat)
+    ending.look()
+    assert not ending.over
     down = ("depth", "clearance")
     boat.state.z = 400.0 if any(each.text.startswith(down) for each in exercise.lost) else -2.0
     boat.state.bottom[0] = 100.0
     lasts = max((each.seconds for each in exercise.lost), default=0.0)
-    looked = [ending.look(boat) for _ in range(20 + round(lasts / boat.method.step))]
-    assert any(looked) is bool(exercise.lost)
+    for _ in range(20 + round(lasts / boat.method.step)):
+        ending.look()
+    assert ending.outcome == (Outcome.LOST if exercise.lost else Outcome.UNDECIDED)
 
 
 @pytest.mark.parametrize("quantity", ALL_QUANTITIES)
@@ -119,14 +115,13 @@ def test_marks_go_to_the_instructor_first_and_to_all_when_released(
     helm = ship.comes("helm")
     assert "not over" in ship.refused("release marks")
     ship.fly(20)
-    ship.settle(lambda: ship.conduct.ending.marks)
+    ship.settle(lambda: ship.conduct.marks.found)
 
     assert ship.facts(ship.instructor, "marks") == ["not reached,42.0"]
     assert ship.facts(helm, "marks") == []
     assert not any("42" in line for line in helm.sent)
-    change = (
-        f'  to change a mark: trainer debrief {ship.conduct.kept} --change "NAME: WHAT, REASON"'
-    )
+    kept = ship.conduct.marks.kept
+    change = f'  to change a mark: trainer debrief {kept} --change "NAME: WHAT, REASON"'
     assert ship.events(ship.instructor, "exercise")[-4:] == [
         *("marks: not reached, 42 marks of 100", "  branch 1: 42"),
         *("  Stern jam answered: does not count", change),
@@ -146,7 +141,7 @@ def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(
     ship = crewed(seconds=5.0)
     assert ship.facts(ship.comes("helm"), "exercise-over") == []
     ship.fly(20)
-    ship.settle(lambda: ship.conduct.ending.marks)
+    ship.settle(lambda: ship.conduct.marks.found)
 
     helm, second = ship.comes("helm"), ship.comes("instructor")
     for late in (helm, second):
@@ -219,7 +214,7 @@ def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
     ship = crewed(seconds=5.0)
     ship.order("snapshot beginning")
     ship.fly(20)
-    ship.settle(lambda: ship.conduct.ending.marks)
+    ship.settle(lambda: ship.conduct.marks.found)
     assert "here is the end" in ship.refused("again from here")
 
     assert "frozen; branch 2 begins" in ship.order("again")
@@ -288,7 +283,7 @@ def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
             ship.session.dispatch.hear(asked)  # before what is done beside is taken
     ship.settle(lambda: True)
 
-    assert ship.conduct.ending.marks is None
+    assert ship.conduct.marks.found is None
     assert ship.facts(ship.instructor, "marks") == []
 
 
@@ -334,7 +329,7 @@ def hold_debrief(ship: Crewed) -> threading.Event:
         assert may_write.wait(60.0)
         return ship._write(path, branch, closing, share)  # noqa: SLF001
 
-    ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+    ship.conduct.marks.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
     return may_write
 
 
@@ -403,7 +398,7 @@ def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
         ) -> WrittenDebrief:
             return WrittenDebrief(answer_aside(("-c", it), closing, share))
 
-        ship.conduct.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
+        ship.conduct.marks.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
         ship.order("debrief")
         if "threading" in program:
             monkeypatch.setattr("trainer.session.aside.CLOSE_TIMEOUT_S", CLOSE_MARGIN_S)
@@ -440,7 +435,7 @@ def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Cr
     def fail(path: Path, branch: int) -> Judgement:
         raise ValueError(f"{path.name} {branch}")
 
-    ship.conduct.debriefing = DebriefSource(fail, ship._write)  # noqa: SLF001
+    ship.conduct.marks.debriefing = DebriefSource(fail, ship._write)  # noqa: SLF001
     ship.fly(20)
     ship.settle(lambda: "no marks: 0.trainer 1" in ship.events(ship.instructor, "exercise"))
     assert "no marks yet" in ship.refused("release marks")
@@ -453,14 +448,10 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     helm = ship.comes("helm")
     assert "quit, then trainer run backing" in ship.refused("next backing")
 
-    def load(name: str) -> None:
-        if name == "nothing":
-            raise ConfigError("no exercise nothing")
-
-    ship.conduct.following = NextExercises(load, None)
+    ship.conduct.training.barred = None
     assert "end exercise" in ship.refused("next backing")
     ship.fly(20)
-    assert ship.refused("next nothing") == "no exercise nothing"
+    assert 'no exercise "nothing"' in ship.refused("next nothing")
     ship.order("next")
     assert ship.said[:2] == ["first-depth-change", "steady-course"]  # the course's order
 
@@ -485,7 +476,7 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     for place, each in enumerate([run, *done]):
         add_run("Ann", replace(each, branch=place))
     ship = crewed(seconds=5.0)
-    ship.conduct.following = NextExercises(barred=None)
+    ship.conduct.training.barred = None
     trainee = ship.comes("trainee")
     ship.say(ship.instructor, "detach")
     ship.fly(20)
@@ -497,11 +488,11 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     assert answer() == "next: the one after this"  # nobody's progress is kept
     assert ship.session.control.following == first
 
-    ship.conduct.trainees = ("Ann",)
+    ship.conduct.training.trainees = ("Ann",)
     assert answer().startswith("next: 12 marks ")
     assert ship.session.control.following == "backing"
 
-    ship.conduct.exercise = "backing"  # which is not offered again
+    ship.conduct.training.exercise = "backing"  # which is not offered again
     assert answer() == "next: no marks in it yet, and the next of the course"
     assert ship.session.control.following == course()[0].name
 
@@ -845,7 +836,7 @@ def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(
 
 def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[..., Crewed]) -> None:
     ship = crewed(seconds=None)
-    ship.conduct.kept = None
+    ship.conduct.past.kept = None
     ship.fly(100)
     ship.order("freeze")
     ship.order("history motion")
@@ -900,7 +891,7 @@ def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the
     crewed: Callable[..., Crewed],
 ) -> None:
     ship = crewed(seconds=5.0)
-    ship.conduct.visitors = True
+    ship.conduct.company.visitors = True
     visitor = ship.comes("visitor")
     begun = ship.boat.plain.tobytes()
     ship.fly(4)

@@ -165,7 +165,7 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
     words = ("rudder left 5", "scope raise", "order depth 80", "tell hold her")
     given = [order for order in map(parse, words) if isinstance(order, Order)]
     for number in range(10_000):
-        here.session.give(given[number % len(given)], giver_at("instructor"))
+        here.session.dispatch.give(given[number % len(given)], giver_at("instructor"))
     here.fly(4.0)
     last = [told.fact.subject for told in here.session.crew.standing("helm")]
     jumps = [
@@ -183,7 +183,7 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
     monkeypatch.setattr(Past, "orders", read_orders)
 
     for jump, stands in zip(jumps, (["course 045"] * 2, last), strict=True):
-        assert "branch" in str(here.session.give(jump, giver_at("instructor")))
+        assert "branch" in str(here.session.dispatch.give(jump, giver_at("instructor")))
         assert [told.fact.subject for told in here.session.crew.standing("helm")] == stands
     assert (understood, read) == ([], [])
 

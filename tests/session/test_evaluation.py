@@ -47,7 +47,7 @@ def ship(crewed: Begin, monkeypatch: pytest.MonkeyPatch) -> Crewed:
     Answering.gate.set()
     monkeypatch.setattr(module, "EvaluatorProcess", Answering)
     aboard = crewed(seconds=600.0)
-    aboard.session.evaluation.begin(("-m", "it"), aboard.conduct.kept, plan_of("heavy-boat"))
+    aboard.session.evaluation.begin(("-m", "it"), aboard.conduct.marks.kept, plan_of("heavy-boat"))
     return aboard
 
 
@@ -180,7 +180,7 @@ def test_what_has_no_evaluation_says_so_in_a_line(
     crewed: Begin, exercise: str | None, *, kept: bool, why: str
 ) -> None:
     ship = crewed(seconds=None)
-    path = ship.conduct.kept if kept else None
+    path = ship.conduct.marks.kept if kept else None
     ship.session.evaluation.begin(("-m", "it"), path, plan_of(exercise))
     ship.order("freeze")
     assert ship.refused("what if planes zero") == f"no evaluation: {why}"

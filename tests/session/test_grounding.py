@@ -22,6 +22,7 @@ from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
 from trainer.session.header import differences, header_of, plan_of
+from trainer.session.jump import jump_to
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
@@ -171,13 +172,27 @@ def test_grounding_does_what_the_exercise_says(
 ) -> None:
     ship = crewed(seconds=600.0)
     sinking(ship.boat, 1.0, 0.3, grounding=how)
-    ship.conduct.ground = GroundMonitor(ship.boat)
+    ship.conduct.hull.ground = GroundMonitor(ship.boat)
     ship.fly(100)
     stands = ship.boat.ticks < 100
     assert stands is (how != "free")
     assert bool(ship.conduct.ending.over) is over
     assert ship.conduct.ending.outcome == ("lost" if over else "")
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
+
+
+def test_a_grounding_is_called_again_after_a_jump_to_before_it(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    sinking(ship.boat, 1.0, 0.3, grounding="free")
+    ship.conduct.hull.ground = GroundMonitor(ship.boat)
+    moment = ship.session.history.now()
+    for times in (1, 2):
+        ship.fly(20)
+        told = ship.events(ship.instructor, "depth")
+        assert sum("AGROUND" in line for line in told) == times
+        jump_to(ship.session, moment, "again")
 
 
 # What is shown

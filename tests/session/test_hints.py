@@ -73,7 +73,7 @@ def test_a_hint_tells_the_overdue_order_and_why_while_time_runs_and_is_recorded(
     assert told_in(jam, 1) == [(JAMMED, TOLD)]
     assert asks(jam, line) == ("ok", f"{TOLD} (told before: no marks more)")
     assert told_in(jam, 1) == [(JAMMED, TOLD)]
-    kept = jam.conduct.kept
+    kept = jam.conduct.marks.kept
     assert kept
     with closing(Recording.look(kept)) as recording:
         events = [each for each in recording.events() if each.text == TOLD]

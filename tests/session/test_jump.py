@@ -28,7 +28,7 @@ CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes th
         *("PilotMonitor", "TailMonitor", "EngineMonitor"),
     ),
     "ExerciseEnd": ("LossMonitor",),
-    "Conduct": ("GroundMonitor",),
+    "HullWatch": ("GroundMonitor",),
     "StandRecord": ("CrewTalk", "PumpMonitor", "Agenda"),
     "EventLog": ("OwnAlerts",),
 }
@@ -47,6 +47,7 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
     "what goes on beside the ticks comes to its end": ("BackgroundTask", "Session"),
     "a jump is barred while it shows the way": ("Demonstration",),
     "the summary has all that was refused": ("Dispatch",),
+    "what is kept of who trains stays kept": ("Training",),
 }
 GROWING: Final = {  # of followers, and kept for all branches
     *(f"EventLog.{name}" for name in ("news", "_alert", "_branch", "_counts")),

@@ -124,8 +124,8 @@ def test_an_end_without_marks_says_so_and_nobody_waits_for_them(
     crewed: Callable[..., Crewed], *, kept: bool, scored: bool, why: str
 ) -> None:
     ship = crewed(seconds=5.0)
-    ship.conduct.scored = scored
-    ship.conduct.kept = ship.conduct.kept if kept else None
+    ship.conduct.marks.scored = scored
+    ship.conduct.marks.kept = ship.conduct.marks.kept if kept else None
     helm = ship.comes("helm")
 
     ship.fly(20)

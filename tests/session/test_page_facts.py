@@ -49,7 +49,7 @@ def test_marks_are_told_with_their_reasons_in_facts(crewed: Ship) -> None:
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
     ship.fly(20)
-    ship.settle(lambda: ship.conduct.ending.marks)
+    ship.settle(lambda: ship.conduct.marks.found)
     assert ship.facts(ship.instructor, "reason") == [
         ",branch 1: 42",
         ",Stern jam answered: does not count",

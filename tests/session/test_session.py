@@ -179,14 +179,14 @@ def test_steps_are_taken_before_the_next_line_and_forgotten_by_run() -> None:
     session = session_of(script, 10, "2 step 100\n2 run\n4 freeze\n")
     session.run()
     assert session.boat.state.tick == 8
-    assert session.conduct.deserted
+    assert session.control.deserted
 
 
 def test_steps_end_with_the_last_tick() -> None:
     script = Script([["freeze", "step 1000"]])
     session = run(script, 6)
     assert session.boat.state.tick == 6
-    assert not session.conduct.deserted
+    assert not session.control.deserted
 
 
 def test_run_lets_a_frozen_boat_go_on() -> None:
@@ -194,15 +194,15 @@ def test_run_lets_a_frozen_boat_go_on() -> None:
     session = run(script)
     assert session.boat.state.tick == 10
     assert script.heard == ["frozen", "2 ticks, then frozen", "running"]
-    assert not session.conduct.deserted
+    assert not session.control.deserted
 
 
 def test_a_frozen_session_nobody_can_run_again_ends_and_says_so() -> None:
     script = Script([["freeze"]])
     session = run(script)
     assert session.boat.state.tick == 0
-    assert session.conduct.deserted == "frozen at 0 s, and nobody is left to say run"
-    assert script.heard[-1] == session.conduct.deserted
+    assert session.control.deserted == "frozen at 0 s, and nobody is left to say run"
+    assert script.heard[-1] == session.control.deserted
 
 
 def test_frozen_and_resumed_gives_the_same_bits() -> None:
@@ -222,7 +222,7 @@ def test_a_last_quit_in_a_freeze_is_no_desertion() -> None:
     script = Gone([["freeze"], ["quit"]])
     session = run(script)
     assert script.heard == ["frozen", "ending"]
-    assert not session.conduct.deserted
+    assert not session.control.deserted
 
 
 def test_quit_ends_the_session_with_what_was_typed_before_it_done() -> None:

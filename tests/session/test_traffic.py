@@ -249,8 +249,8 @@ def test_a_freeze_after_a_collision_is_not_that_of_the_collision(
     ship.order("run")
     ship.order("freeze")
 
-    ship.conduct.desert()
-    assert ship.conduct.deserted.endswith(" s, and nobody is left to say run")
+    ship.session._desert()  # noqa: SLF001
+    assert ship.session.control.deserted.endswith(" s, and nobody is left to say run")
 
 
 def test_a_boat_by_call_tells_the_collision_that_stops_it(tmp_path: Path) -> None:

@@ -207,7 +207,7 @@ def test_a_session_that_ends_meanwhile_ends_on_the_crews_branch(jam: Crewed) -> 
 def test_a_recording_that_was_cut_short_goes_on_where_the_crew_was(jam: Crewed) -> None:
     shows(jam)
     jam.fly(10)
-    path = jam.conduct.kept
+    path = jam.conduct.marks.kept
     assert path
     jam.recording.close()
 

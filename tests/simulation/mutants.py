@@ -154,7 +154,7 @@ def take_end_back(patch: pytest.MonkeyPatch) -> None:
 
     def follow_unseen(session: Parts) -> None:
         with pytest.MonkeyPatch.context() as blind:
-            blind.setattr(Conduct, "judge_moment", Conduct.judge_hull)
+            blind.setattr(Conduct, "judge_moment", lambda conduct: conduct.hull.look())
             follow_jump(session)
 
     for module in (dispatch, jump):

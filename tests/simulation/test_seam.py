@@ -42,7 +42,7 @@ EXCEPTED: Final = {
 BOUND_EARLY: Final = frozenset(
     {
         ("trainer/session/evaluation.py", "threading.Event"),  # of another process
-        ("trainer/session/exercise.py", "threading.Event"),  # only set and looked at
+        ("trainer/session/aside.py", "threading.Event"),  # only set and looked at
         ("trainer/session/parts.py", "threading.Event"),  # a session is given its own
     }
 )

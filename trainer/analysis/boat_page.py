@@ -7,7 +7,6 @@ otherwise than the core predicts: there are none in a whole recording of this ve
 """
 
 import base64
-import math
 from collections import deque
 from dataclasses import replace
 from pathlib import Path
@@ -50,7 +49,7 @@ from trainer.session.journal import order_of
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.second_boat import follow_run, is_due
+from trainer.session.second_boat import follow_run
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import AID_NAMES, ROLES
@@ -269,12 +268,12 @@ def way_from(
     mute = follow_run(plan, orders, (), begun)
     boat, crew = mute.crew.boat, mute.speak()
     start, last = boat.records.state.tobytes(), begun + round(WAY_S / plan.method.step)
-    due = [e for e in plan.schedule if math.ceil(e.seconds / plan.method.step - 1e-9) >= begun]
+    due = [e for e in plan.schedule if boat.ticks_in(e.seconds) >= begun]
     before: list[tuple[int, StateWrites]] = []
     spoken: list[tuple[int, str]] = []
     for tick in range(begun, last):
         was = boat.state.whole.copy()
-        while due and is_due(due[0].seconds, plan.method.step, boat):
+        while due and boat.ticks_in(due[0].seconds) <= boat.ticks:
             if due[0].order.name in BOAT_ORDERS:
                 obey_order(boat, due[0].order)
             del due[0]

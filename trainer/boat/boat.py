@@ -94,6 +94,13 @@ class Boat:
         """Return the number of ticks done."""
         return int(self.plain[TICK_PLACE])
 
+    def ticks_in(self, seconds: float) -> int:
+        """Return a time [s] as whole ticks, at least its length.
+
+        A time on a tick, such as 30 s of 0.1 s, is that tick, whatever rounding makes of it.
+        """
+        return math.ceil(seconds / self.method.step - 1e-9)
+
     @property
     def automatic(self) -> bool:
         """Return whether the vessel file gives autopilot gains."""

@@ -110,7 +110,8 @@ def insert_casualty(
         return chosen
     casualty, wanted, ramp = chosen
     amount = _amount(boat, casualty, wanted)
-    if not casualties_module.begin(casualty.code, amount, _ticks(boat, ramp), boat.records.state):
+    ticks = float(boat.ticks_in(ramp))  # whole, so that a replay has the same
+    if not casualties_module.begin(casualty.code, amount, ticks, boat.records.state):
         suffered = active_casualties(boat)
         return Refused(f"{len(suffered)} casualties at most: clear one of {_names(suffered)}")
     degree = "" if casualty.measure.sudden else f", {describe_amount(boat, casualty.kind, amount)}"
@@ -295,7 +296,7 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
     m.trigger_threshold[i] = _whole(condition.threshold * factor)
     m.trigger_strict[i] = condition.strict
     m.trigger_amount[i] = _amount(boat, casualty, casualty.severity)
-    m.trigger_ticks[i] = _ticks(boat, casualty.ramp_s)
+    m.trigger_ticks[i] = boat.ticks_in(casualty.ramp_s)
     m.trigger_again[i] = rule == "again"
     m.trigger_kind[i] = casualty.code
 
@@ -308,14 +309,6 @@ def _names(casualties: list[ActiveCasualty]) -> str:
 def _within(seconds: float) -> str:
     """Return a ramp in words, '' for none."""
     return f" within {seconds:g} s" if seconds else ""
-
-
-def _ticks(boat: Boat, seconds: float) -> float:
-    """Return a time as whole ticks, at least its length.
-
-    The core counts ramps in ticks, so that a replay has the same.
-    """
-    return float(math.ceil(seconds / boat.method.step - 1e-9))
 
 
 def _whole(value: float) -> float:
@@ -356,11 +349,8 @@ def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:
 
 def _end(boat: Boat, casualty: Casualty) -> int:
     """Clear a casualty; return whether it was there."""
-    return int(
-        casualties_module.end(
-            casualty.code, _ticks(boat, casualty.clear_ramp_s), boat.records.state
-        )
-    )
+    ticks = float(boat.ticks_in(casualty.clear_ramp_s))
+    return int(casualties_module.end(casualty.code, ticks, boat.records.state))
 
 
 def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refused | None:

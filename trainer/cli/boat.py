@@ -145,7 +145,7 @@ class Boat:
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
             rows=ColumnFile(self._rows, MOTION_COLUMNS),
         )
-        session.conduct.scored = bool(plan.scores)
+        session.conduct.marks.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)
         self._rows.row(boat.numbers(MOTION_COLUMNS))
         return session
@@ -173,7 +173,7 @@ class Boat:
             )
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            answer = self._session.give(order, ORDER_GIVER)
+            answer = self._session.dispatch.give(order, ORDER_GIVER)
         if isinstance(answer, Refused):
             raise ConfigError(answer.reason)
         return answer
@@ -189,13 +189,13 @@ class Boat:
             self._refuse_closed()
             if self.lost:
                 raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
-            conduct, conduct.halted = self._session.conduct, ""
+            hull, hull.halted = self._session.conduct.hull, ""
             self._session.last_tick = self._last_tick(seconds)
             self._session.run()
         if self.lost:
             raise ConfigError(f"frozen at {self.time:g} s: {self.lost}")
-        if conduct.halted:
-            raise ConfigError(f"frozen at {self.time:g} s by {conduct.halted}; run() goes on")
+        if hull.halted:
+            raise ConfigError(f"frozen at {self.time:g} s by {hull.halted}; run() goes on")
 
     def _last_tick(self, seconds: float | None) -> int:
         """Return the tick to run to; ConfigError if that is none."""

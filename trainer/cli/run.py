@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     import threading
 
     from trainer.console.exercise_choice import ExerciseChoice
-    from trainer.session.exercise import DebriefSource
+    from trainer.session.marks import DebriefSource
 from trainer.cli.web import require_pages
 
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
@@ -255,7 +255,7 @@ def debriefing() -> "DebriefSource":
     """
     import numpy as np
 
-    from trainer.session.exercise import DebriefSource, Judgement, WrittenDebrief
+    from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.config.outcome import Outcome

@@ -7,15 +7,15 @@ kept by ``journal`` and ``history``, and a recorded run is flown again by ``repl
 
 ``time`` keeps the deadlines, ``stations`` says who may see and order what, ``nmea`` and ``rerun``
 lead to instruments and to a viewer. Other rooms plan a run, start it, read its ``header`` and
-``layout``, or drive a session by hand. Who obeys an order (``control``, ``conduct``, ``questions``,
-...) and what is told (``event_log``, ``status``, ``evaluation``) stays here.
+``layout``, or drive a session by hand. Who obeys an order (``control``, the parts of ``conduct``,
+``questions``, ...) and what is told (``event_log``, ``status``, ``evaluation``) stays here.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
     "agenda", "aside", "attach", "crew", "exercise", "header", "history", "journal", "jump",
-    "layout", "manning", "nmea", "options", "parts", "plan", "replay", "rerun", "resume", "run",
-    "second_boat", "session", "stations", "time", "warm_up",
+    "layout", "manning", "marks", "nmea", "options", "parts", "plan", "replay", "rerun", "resume",
+    "run", "second_boat", "session", "stations", "time", "warm_up",
 ]
 # fmt: on

@@ -47,7 +47,7 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     ending = session.conduct.ending
     failure = failure or (f"{ending.over}: {ending.why}" if ending.outcome is Outcome.LOST else "")
     recording = describe_missing(session.history.recording) if path else ""
-    troubles = [failure, session.conduct.deserted, session.rows.recorder.trouble, recording]
+    troubles = [failure, session.control.deserted, session.rows.recorder.trouble, recording]
     safe = "; the recording has all that happened" if path and not recording else ""
     for station in session.event_log.stations:
         if station.line.dropped:
@@ -88,16 +88,11 @@ def details(session: Session, wall: float, kept: str) -> list[str]:
 
 def outcome_lines(session: Session) -> list[str]:
     """Return the trainee's result: the end of the exercise, the marks and their reasons."""
-    conduct = session.conduct
-    marks = conduct.final_marks()
-    if not (conduct.ending.over or marks):
+    ending, marks = session.conduct.ending, session.conduct.marks.final()
+    if not (ending.over or marks):
         return []
-    lost = f": {conduct.ending.why}" if conduct.ending.why else ""
-    ended = (
-        f"{conduct.ending.over}{lost}"
-        if conduct.ending.over
-        else f"left at {session.boat.time:g} s"
-    )
+    lost = f": {ending.why}" if ending.why else ""
+    ended = f"{ending.over}{lost}" if ending.over else f"left at {session.boat.time:g} s"
     outcome = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
     return [outcome, *(f"            {each}" for each in (marks.reasons if marks else ()))]
 

@@ -71,8 +71,7 @@ class PlannedOrder:
         """Return whether the order acts on the next tick."""
         if self.condition:
             return is_met(self.condition, boat)
-        # a time on a tick, such as 30 s of 0.1 s, is that tick whatever rounding makes of it
-        return math.ceil(self.seconds / boat.method.step - 1e-9) <= boat.ticks
+        return boat.ticks_in(self.seconds) <= boat.ticks
 
 
 class Plans(NamedTuple):

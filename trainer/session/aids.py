@@ -4,14 +4,14 @@ The ghost is the reference crew's run. An exercise says which it allows. What is
 the journal, so that marks can tell of it. ``stations/aids`` has what they show.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
+from trainer.session.aside import BackgroundTask
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
 from trainer.session.plan import Plan
 from trainer.session.second_boat import boat_of, fly_ghost
@@ -76,27 +76,32 @@ class Aids:
             self._predictor.seconds = seconds
         elif name not in self._making and not (name == GHOST and self._ghost):
             self._making.add(name)
-            self.work.begin(name, lambda: self._make(name))
+            self._make(name)
         return f"{name} on{ahead}"
 
-    def _make(self, name: str) -> Callable[[], None]:
-        """Fly the ghost, or fit the predictor's boat out; return the call that takes it."""
-        assert self.plan is not None  # noqa: S101 (else it is barred)
-        try:
-            if name == GHOST:
-                ghost = fly_ghost(self.plan, self.work.closing)
-                return lambda: self._take(name, ghost, self._predictor)
-            predictor = Predictor(boat_of(self.plan))
-        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-            why = f"no {name}: {type(error).__name__}: {error}"
-            return lambda: self.log.tell("trouble", why)
-        return lambda: self._take(name, self._ghost, predictor)
+    def _make(self, name: str) -> None:
+        """Have a thread fly the ghost, or fit the predictor's boat out."""
+        plan, work = self.plan, self.work
+        assert plan is not None  # noqa: S101 (else it is barred)
 
-    def _take(self, name: str, ghost: list[GhostReading], predictor: Predictor | None) -> None:
-        """Show an aid that was made, as it was ordered last."""
-        self._making.discard(name)
-        self._ghost, self._predictor = ghost, predictor
-        if predictor and PREDICTOR in self._on:
+        def fail(error: Exception) -> None:
+            self.log.tell("trouble", f"no {name}: {type(error).__name__}: {error}")
+
+        if name == GHOST:
+            work.begin(name, partial(fly_ghost, plan, work.closing), self._take_ghost, fail)
+        else:
+            work.begin(name, lambda: Predictor(boat_of(plan)), self._take_predictor, fail)
+
+    def _take_ghost(self, ghost: list[GhostReading]) -> None:
+        self._making.discard(GHOST)
+        self._ghost = ghost
+        self._show()
+
+    def _take_predictor(self, predictor: Predictor) -> None:
+        """Show the predictor as it was ordered last."""
+        self._making.discard(PREDICTOR)
+        self._predictor = predictor
+        if PREDICTOR in self._on:
             predictor.seconds = self._on[PREDICTOR][0].value
         self._show()
 

@@ -1,18 +1,75 @@
-"""Processes of this program beside a session, whose memory and answers do not feel them."""
+"""Work beside a session, in threads and in processes of this program."""
 
 import contextlib
 import os
 import subprocess
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Final
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final, TypeVar
 
-from trainer.session.exercise import CLOSE_TIMEOUT_S
-
+CLOSE_TIMEOUT_S: Final = 20.0  # [s] at the end, for marks and pages
 LOWEST_NICENESS: Final = 19
 LOOK_PERIOD_S: Final = 0.2  # [s] between looks whether a process has ended
 CLOSE_MARGIN_S: Final = 5.0  # [s] of a session's patience at its end in which a process is ended
+ResultT = TypeVar("ResultT")
+
+
+@dataclass
+class BackgroundTask:
+    """Tasks in threads, and the calls that the session's thread makes with their results.
+
+    A tick cannot wait for a task that takes seconds, such as marks. A result is handed over as a
+    call, so that only the session's thread ever changes the session.
+    """
+
+    wake: Callable[[], object]  # has the session's thread call ``take_results``
+    done: deque[Callable[[], None]] = field(default_factory=deque)
+    closing: threading.Event = field(default_factory=threading.Event)
+    threads: list[threading.Thread] = field(default_factory=list)
+
+    def begin(
+        self,
+        name: str,
+        make: Callable[[], ResultT],
+        take: Callable[[ResultT], None],
+        fail: Callable[[Exception], None],
+    ) -> None:
+        """Make something in a thread. The session's thread then takes it, or hears what failed."""
+
+        def run() -> None:
+            try:
+                made = make()
+            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+                self.post(partial(fail, error))
+            else:
+                self.post(partial(take, made))
+
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        self.threads = [each for each in self.threads if each.is_alive()] + [thread]
+        thread.start()
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Hand a call to the session's thread. Any thread may do so."""
+        self.done.append(call)
+        self.wake()
+
+    def take_results(self) -> None:
+        """Make the calls of the tasks that are done. Only the session's thread does so."""
+        while self.done:
+            self.done.popleft()()
+
+    def finish(self) -> None:
+        """Tell tasks that wait to give up, wait for the rest, and make their calls."""
+        self.closing.set()
+        end = time.monotonic() + CLOSE_TIMEOUT_S
+        for thread in self.threads:
+            thread.join(max(end - time.monotonic(), 0.0))
+        self.take_results()
 
 
 def begin_aside(

@@ -75,7 +75,9 @@ class Attendance:
     def listen(self) -> None:
         """Admit newcomers, hear the stations, and drop those that have left."""
         self.log.strangers.settle()
-        self.conduct.tend()
+        self.log.tell_trouble()
+        self.conduct.work.take_results()
+        self.conduct.command.tend()
         self._admit_newcomers()
         for station in list(self.log.stations):
             self.log.heard = station
@@ -130,7 +132,7 @@ class Attendance:
         self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in facts])
         self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.log.note(station, self.conduct.guide.facts)
-        self.log.note(station, self.conduct.outcome_for(station.role))
+        self.log.note(station, self.conduct.marks.facts(station.role))
         if station.role is INSTRUCTOR_ROLE:
             self.log.note(station, self.agenda.facts(self.history.place))
             self.log.note(station, self.evaluation.facts)
@@ -142,7 +144,7 @@ class Attendance:
         role, seconds = station.role, self.history.boat.time
         facts = [*self.introduction.exercise.facts(role, seconds)]
         facts += self.crew.conditions(role.name)
-        if role is TRAINEE_ROLE and (done := self.conduct.lessons_done()):
+        if role is TRAINEE_ROLE and (done := self.conduct.training.lessons_done()):
             facts.append(("done", done))
         return facts
 

@@ -31,6 +31,7 @@ class Control:
     steps: int = 0  # ticks that a single-step order still allows
     ended: bool = False
     following: str = ""  # the exercise that begins when this session ends
+    deserted: str = ""  # why the session ended before its time: nobody was left to say run
     failure: str = ""  # where the numbers were lost
 
     def obey(self, order: Order, who: str) -> Reply:
@@ -99,6 +100,11 @@ class Control:
         self.begin_branch(moment, why)
         way = f"back from {left_time:g} s to {self.boat.time:g} s, frozen; {self._branch}"
         return f"{way}, branch {abandoned} returns to where you were"
+
+    def stop(self) -> None:
+        """Freeze time, and forget the single steps that are left."""
+        self.time.pacer.freeze()
+        self.steps = 0
 
     def begin_branch(self, moment: Moment, why: str) -> None:
         """Begin a new branch at a moment, frozen."""

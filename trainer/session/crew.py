@@ -377,12 +377,12 @@ class CrewTalk:
 
     def _late_at(self, spoken: CrewOrder) -> float:
         """Return the tick at which a missing repeat is reported."""
-        return spoken.tick + math.ceil(REPEAT_TIMEOUT_S / self.boat.method.step - 1e-9)
+        return spoken.tick + self.boat.ticks_in(REPEAT_TIMEOUT_S)
 
     @property
     def _taken_at(self) -> float:
         """Return the tick at which the crew takes its axes in hand, 0 for the start."""
-        return math.ceil(self.hand_from / self.boat.method.step - 1e-9) if self.hand else 0
+        return self.boat.ticks_in(self.hand_from) if self.hand else 0
 
     def _look_ahead(self, tick: int | None = None) -> None:
         """Set ``due``, the next tick at which ``missing`` has a message."""

@@ -19,7 +19,7 @@ from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
 from trainer.session.plan import Plan
 from trainer.session.run_faces import ShownRun
-from trainer.session.second_boat import follow_later
+from trainer.session.second_boat import crew_so_far
 from trainer.session.stations.station import Fact, Request
 
 SHOWN_KIND = "shown"
@@ -50,14 +50,13 @@ class Demonstration:
         why = f"{order.text}, by {asked.station.giver.words}"
         until = moment.tick + round(order.value / self.session.boat.method.step)
         assert self.plan is not None  # noqa: S101 (else it is barred)
-        task = follow_later(
-            self.plan,
-            history,
+        self.session.conduct.work.begin(
+            "way",
+            crew_so_far(self.plan, history),
             lambda mute: self._begin(mute, moment, until, why),
-            lambda trouble: self._give_up(f"the way cannot be shown: {trouble}"),
+            lambda e: self._give_up(f"the way cannot be shown: {type(e).__name__}: {e}"),
         )
         self.preparing = True
-        self.session.conduct.work.begin("way", task)
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"
 
     def _barred(self) -> Refused | None:

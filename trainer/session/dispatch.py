@@ -151,12 +151,13 @@ def command_gate(order: Order, station: Station | None, session: Parts) -> Refus
 
 def quit_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that others are attached, for whom ``quit`` ends the session only when said twice."""
-    return session.conduct.unconfirmed(station) if station and order.name == "quit" else None
+    quits = order.name == "quit"
+    return session.conduct.company.unconfirmed(station) if station and quits else None
 
 
 def visitor_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return why a visitor may not begin this run again."""
-    asked = order.name == "restart" and not session.conduct.visitors
+    asked = order.name == "restart" and not session.conduct.company.visitors
     return not_for_visitors(station.role) if station and asked else None
 
 
@@ -178,7 +179,7 @@ def trainee_gate(order: Order, station: Station | None, session: Parts) -> Refus
 def end_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that the exercise is over, after which the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR_ROLE
-    return session.conduct.past_its_end(order, role, after_end=ORDERS[order.name].after_end)
+    return session.conduct.ending.barred(order, role, after_end=ORDERS[order.name].after_end)
 
 
 def chair_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:

@@ -22,9 +22,8 @@ from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
-from trainer.session.aside import begin_aside
+from trainer.session.aside import BackgroundTask, begin_aside
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
 from trainer.session.plan import Plan
 from trainer.session.stations.roles import INSTRUCTOR_ROLE

@@ -17,10 +17,10 @@ from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
 from trainer.session.aids import Aids
+from trainer.session.aside import BackgroundTask
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
-from trainer.session.second_boat import follow_later
+from trainer.session.second_boat import crew_so_far
 from trainer.session.stations.station import Request
 from trainer.session.step_guide import StepGuide
 
@@ -50,14 +50,13 @@ class Hints:
             return refused
         moment = self.history.now()
         assert plan is not None  # noqa: S101 (else it is barred)
-        task = follow_later(
-            plan,
-            self.history,
+        self.work.begin(
+            "hint",
+            crew_so_far(plan, self.history),
             lambda mute: self._tell(asked, moment, mute),
-            lambda trouble: self._answer(asked, Refused(f"no hint: {trouble}")),
+            lambda e: self._answer(asked, Refused(f"no hint: {type(e).__name__}: {e}")),
         )
         self.preparing = True
-        self.work.begin("hint", task)
         return None
 
     def follow(self, moment: Moment) -> None:

@@ -88,8 +88,7 @@ class History(Journal):
 
         Where the recording cannot be read, it is the automatic moment in memory before that time.
         """
-        ticks = math.ceil(seconds / self.boat.method.step - 1e-9)
-        wanted = max(self.tick - ticks, 0)
+        wanted = max(self.tick - self.boat.ticks_in(seconds), 0)
         moment = self.recording.moment(self.recording.branch, wanted)
         if moment is not None:
             return moment

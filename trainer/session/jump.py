@@ -49,7 +49,9 @@ def followers(session: Parts) -> Sequence[Follower]:
     return (
         session.monitors,
         conduct.ending,
-        conduct,
+        conduct.marks,
+        conduct.hull,
+        conduct.company,
         session.standing,
         conduct.guide,
         session.event_log,
@@ -89,6 +91,5 @@ def end_replay(session: Parts) -> None:
     session.event_log.tell("moment", session.history.end_replay())
     session.standing.put_back_plans(session.history.now())
     session.conduct.judge_moment()
-    session.time.pacer.freeze()
-    session.control.steps = 0
+    session.control.stop()
     session.shown.show()

@@ -9,13 +9,11 @@ from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
 from trainer.io.recording.recording import Moment
 from trainer.session.agenda import Agenda
-from trainer.session.aids import Aids
 from trainer.session.conduct import Conduct
 from trainer.session.control import Control
 from trainer.session.crew import CrewTalk
 from trainer.session.evaluation import Evaluation
 from trainer.session.event_log import EventLog
-from trainer.session.hints import Hints
 from trainer.session.history import History
 from trainer.session.shown import ScreenOutput
 from trainer.session.standing import StandRecord
@@ -70,20 +68,13 @@ class Parts:
         self.event_log = EventLog(self.history, self.monitors.counting)
         self.control = Control(self.boat, self.time, self.history, self.agenda.schedule)
         self.shown = ScreenOutput(self.history, self.time, self.crew, self.sending)
-        self.conduct = Conduct(
-            self.control, self.event_log, self.shown.show, self.wake.set, hand=self.crew.hand
-        )
+        self.conduct = Conduct(self.control, self.event_log, self.shown, self.wake.set)
         self.evaluation = Evaluation(
             *(self.history, self.event_log, self.conduct.work, self.crew.in_hand),
             over=lambda: self.conduct.ending.over or self.control.failure,
         )
         self.shown.seen = self.evaluate_frozen
         self.standing = StandRecord(self.crew, self.agenda, self.history)
-        conduct = self.conduct
-        conduct.aids = Aids(self.history, self.event_log, self.shown, conduct.work, conduct.past)
-        guide = self.conduct.guide
-        conduct.hints = Hints(self.history, self.event_log, conduct.work, guide, conduct.aids)
-        guide.later, guide.show = self.conduct.work.post, self.shown.show_lesson
 
     def evaluate_frozen(self) -> None:
         """Have the present moment evaluated if time stands still there."""

@@ -20,11 +20,11 @@ from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise import DebriefSource
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.journal import order_of, restore_world
 from trainer.session.layout import read_state
+from trainer.session.marks import DebriefSource
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import LastingParts, PreparedRun, fly_session

@@ -22,7 +22,6 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
@@ -36,10 +35,10 @@ from trainer.session.agenda import Agenda
 from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
-from trainer.session.exercise import DebriefSource, ExerciseEnd, NextExercises
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import in_hand
+from trainer.session.marks import DebriefSource
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
 from trainer.session.parts import Monitors
@@ -57,6 +56,7 @@ from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
+from trainer.session.training import SINGLE_REFUSAL
 from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm_boat
 from trainer.units import KNOT
 
@@ -84,7 +84,7 @@ class PreparedRun:
     history: History
     kept: str  # path of the recording, "" for none
     begun: "LastingParts"
-    following: NextExercises = field(default_factory=NextExercises)
+    barred: Refused | None = SINGLE_REFUSAL  # why no other exercise may follow
 
 
 @dataclass
@@ -142,14 +142,8 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
     files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
     single = Refused("this session is begun for one run")
     barred = single if any(files) or keeps_no_time(options) else None
-    prepared = PreparedRun(
-        plan,
-        boat,
-        History(boat, recording),
-        str(path or ""),
-        begun,
-        NextExercises(load_exercise, barred),
-    )
+    history = History(boat, recording)
+    prepared = PreparedRun(plan, boat, history, str(path or ""), begun, barred)
     try:
         return fly_session(prepared, options)
     except ConfigError:
@@ -288,7 +282,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         wall = (time.clock.now() - started) / SECOND_NS
         session.dispatch.way.end()  # so that its last branch is the crew's
         session.evaluation.finish()
-        session.conduct.remember()
+        session.conduct.training.remember()
         session.conduct.work.finish()
         session.event_log.strangers.close()
         if not session.control.following:  # else whoever is there comes back for it
@@ -313,21 +307,24 @@ def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
 
 def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
     """Set the exercise's end, its judge and the next exercises in a session's conduct."""
-    plan, conduct = prepared.plan, session.conduct
-    conduct.debriefing, conduct.following = prepared.begun.debriefing, prepared.following
-    conduct.scored = bool(plan.scores)
-    conduct.visitors = plan.visitors
-    conduct.trainees = options.trainee
-    conduct.exercise = Path(options.exercise).stem if options.exercise else ""
+    plan, conduct, debriefing = prepared.plan, session.conduct, prepared.begun.debriefing
+    kept = Path(prepared.kept) if prepared.kept else None
+    marks, training = conduct.marks, conduct.training
+    marks.debriefing, marks.kept, marks.scored = debriefing, kept, bool(plan.scores)
+    conduct.past.kept = kept
+    training.trainees, training.barred = options.trainee, prepared.barred
+    training.exercise = Path(options.exercise).stem if options.exercise else ""
+    if debriefing and debriefing.progress and kept:
+        training.keeper = *debriefing.progress, str(kept)
+    conduct.company.visitors = plan.visitors
     conduct.guide.steps = plan.steps
     conduct.aids.plan = session.dispatch.way.plan = plan
-    conduct.kept = Path(prepared.kept) if prepared.kept else None
     if lives_on(options):
-        conduct.ending = ExerciseEnd.of(prepared.boat, plan.lost, plan.duration)
+        conduct.ending.expect(plan.lost, plan.duration)
     if prepared.boat.ticks:
         session.event_log.news.extend(recalled_past(prepared.history))
-    words = conduct.debriefing.evaluator if conduct.debriefing else ()
-    evaluate = partial(session.evaluation.begin, words, conduct.kept, plan)
+    words = debriefing.evaluator if debriefing else ()
+    evaluate = partial(session.evaluation.begin, words, kept, plan)
     if not INTERPRETED:
         evaluate()
 

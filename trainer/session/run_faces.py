@@ -72,8 +72,7 @@ class LiveRun:
         journal = self._journal
         if journal.place >= len(schedule):
             return math.inf
-        seconds = schedule[journal.place].seconds
-        return math.ceil(seconds / journal.boat.method.step - 1e-9)
+        return journal.boat.ticks_in(schedule[journal.place].seconds)
 
     def recorded(self, _schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield no order, because a live run's orders are not recorded ones."""

@@ -8,7 +8,6 @@ A session flies it in a thread, so it rests after each tick: the session's own t
 long.
 """
 
-import math
 import threading
 import time
 from collections import defaultdict
@@ -47,14 +46,13 @@ def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
     """Return what the gauges read at each tick of the reference crew's run."""
     boat = boat_of(plan)
     crew = ReferenceCrew(boat, plan.crew)
-    step, place = plan.method.step, 0
-    last = round((plan.duration or MAX_GHOST_S) / step)
+    due, place, last = plan.schedule, 0, round((plan.duration or MAX_GHOST_S) / plan.method.step)
     readings = [reading_of(boat)]
     with np.errstate(all="ignore"):
         while boat.ticks < last and not closing.is_set():
-            while place < len(plan.schedule) and is_due(plan.schedule[place].seconds, step, boat):
-                if plan.schedule[place].order.name in BOAT_ORDERS:
-                    obey_order(boat, plan.schedule[place].order)
+            while place < len(due) and boat.ticks_in(due[place].seconds) <= boat.ticks:
+                if due[place].order.name in BOAT_ORDERS:
+                    obey_order(boat, due[place].order)
                 place += 1
             crew.look()
             if boat.tick():
@@ -62,11 +60,6 @@ def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
             readings.append(reading_of(boat))
             time.sleep(REST_S)
     return readings
-
-
-def is_due(seconds: float, step: float, boat: Boat) -> bool:
-    """Return whether an order of that time acts on the next tick or before it."""
-    return math.ceil(seconds / step - 1e-9) <= boat.ticks
 
 
 def reading_of(boat: Boat) -> GhostReading:
@@ -103,26 +96,9 @@ def follow_run(
     return mute
 
 
-def follow_later(
-    plan: Plan,
-    history: History,
-    told: Callable[[MuteCrew], None],
-    failed: Callable[[str], None],
-) -> Callable[[], Callable[[], None]]:
-    """Return a task for a thread: the mute crew follows the run so far.
-
-    The task returns what the session then does: it is ``told`` of the crew, or why it ``failed``.
-    """
-    orders, marks, tick = history.said(), history.noted(), history.tick
-
-    def task() -> Callable[[], None]:
-        try:
-            mute = follow_run(plan, orders, marks, tick)
-        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
-            return partial(failed, f"{type(error).__name__}: {error}")
-        return partial(told, mute)
-
-    return task
+def crew_so_far(plan: Plan, history: History) -> Callable[[], MuteCrew]:
+    """Return what has a thread's mute crew follow the run so far."""
+    return partial(follow_run, plan, history.said(), history.noted(), history.tick)
 
 
 def orders_by_tick(

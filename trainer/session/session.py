@@ -13,8 +13,6 @@ from typing import Final
 
 from trainer.boat.boat import TICK_PLACE
 from trainer.boat.calls import Rank
-from trainer.io.orders.grammar import Order, Reply
-from trainer.io.recording.facts import Giver
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
@@ -81,8 +79,8 @@ class Session(Parts):
             self.time.pacer.run()
         self.shown.show()
         while not self._over:
-            if self.time.pacer.frozen and self._deserted():
-                self.conduct.desert()
+            if self.time.pacer.frozen and self._left_alone():
+                self._desert()
                 return
             if self.time.pacer.wait(self.wake) is WAIT_WOKEN:
                 self.wake.clear()
@@ -106,10 +104,6 @@ class Session(Parts):
         self.control.ended = True
         self.wake.set()
 
-    def give(self, order: Order, giver: Giver) -> Reply:
-        """Carry out an order that comes from no station; return the answer."""
-        return self.dispatch.give(order, giver)
-
     def tick(self) -> None:
         """Carry out the orders that are due; take a tick unless they stop time."""
         if self._stopped_by_orders():
@@ -127,8 +121,7 @@ class Session(Parts):
         events = pacer.end()
         self.history.flown.keep_timing(tick, pacer.ledger.lateness, pacer.ledger.work)
         if self.control.failure:
-            pacer.freeze()
-            self.control.steps = 0
+            self.control.stop()
         if pacer.frozen and not was_frozen:
             self.shown.show()
         if events:
@@ -156,7 +149,16 @@ class Session(Parts):
             self.control.steps -= 1
             self.tick()
 
-    def _deserted(self) -> bool:
+    def _desert(self) -> None:
+        """Announce that nobody is left to say run, unless the exercise is over."""
+        if self.conduct.ending.over:
+            return
+        halted = self.conduct.hull.halted
+        where = f"{self.boat.time:g} s by {halted}" if halted else f"{self.boat.time:g} s"
+        self.control.deserted = f"frozen at {where}, and nobody is left to say run"
+        self.event_log.tell("time", self.control.deserted)
+
+    def _left_alone(self) -> bool:
         """Return whether time is frozen, and nobody is left who could order it to run."""
         if self.attendance.reception.awaited:
             return False
@@ -186,7 +188,7 @@ class Session(Parts):
             self.event_log.alert("pilot", text)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
             rank = Rank.EMERGENCY if passed.too_deep else None
-            self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
+            self.conduct.hull.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
         self.conduct.judge_tick(self.monitors.limits.encounters)
         self.evaluation.look()
         self.dispatch.tell_plans()

@@ -7,18 +7,18 @@ step is kept as a snapshot, ``step-3``, to which one may also go back.
 """
 
 import contextlib
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.boat.boat import Boat
 from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import Moment, RecordingError
+from trainer.session.aside import BackgroundTask
 from trainer.session.control import Control
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import is_met
+from trainer.session.shown import ScreenOutput
 from trainer.session.stations.station import Fact
 
 MAX_REPEATS: Final = 2  # of a step that is missed
@@ -31,12 +31,12 @@ class StepGuide:
 
     control: Control
     log: EventLog
+    work: BackgroundTask  # calls between two ticks
+    shown: ScreenOutput
+    finish: Callable[[], object]  # the last step is over
     steps: Sequence[Step] = ()
     give: Callable[[Order], object] = bool  # an order of the exercise
-    later: Callable[[Callable[[], None]], object] = bool  # has it called between two ticks
     go_back: Callable[[Moment, str], object] = lambda _moment, _why: None
-    finish: Callable[[], object] = bool  # the last step is over
-    show: Callable[[str], object] = bool  # on the screens, beside the words to the crew
     place: int = -1  # of the present step; -1 before the first
     _begun: dict[int, Moment] = field(default_factory=dict)  # by place
     _repeats: dict[int, int] = field(default_factory=dict)  # by place
@@ -70,12 +70,12 @@ class StepGuide:
         holds = all(is_met(each, boat) for each in step.conditions)
         self._held = self._held + 1 if holds else 0
         lasted = boat.ticks - self._begun[self.place].tick
-        if holds and self._held > _ticks(step.row.for_s, boat):
+        if holds and self._held > boat.ticks_in(step.row.for_s):
             self.log.tell(LESSON_KIND, f"step {self.place + 1}: done")
             self._begin(self.place + 1)
-        elif lasted >= _ticks(step.row.within_s, boat):
+        elif lasted >= boat.ticks_in(step.row.within_s):
             self._miss(step)
-        elif step.row.hint and not self._hinted and lasted >= _ticks(step.row.hint_after_s, boat):
+        elif step.row.hint and not self._hinted and lasted >= boat.ticks_in(step.row.hint_after_s):
             self._give_hint(step.row.hint)
 
     def give_hint(self) -> Reply:
@@ -114,7 +114,7 @@ class StepGuide:
         self.place, self._held, self._hinted = place, 0, False
         if place == len(self.steps):
             self.log.tell(LESSON_KIND, "the last step is done", fact=Fact("step", "0"))
-            self.show("")
+            self.shown.show_lesson("")
             self.finish()
             return
         history = self.control.history
@@ -129,7 +129,7 @@ class StepGuide:
 
     def _tell(self, text: str, fact: Fact) -> None:
         self.log.tell(LESSON_KIND, text, fact=fact)
-        self.show(text)
+        self.shown.show_lesson(text)
 
     def _give_orders(self) -> None:
         for order in self.steps[self.place].given:
@@ -147,7 +147,7 @@ class StepGuide:
             return
         self._repeats[place] = self._repeats.get(place, 0) + 1
         self._returning = True
-        self.later(lambda: self._return(begun, f"step {place + 1} again"))
+        self.work.post(lambda: self._return(begun, f"step {place + 1} again"))
 
     def _return(self, moment: Moment, why: str) -> None:
         """Go back to the beginning of a step, unless time has jumped meanwhile.
@@ -165,7 +165,3 @@ class StepGuide:
 
 def _name(place: int) -> str:
     return f"step-{place + 1}"
-
-
-def _ticks(seconds: float, boat: Boat) -> int:
-    return math.ceil(seconds / boat.method.step - 1e-9)

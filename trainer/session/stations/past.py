@@ -1,22 +1,21 @@
 """The past of a channel, for a station that comes late or returns.
 
-``conduct`` asks for it. A thread beside the ticks makes it from the recording's states, which it
-reads by its own connection; without a recording from the moments that are kept in memory. Rows are
-made like the live ones, so that a wrong gauge shows what it showed then.
+The order ``history`` asks for it. A thread makes it from the recording's states, which it reads by
+its own connection; without a recording from the moments that are kept in memory. Rows are made
+like the live ones, so that a wrong gauge shows what it showed then.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import Recording, RecordingError
+from trainer.session.aside import BackgroundTask
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import BackgroundTask
 from trainer.session.history import History
 from trainer.session.stations.aids import NO_AIDS
 from trainer.session.stations.channels import EVENTS_CHANNEL
@@ -55,15 +54,17 @@ class TickSpan(NamedTuple):
 class PastReader:
     """The answers to the order ``history``."""
 
-    def __init__(self, boat: Boat, work: BackgroundTask, log: EventLog) -> None:
+    def __init__(self, history: History, work: BackgroundTask, log: EventLog) -> None:
         self.aids = NO_AIDS  # that are on: the ghost was there at all times
+        self.kept: Path | None = None  # the recording
+        self._history = history
         self._log = log
-        self._boat = boat
+        self._boat = history.boat
         self._work = work
 
-    def answer(self, asked: Request, history: History, kept: Path | None) -> None:
+    def answer(self, asked: Request) -> None:
         """Answer the order, and send the past of its channel."""
-        channel, station = asked.order.subject, asked.station
+        channel, station, history = asked.order.subject, asked.station, self._history
         if refused := refusal(channel, station.role):
             station.answer(asked, refused)
             return
@@ -75,33 +76,31 @@ class PastReader:
                 ends = history.ends()
             news = recent_news(self._log.news, station.role, span.first, ends)
             station.answer(asked, f"events: {len(news)} of them")
-            self._mark(station, "begin", channel, history)
+            self._mark(station, "begin", channel)
             for item in news:
                 station.tell(item)
-            self._mark(station, "end", channel, history)
+            self._mark(station, "end", channel)
             return
         since = span.first * self._boat.method.step
         station.answer(asked, f"{channel}: what it has shown since {since:g} s")
-        self._begin(asked, span, history, kept)
+        self._begin(asked, span)
 
-    def _begin(self, asked: Request, span: TickSpan, history: History, kept: Path | None) -> None:
+    def _begin(self, asked: Request, span: TickSpan) -> None:
         """Send rows from a thread. The channel's live rows pause until then, to keep the order."""
-        channel, station = asked.order.subject, asked.station
+        channel, station, kept = asked.order.subject, asked.station, self.kept
         wish = station.wishes.pause(channel)
-        memory = [] if kept else history.automatic.since(span.first)
-        self._mark(station, "begin", channel, history)
+        memory = [] if kept else self._history.automatic.since(span.first)
+        self._mark(station, "begin", channel)
 
-        def end() -> None:
-            self._mark(station, "end", channel, history)
+        def send() -> None:
+            self._send(asked, read_states(kept, span) if kept else memory)
+
+        def end(_: object) -> None:
+            self._mark(station, "end", channel)
             if wish and not station.leaving:
                 station.wishes.begin(channel, wish[0], station.role, machine=wish[1])
 
-        def task() -> Callable[[], None]:
-            rows = read_states(kept, span) if kept else memory
-            self._send(asked, rows)
-            return end
-
-        self._work.begin("past", task)
+        self._work.begin("past", send, end, end)
 
     def _send(self, asked: Request, rows: Sequence[TickState]) -> None:
         """Send rows a few at a time, in the thread for it."""
@@ -124,9 +123,10 @@ class PastReader:
             time.sleep(SLICE_PAUSE_S)
         return False
 
-    def _mark(self, station: Station, which: str, channel: str, history: History) -> None:
+    def _mark(self, station: Station, which: str, channel: str) -> None:
         """Mark for a program where the past begins and ends."""
         fact = Fact("past", f"{which},{channel}")
+        history = self._history
         station.note(News(history.tick, history.boat.time, "moment", "", fact))
 
 

@@ -1,0 +1,130 @@
+"""Who trains: the progress that is kept, and the exercise that is flown next.
+
+A process of its own puts a run into the files of its trainees, when the exercise is over and when
+the session ends. From these files ``next`` suggests to who trains what is weakest and longest ago.
+"""
+
+import contextlib
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Final
+
+from trainer.config.course import course, lessons
+from trainer.config.exercise import load_exercise
+from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
+from trainer.config.progress import Progress, read_progress
+from trainer.io.orders.grammar import Refused, Reply
+from trainer.session.aside import BackgroundTask, begin_aside, hear_out
+from trainer.session.control import Control
+from trainer.session.event_log import EventLog
+from trainer.session.exercise import ExerciseEnd
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
+from trainer.session.stations.station import Fact, LongAnswer, Request
+from trainer.session.step_guide import StepGuide
+
+SINGLE_REFUSAL: Final = Refused("this session is one run")
+
+
+@dataclass
+class Training:
+    """The progress of who trains in one session, and what follows its exercise."""
+
+    control: Control
+    log: EventLog
+    work: BackgroundTask
+    ending: ExerciseEnd
+    guide: StepGuide
+    trainees: tuple[str, ...] = ()  # whose progress is kept
+    exercise: str = ""  # its name, "" for none
+    keeper: Sequence[str] = ()  # the command that keeps progress, with the recording
+    barred: Refused | None = SINGLE_REFUSAL  # why another exercise needs another process
+    _remembered: tuple[int, int] | None = None  # branch and tick
+
+    def remember(self) -> None:
+        """Have a process put this run into the files of its trainees."""
+        recording, boat = self.control.history.recording, self.control.boat
+        place = recording.branch, boat.ticks
+        if not (self.keeper and self.trainees and boat.ticks) or place == self._remembered:
+            return
+        self._remembered = place
+        recording.flush()
+        how = Outcome.DONE if self.guide.over else self.ending.outcome or Outcome.LEFT
+        whole = (*self.keeper, str(recording.branch), how)
+
+        def hear() -> str:
+            process = begin_aside(whole)
+            try:
+                return hear_out(process, self.work.closing, 0.0)[0].decode().strip()
+            except subprocess.TimeoutExpired:
+                return ""  # a session that ends leaves it to itself
+
+        def tell(text: str) -> None:
+            if text:
+                self.log.tell("exercise", text)
+
+        self.work.begin("progress", hear, tell, lambda error: tell(f"no progress: {error}"))
+
+    def go_on(self, asked: Request) -> Reply | LongAnswer:
+        """Answer the order ``next``: end the session for the exercise that follows."""
+        name = asked.order.subject
+        reason = ""
+        if asked.station.role is TRAINEE_ROLE and not name:
+            name, reason = self._suggested()
+            if not name:
+                return Refused("this is the last of the course")
+        if not name:
+            names = [each.name for each in course()]
+            return LongAnswer(names, "type next NAME to begin one of these")
+        if refused := self._problem(name):
+            return refused
+        self.log.tell("time", "the next exercise is being made ready")
+        for station in self.log.stations:  # the file's name may tell what is hidden
+            name_told = name if station.role is INSTRUCTOR_ROLE else ""
+            self.log.note(station, [Fact("next", name_told)])
+        self.control.following, self.control.ended = name, True
+        return f"next: {asked.order.subject or reason}"
+
+    def lessons_done(self) -> str:
+        """Return the lessons of who trains, as ``planes-and-bubble:done``; "" for none."""
+        if not (progress := self._progress()):
+            return ""
+        best = ((each.name, progress.best(each.name)) for each in lessons())
+        return ",".join(f"{name}:{how}" for name, how in best if how)
+
+    def _suggested(self) -> tuple[str, str]:
+        """Return what is best flown next, and why; "" for none.
+
+        That is the weakest and longest ago of who trains, else what follows in the course.
+        """
+        offered = [*lessons(), *course()]
+        if progress := self._progress():
+            others = [each for each in offered if each.name != self.exercise]
+            if suggestion := progress.suggest(others, datetime.now(UTC).date()):
+                return suggestion.lesson.name, suggestion.reason
+        names = [each.name for each in offered]
+        after = names[names.index(self.exercise) + 1 :] if self.exercise in names else names
+        return (after[0], "the one after this") if after else ("", "")
+
+    def _progress(self) -> Progress | None:
+        """Return the progress of who trains; None for nobody, or a file that cannot be read."""
+        with contextlib.suppress(ConfigError):
+            return read_progress(self.trainees[0]) if self.trainees else None
+        return None
+
+    def _problem(self, name: str) -> Refused | None:
+        """Return why that exercise cannot follow, None if it can."""
+        elsewhere = self.barred
+        if not elsewhere and not all(each.visits for each in self.log.stations):
+            elsewhere = Refused("this session has lines of its own")
+        if elsewhere:
+            return Refused(f"{elsewhere.reason}: quit, then trainer run {name}")
+        if not self.ending.over:
+            return Refused("this exercise is not over: type end exercise first")
+        try:
+            load_exercise(name)
+        except ConfigError as error:
+            return Refused(str(error))
+        return None
