@@ -1,4 +1,4 @@
-"""The tick in plain C and the core's end in the same bits where the coefficients do not reach."""
+"""The tick in plain C and the core's end in the same bits beyond the range, and with casualties."""
 
 import math
 import shutil
@@ -14,13 +14,17 @@ from trainer.analysis.bench.standard_hour import TickRunner
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.casualties import clear_casualty, insert_casualty
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import load_vessel
+from trainer.core.ballast.tanks import NEGATIVE_TANK
+from trainer.core.casualties import GAUGES, KINDS
 from trainer.core.envelope import EXTRAPOLATED_RANGE, INSIDE_RANGE, OUTSIDE_RANGE, substeps
 from trainer.core.kernel import Record
 from trainer.core.sea.sea import COSINES, GAMMA, OLD, PEAKED, SUCTION
 from trainer.core.stall import is_stalled
 from trainer.core.state import STATE_FIELDS
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 pytestmark = [
@@ -43,6 +47,10 @@ STEP: Final = {  # [s] long enough to be divided
     "remus100": 0.1,
 }
 PUSHED: Final = 40  # [ticks] after the boat was put into any motion at all
+SUFFERED: Final = 20  # [ticks] with a casualty, and after it is cleared
+# Only stations see a broken gauge, so that a tick has nothing of it.
+FELT_KINDS: Final = [kind for kind in KINDS if not kind.startswith(tuple(GAUGES))]
+FEELING: Final = ("surface", "u_c", "command_u_c", "water", "tank_air", "bank")
 
 
 @pytest.fixture(
@@ -223,6 +231,35 @@ def put_anywhere(boat: Boat, rng: np.random.Generator) -> None:
     s.surface[:] = rng.uniform(-1.0, 1.0, 3) * c.limit
     s.u_c = rng.uniform(c.u_c_astern, c.u_c_ahead)
     in_hand(boat, float(rng.uniform(c.u_c_astern, c.u_c_ahead)))
+
+
+@pytest.mark.parametrize("kind", FELT_KINDS)
+def test_bb2_at_work_suffers_every_casualty(kind: str, in_c: TickRunner) -> None:
+    sound, boat = bb2_at_work(), bb2_at_work()
+    in_a_loop(sound.records, SUFFERED)
+
+    assert not isinstance(insert_casualty(boat, kind), Refused)
+    fly_both(boat, SUFFERED, in_c)
+    felt = any(np.any(boat.state[name] != sound.state[name]) for name in FEELING)
+    clear_casualty(boat, kind)
+    fly_both(boat, SUFFERED, in_c)
+
+    assert felt, f"nothing in bb2_at_work feels {kind}: put at work what it acts on"
+
+
+def bb2_at_work() -> Boat:
+    """Return a BB2 whose rudder, planes, propeller, pumps, tanks and air are all at work."""
+    boat = boat_of("bb2", WAYS[0])
+    boat.start(8.0 * KNOT, 40.0, 0.0)
+    s = boat.state
+    s.ordered_speed = 14.0 * KNOT
+    s.by_hand[:] = 1.0  # the autopilot works valves of its own in a blow
+    s.ordered[:] = 0.2
+    s.negative_flood = 1.0
+    s.blow[:], s.vent[:] = 2.0, 0.01
+    s.water[: NEGATIVE_TANK + 1] *= 0.8  # a full tank loses all its air at once
+    s.to_move[:] = 5000.0
+    return boat
 
 
 @pytest.mark.parametrize("alone", [0, 1])

@@ -87,7 +87,8 @@ def test_telnet_commands_are_dropped() -> None:
 
 @pytest.mark.parametrize("data", [b"rudder", b"rudder left 5\r\n\xff\xfa\x1f"])
 def test_a_decoder_leaves_nothing_to_be_collected(data: bytes) -> None:
-    gc.collect()
+    while gc.collect():  # what is collected may leave something else: ctypes' types of an array do
+        pass
     gc.disable()
     LineDecoder().feed(data)
     left = gc.collect()
