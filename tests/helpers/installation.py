@@ -8,10 +8,13 @@ import contextlib
 import os
 import shutil
 import subprocess
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
 from typing import Final, NoReturn
 
 INSTALLING_S: Final = 600.0  # [s] for all of them
+OUTAGE_S: Final = 240.0  # [s] that the network may be away
+AGAIN_AFTER_S: Final = 10.0  # [s] between two tries
 PACKAGES: Final = {  # one or more, by program
     "chromium": "chromium",
     "chromium-headless-shell": "chromium-headless-shell",
@@ -35,8 +38,8 @@ SLOW_PACKAGES: Final = {  # of the slow lane alone
     "wine": "wine wine64",
     "x86_64-w64-mingw32-gcc": "gcc-mingw-w64-x86-64",
 }
-# A network that is away for two minutes (8 tries end after 121 s), and another process that installs, are waited for.
-PATIENT: Final = ("-o", "Acquire::Retries=12", "-o", "DPkg::Lock::Timeout=300")
+# Another process that installs is waited for, and an index that does not come is a failure.
+PATIENT: Final = ("-o", "DPkg::Lock::Timeout=300", "-o", "APT::Update::Error-Mode=any")
 
 
 def is_complete() -> bool:
@@ -61,13 +64,22 @@ def install(packages: list[str]) -> None:
     if not packages:
         return
     for words in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
-        with contextlib.suppress(OSError, subprocess.TimeoutExpired):
-            subprocess.run(
-                ["apt-get", *PATIENT, *words],
-                check=False,
-                capture_output=True,
-                timeout=INSTALLING_S,
-            )
+        call_apt(words)
+
+
+def call_apt(words: Sequence[str]) -> None:
+    """Call apt-get until it succeeds or a network that is away has had its time.
+
+    Its own tries are of no use then: an address that has refused once it asks no more.
+    """
+    until = time.monotonic() + OUTAGE_S
+    with contextlib.suppress(OSError, subprocess.TimeoutExpired):
+        while subprocess.run(
+            ["apt-get", *PATIENT, *words], check=False, capture_output=True, timeout=INSTALLING_S
+        ).returncode:
+            if time.monotonic() > until:
+                return
+            time.sleep(AGAIN_AFTER_S)
 
 
 def installed(program: str, package: str) -> str:
