@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 
 import pytest
+from helpers import installation
 from helpers.process_guard import STARTING_FIXTURES, starts_processes
 
 STARTS: dict[str, Callable[[], object]] = {
@@ -44,3 +45,31 @@ def test_a_test_is_marked_by_a_fixture_that_starts_one(request: pytest.FixtureRe
             assert starts_processes(item)
 
     assert not unmarked
+
+
+@pytest.mark.parametrize("failures", [0, 3])
+def test_apt_is_called_until_the_network_is_there(
+    failures: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    codes, waits = [100] * failures + [0], []
+
+    def call(words: list[str], **_how: object) -> "subprocess.CompletedProcess[str]":
+        return subprocess.CompletedProcess(words, codes.pop(0))
+
+    monkeypatch.setattr(installation.subprocess, "run", call)
+    monkeypatch.setattr(installation.time, "sleep", waits.append)
+    installation.call_apt(["update"])
+
+    assert not codes
+    assert len(waits) == failures
+
+
+def test_a_package_that_there_is_not_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter(range(0, 10_000, 100))
+    failed = subprocess.CompletedProcess[str]([], 100)
+    monkeypatch.setattr(installation.subprocess, "run", lambda *_words, **_how: failed)
+    monkeypatch.setattr(installation.time, "sleep", lambda _seconds: None)
+    monkeypatch.setattr(installation.time, "monotonic", lambda: float(next(clock)))
+    installation.call_apt(["install", "no-such-package"])
+
+    assert next(clock) > installation.OUTAGE_S
