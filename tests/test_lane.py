@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 
 import pytest
@@ -56,8 +57,8 @@ def test_apt_is_called_until_the_network_is_there(
     def call(words: list[str], **_how: object) -> "subprocess.CompletedProcess[str]":
         return subprocess.CompletedProcess(words, codes.pop(0))
 
-    monkeypatch.setattr(installation.subprocess, "run", call)
-    monkeypatch.setattr(installation.time, "sleep", waits.append)
+    monkeypatch.setattr(subprocess, "run", call)
+    monkeypatch.setattr(time, "sleep", waits.append)
     installation.call_apt(["update"])
 
     assert not codes
@@ -67,9 +68,9 @@ def test_apt_is_called_until_the_network_is_there(
 def test_a_package_that_there_is_not_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(0, 10_000, 100))
     failed = subprocess.CompletedProcess[str]([], 100)
-    monkeypatch.setattr(installation.subprocess, "run", lambda *_words, **_how: failed)
-    monkeypatch.setattr(installation.time, "sleep", lambda _seconds: None)
-    monkeypatch.setattr(installation.time, "monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr(subprocess, "run", lambda *_words, **_how: failed)
+    monkeypatch.setattr(time, "sleep", lambda _seconds: None)
+    monkeypatch.setattr(time, "monotonic", lambda: float(next(clock)))
     installation.call_apt(["install", "no-such-package"])
 
     assert next(clock) > installation.OUTAGE_S
