@@ -52,7 +52,7 @@ def test_a_test_is_marked_by_a_fixture_that_starts_one(request: pytest.FixtureRe
 def test_apt_is_called_until_the_network_is_there(
     failures: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    codes, waits = [100] * failures + [0], []
+    codes, waits = [100] * failures + [0], list[float]()
 
     def call(words: list[str], **_how: object) -> "subprocess.CompletedProcess[str]":
         return subprocess.CompletedProcess(words, codes.pop(0))
