@@ -8,6 +8,7 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
 from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.files import ConfigError
@@ -211,8 +212,9 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     assert math.degrees(lowest) > -bow_down  # 23 by planes that kept depth 0
     assert s.z < 4.5
     assert (s.command_s, s.command_b) == (0.0, 0.0)
-    of_autopilot = [text.partition("autopilot: ")[2] for text in said if "autopilot: " in text]
-    assert of_autopilot == [GIVEN_UP_TEXTS["afloat"]], "what was ordered is no alarm"
+    (afloat,) = [call for call in said if "autopilot: " in call.text]
+    assert afloat.text.endswith(GIVEN_UP_TEXTS["afloat"])
+    assert afloat.rank is Rank.CAUTION, "what was ordered rings no bell"
 
     told(boat, "dive")
     fly(boat, 300.0)
@@ -224,10 +226,14 @@ def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() ->
     pilot = PilotMonitor.over(boat)
     told(boat, "emergency blow")
     fly(boat, 1.0)
-    assert GIVEN_UP_TEXTS["emergency ascent"] in pilot.look(boat)[0]
+    (rising,) = pilot.look(boat)
+    assert GIVEN_UP_TEXTS["emergency ascent"] in rising.text
+    assert rising.rank is Rank.WARNING
     told(boat, "dive")
     fly(boat, 1.0)
-    assert pilot.look(boat)[0].endswith("autopilot: the ascent is over: keeping depth 17.5 m")
+    (over,) = pilot.look(boat)
+    assert over.text.endswith("autopilot: the ascent is over: keeping depth 17.5 m")
+    assert over.rank is Rank.CAUTION
 
 
 def test_planes_in_hand_stay_in_hand_when_the_boat_surfaces() -> None:

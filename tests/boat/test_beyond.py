@@ -379,8 +379,7 @@ def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> 
     said = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        texts = [call if isinstance(call, str) else call.text for call in monitor.look(boat)]
-        said += [text.partition(": ")[2] for text in texts]
+        said += [call.text.partition(": ")[2] for call in monitor.look(boat)]
     return said
 
 

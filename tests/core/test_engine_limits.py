@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.pilot import PilotMonitor
 from trainer.core.envelope import AHEAD
 from trainer.core.propulsion import most_revolutions
@@ -49,13 +50,14 @@ def test_a_limited_engine_is_told_as_soon_as_it_is_ordered(make_boat: Callable[.
     boat.start(5.0 * KNOT, 300.0, 0.0)
     monitor = PilotMonitor.over(boat)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
-    said: list[str] = []
+    said: list[MonitorCall] = []
     ticks = 0
     while not said and ticks < 40:
         assert boat.tick() == 0
         said, ticks = monitor.look(boat), ticks + 1
     assert boat.time <= 3.0 + 2.0 * boat.method.step  # the engine room's dead time
-    assert said[0].endswith("ENGINE: limited by torque, short of the 142 rpm ordered")
+    assert said[0].rank is Rank.WARNING
+    assert said[0].text.endswith("ENGINE: limited by torque, short of the 142 rpm ordered")
     assert list(monitor.times) == ["engine limited by torque"]
     for _ in range(40):
         assert boat.tick() == 0

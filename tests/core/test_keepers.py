@@ -65,7 +65,7 @@ def said(boat: Boat, seconds: float) -> list[str]:
     news = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        news += monitor.look(boat)
+        news += [call.text for call in monitor.look(boat)]
     return news
 
 

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.casualties import active_casualties
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.core.autopilot.ascent import (
@@ -50,6 +51,8 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
+# what follows from an order that was given, and asks nobody to do anything
+REMARK_NAMES: Final = ("afloat",)
 ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
 ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
 SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
@@ -228,14 +231,14 @@ class PilotMonitor:
         self.engine = EngineMonitor()
         self.engine.look(boat)
 
-    def look(self, boat: Boat) -> list[str]:
+    def look(self, boat: Boat) -> list[MonitorCall]:
         """Return what there is to say after a tick."""
         shared = self.tail.look(boat) + self.engine.look(boat)
         for name, _ in shared:
             self.times.setdefault(name, []).append(boat.time)
-        news = [words for _, words in shared]
-        news += [f"autopilot: {text}" for text in self._news(boat)]
-        return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for text in news]
+        calls = [MonitorCall(words, Rank.WARNING) for _, words in shared] + self._news(boat)
+        now = f"tick {boat.ticks} ({boat.time:g} s)"
+        return [call._replace(text=f"{now}: {call.text}") for call in calls]
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -258,7 +261,7 @@ class PilotMonitor:
         since = np.where(lacked_water(boat, flown), self.trimmed, flown.times)
         return np.maximum.accumulate(since)
 
-    def _news(self, boat: Boat) -> list[str]:
+    def _news(self, boat: Boat) -> list[MonitorCall]:
         """Return what the autopilot has newly given up, or has again."""
         if not lacks_water(boat):
             self.trimmed = boat.time
@@ -266,14 +269,17 @@ class PilotMonitor:
         if not (self.given_up or rose or self._is_unusual(boat)):
             return []
         now = self._left_undone(boat)
-        news = [GIVEN_UP_TEXTS[name] for name in sorted(now - self.given_up)]
-        for name in now - self.given_up:
+        calls = []
+        for name in sorted(now - self.given_up):
+            rank = Rank.CAUTION if name in REMARK_NAMES else Rank.WARNING
+            calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank))
             self.times.setdefault(name, []).append(boat.time)
         if rose and boat.plain[ASCENT_PLACE] == NO_ASCENT:
             kept = round(float(boat.state.ordered_depth), 1)
-            news.append(f"the ascent is over: keeping depth {kept:g} m")
+            over = f"autopilot: the ascent is over: keeping depth {kept:g} m"
+            calls.append(MonitorCall(over, Rank.CAUTION))
         self.given_up = now
-        return news
+        return calls
 
     def _is_unusual(self, boat: Boat) -> bool:
         """Return whether anything could be given up."""

@@ -32,9 +32,6 @@ UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they a
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
 
 
-KIND_RANKS: Final = {"depth": Rank.ALARM, "watch": Rank.ALARM, "pilot": Rank.WARNING}
-
-
 class CallCounter(Protocol):
     """A monitor that keeps the times [s] of each of its calls."""
 
@@ -93,15 +90,13 @@ class EventLog:
         self._spread(news, by)
 
     def alert(
-        self, kind: str, text: str, fact: Fact | None = None, rank: Rank | None = None
+        self, kind: str, text: str, fact: Fact | None = None, rank: Rank = Rank.ALARM
     ) -> None:
         """Send news that somebody has to see, with a number by which it is acknowledged.
 
-        Its rank is that of its kind, unless ``rank`` is given. A caution goes by itself: it is
-        neither kept open nor acknowledged.
+        A caution goes by itself: it is neither kept open nor acknowledged.
         """
         self._alert += 1
-        rank = rank or KIND_RANKS[kind]
         opens = rank is not Rank.CAUTION
         branch = self.history.recording.branch
         news = News(self.history.tick, self.history.boat.time, kind, text, fact, branch=branch)

@@ -55,7 +55,7 @@ class HullWatch:
         if met.struck:
             self._halt(f"collision with {met.struck}", met.rules.collision)
 
-    def tell_depth(self, words: str, fact: Fact | None = None, rank: Rank | None = None) -> None:
+    def tell_depth(self, words: str, fact: Fact | None = None, rank: Rank = Rank.ALARM) -> None:
         """Announce a depth that was reached, with its tick and its rank."""
         boat = self.control.boat
         self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact, rank)

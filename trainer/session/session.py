@@ -184,10 +184,10 @@ class Session(Parts):
         self.shown.show_tick(tick, state)
         for call in self.monitors.limits.look(self.boat):
             self.event_log.alert("watch", call.text, rank=call.rank)
-        for text in self.monitors.pilot.look(self.boat):
-            self.event_log.alert("pilot", text)
+        for call in self.monitors.pilot.look(self.boat):
+            self.event_log.alert("pilot", call.text, rank=call.rank)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
-            rank = Rank.EMERGENCY if passed.too_deep else None
+            rank = Rank.EMERGENCY if passed.too_deep else Rank.ALARM
             self.conduct.hull.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
         self.conduct.judge_tick(self.monitors.limits.encounters)
         self.evaluation.look()
