@@ -193,7 +193,7 @@ PRESSED = """() => setInterval(() => document.body.dispatchEvent(
 def test_a_page_rests_in_a_freeze_until_somebody_does_something(
     shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
-    page = look(shared, name)
+    page = look(shared, name, reduced_motion="no-preference")
     ready(page)
     assert eventually(lambda: page.evaluate(DRAWN)["drawn"] <= 6)
     assert not page.evaluate(DRAWN)["moved"]
@@ -206,6 +206,20 @@ def test_a_page_rests_in_a_freeze_until_somebody_does_something(
     assert instructor.ask("run")[0]
     assert eventually(lambda: page.evaluate(DRAWN)["drawn"] > 10)
     assert page.evaluate(DRAWN)["moved"] is (name == "instructor")
+
+
+@pytest.mark.parametrize("name", ["helm", "instructor"])
+def test_who_wants_no_motion_sees_a_picture_for_each_reading(
+    shared: Served, instructor: Caller, look: Look, name: str
+) -> None:
+    page = look(shared, name, reduced_motion="reduce")
+    ready(page)
+    assert instructor.ask("run")[0]
+    assert eventually(lambda: 3 <= page.evaluate(DRAWN)["drawn"] <= 12)  # of forty, in four ticks
+    assert not page.evaluate(DRAWN)["moved"]
+
+    page.evaluate(PRESSED)
+    assert eventually(lambda: page.evaluate(DRAWN)["drawn"] > 20)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -216,7 +216,7 @@ RESTS: Final = """() => new Promise((done) => {
 
 @pytest.mark.usefixtures("desk")
 def test_a_view_that_stands_still_is_not_drawn_anew(traffic: Served, look: Look) -> None:
-    assert opened(look, traffic).evaluate(RESTS)
+    assert opened(look, traffic, reduced_motion="no-preference").evaluate(RESTS)
 
 
 @pytest.mark.usefixtures("desk")

@@ -104,7 +104,10 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
             path = tmp_path / f"page-{len(asked)}.html"
             path.write_text(text, encoding="utf-8")
             context = browser.new_context(
-                viewport={"width": width, "height": height}, offline=True, locale=locale
+                viewport={"width": width, "height": height},
+                offline=True,
+                locale=locale,
+                reduced_motion="reduce",  # as for other pages: see helpers/browser
             )
             stack.callback(context.close)
             page = context.new_page()

@@ -13,8 +13,8 @@ const STILL = 4; // from this pace of time on ticks are shown as they come
  */
 
 /**
- * Moves pointers; dispatches `frame` for each picture. In a freeze few are drawn, because a page at
- * rest must not cost a station its battery.
+ * Moves pointers; dispatches `frame` for each picture. Few are drawn in a freeze, and for who wants
+ * no motion one for each reading, because a page at rest must not cost a station its battery.
  */
 export class Motion extends EventTarget {
   /**
@@ -35,6 +35,7 @@ export class Motion extends EventTarget {
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     this.awake = 0; // [ms] until when all pictures are drawn, though time stands still
     this.left = 0; // pictures left out since the last
+    this.asked = 0; // the picture that is asked for
     /** @type {Map<string, string>} the last reading of each channel, as it was */
     this.heard = new Map();
     session.on("tick", () => this.take());
@@ -48,8 +49,17 @@ export class Motion extends EventTarget {
     Object.assign(document, { motion: this }); // where it is found by who measures its cost
     setInterval(() => {
       this.left = this.rests() ? (this.left + 1) % REST : 0;
-      if (!document.hidden && this.left === 0) requestAnimationFrame((now) => this.frame(now));
+      if (this.left === 0) this.draw();
     }, every);
+  }
+
+  /** Asks for a picture, unless one is asked for or nobody would see it. */
+  draw() {
+    if (document.hidden || this.asked) return;
+    this.asked = requestAnimationFrame((now) => {
+      this.asked = 0;
+      this.frame(now);
+    });
   }
 
   /** Draws all pictures for a while. */
@@ -57,17 +67,19 @@ export class Motion extends EventTarget {
     this.awake = performance.now() + AWAKE;
   }
 
-  /** Returns whether time stands still and nothing has changed of late. */
+  /** Returns whether nothing moves by itself, and nothing has happened of late. */
   rests() {
-    return this.session.state === "frozen" && performance.now() > this.awake;
+    const still = this.calm.matches || this.session.state === "frozen";
+    return still && performance.now() > this.awake;
   }
 
-  /** Wakes where a reading is another than the last. @param {{ channel: string, values: object }} reading */
+  /** Shows a reading that is another than the last. @param {{ channel: string, values: object }} reading */
   hear({ channel, values }) {
     const now = JSON.stringify(values);
     if (this.heard.get(channel) === now) return;
     this.heard.set(channel, now);
-    this.wake();
+    if (this.calm.matches) this.draw();
+    else this.wake();
   }
 
   /** Takes a reading: where the told rate is secret, the last two readings give one. */
