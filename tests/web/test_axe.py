@@ -6,6 +6,7 @@ import pytest
 from helpers import node
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, Served
+from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 
 from trainer.web.pages import PAGES
@@ -32,4 +33,4 @@ def test_a_page_has_no_barrier(
 
     page.evaluate(axe)  # as a tool of the browser would: no page may load it
 
-    assert page.evaluate(RUN) == []
+    await_that(lambda: page.evaluate(RUN) == [], lambda: page.evaluate(RUN))  # once it is drawn
