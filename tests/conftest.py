@@ -48,7 +48,7 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Have each process begin to collect at another folder, so that each compiles other files.
+    """Have each process begin to collect at another file, so that each compiles others.
 
     What one has compiled the others read, where all who go the same way compile everything.
     """

@@ -57,7 +57,7 @@ def look(browser: Browser) -> Iterator[Look]:
     """Return a function that opens a page: ``look(session, "helm", size="phone")``.
 
     It draws each reading once, as for who wants no motion, because pictures between the ticks
-    would cost half of a processor; ``reduced_motion="no-preference"`` draws them. At the end the
+    would cost a third of a processor; ``reduced_motion="no-preference"`` draws them. At the end the
     test fails where a page has said something on its console, or has asked elsewhere.
     """
     with ExitStack() as stack:
