@@ -84,6 +84,12 @@ SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
 }
 # fmt: on
 UNIT_PLATFORMS: Final = [name for name, kind in SHIPPED_PLATFORMS.items() if kind.unit_folders]
+# objects of those kernels alone that a unit calls, for size, since a unit is mailed about
+UNIT_OBJECTS: Final = {name: f"unit-{name}" for name in UNIT_PLATFORMS}
+SHIPPED_OBJECTS: Final[Mapping[str, Platform]] = {
+    **SHIPPED_PLATFORMS,
+    **{name: SHIPPED_PLATFORMS[kind] for kind, name in UNIT_OBJECTS.items()},
+}
 SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
 
 

@@ -2,7 +2,8 @@
 
 ``trainer boat export-fmu`` calls it, by FMI 2.0 or 3.0. The variables follow from the tables of
 state, orders and casualties. For each platform a C compiler links ``unit.c`` with the face of a
-version (``fmi2.c``, ``fmi3.c``), the boat's numbers and the object that the trainer ships.
+version (``fmi2.c``, ``fmi3.c``), the boat's numbers and the small object that the trainer ships
+for it.
 """
 
 import hashlib
@@ -31,7 +32,13 @@ from trainer.boat.export.header import place_comments, places_of, record_members
 from trainer.boat.export.orders import order_rows
 from trainer.boat.export.targets import lacking_linker
 from trainer.boat.machine_code import shipped_object
-from trainer.boat.platforms import SHIPPED_PLATFORMS, UNIT_PLATFORMS, Platform, platform_name
+from trainer.boat.platforms import (
+    SHIPPED_PLATFORMS,
+    UNIT_OBJECTS,
+    UNIT_PLATFORMS,
+    Platform,
+    platform_name,
+)
 from trainer.boat.sea_orders import fully_developed
 from trainer.config.files import ConfigError
 from trainer.config.sea import SEA_STATE_HEIGHT, SeaFile, sea_settings, step_problem
@@ -49,7 +56,7 @@ ORDER_UNITS: Final = {unit.factor: unit.names[0] for unit in (METRES, DEGREES, K
 MOTION_UNITS: Final = re.compile(r"^# (.*)\nMOTION", re.MULTILINE)  # a comment in ``core.state``
 STATED_UNIT: Final = re.compile(r"\[(.*?)\] ?")  # as comments there begin
 COMPILER_OPTIONS: Final = (
-    *("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-s", "-o", "boat.so"),
+    *("-std=c99", "-Os", "-ffp-contract=off", "-shared", "-s", "-o", "boat.so"),
     *("face.c", "core.o", "-lm"),
 )
 LIBRARY_ENDINGS: Final = {"linux": ".so", "windows": ".dll"}  # by system
@@ -253,7 +260,7 @@ def find_linker(name: str) -> tuple[list[str], Platform]:
 
 def link_binary(model: str, name: str, version: int) -> bytes:
     """Return the library of a model for a platform; ConfigError where none is made."""
-    code, (compiler, target) = shipped_object(name), find_linker(name)
+    code, (compiler, target) = shipped_object(UNIT_OBJECTS[name]), find_linker(name)
     if code is None:
         raise ConfigError(
             "export-fmu: the core is not that of the shipped objects: trainer boat export-core "

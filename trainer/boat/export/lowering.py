@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 import numba
@@ -20,7 +21,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
 
 from trainer.boat.entries import NUMBER_PAIR, Entry
-from trainer.boat.export.targets import optimise_module
+from trainer.boat.export.targets import Effort, optimise_module
 from trainer.boat.platforms import Platform
 from trainer.config.files import ConfigError
 from trainer.core.kernel import INTERPRETED, TESTED_NUMBA, Record, is_tested
@@ -213,13 +214,18 @@ def seal_module(module: Any, shown: Collection[str]) -> Any:
     return module
 
 
-def compile_for(target: Platform, texts: Iterable[str], shown: Collection[str]) -> bytes:
+def compile_for(
+    target: Platform, texts: Iterable[str], shown: Collection[str], effort: Effort
+) -> bytes:
     """Return one object of these texts for a platform, with the names ``shown``."""
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
-    reloc, level = ("pic", 3) if target.bits == 64 else ("static", 2)
     machine = binding.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features=target.features, opt=level, reloc=reloc, codemodel="small"
+        cpu=target.cpu,
+        features=target.features,
+        opt=effort.level,
+        reloc="pic" if target.bits == 64 else "static",
+        codemodel="small",
     )
     head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
     module = binding.parse_assembly(head + freestanding_text(target.bits))
@@ -228,15 +234,17 @@ def compile_for(target: Platform, texts: Iterable[str], shown: Collection[str]) 
         own = re.sub(r"^target .*$", "", text, flags=re.MULTILINE)
         module.link_in(binding.parse_assembly(head + own))
     seal_module(module, shown)
-    optimise_module(module, machine, level)
+    optimise_module(module, machine, effort)
     return bytes(machine.emit_object(module))
 
 
-def lower_in_child(program: str, words: Sequence[str]) -> None:
-    """Run a program of this package that lowers for a plain processor.
+def lower_in_child(
+    program: str, words: Sequence[str], settings: Mapping[str, str] = MappingProxyType({})
+) -> None:
+    """Run a program of this package that lowers for a plain processor, by settings of numba.
 
-    It is a process of its own. Its bytes then do not depend on this machine, nor on settings of
-    numba, except that of its cache. ConfigError with what it says where it fails.
+    It is a process of its own. Its bytes then do not depend on this machine, nor on the user's
+    settings of numba, except that of its cache. ConfigError with what it says where it fails.
     """
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")
@@ -244,7 +252,7 @@ def lower_in_child(program: str, words: Sequence[str]) -> None:
     if "NUMBA_CACHE_DIR" in os.environ:
         environment["NUMBA_CACHE_DIR"] = os.environ["NUMBA_CACHE_DIR"]
     root = str(Path(__file__).parents[3])
-    environment |= PLAIN_MACHINE
+    environment |= {**PLAIN_MACHINE, **settings}
     environment["PYTHONPATH"] = os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])
     call_program([sys.executable, "-c", program, *words], environment)
 

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
@@ -102,14 +102,23 @@ def object_code(module: Any, target: Processor) -> bytes:
     machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
         cpu=target.name, features=target.features, opt=3, reloc="pic", codemodel="small"
     )
-    optimise_module(module, machine, 3)
+    optimise_module(module, machine, Effort(3))
     return bytes(machine.emit_object(module))
 
 
-def optimise_module(module: Any, machine: Any, level: int) -> None:
+class Effort(NamedTuple):
+    """How hard the compiler tries: its level, and whether it makes vectors, and unrolls loops."""
+
+    level: int
+    vectors: bool = False  # numba has made those that are worth it, unless it was told not to
+    unrolling: bool = True
+
+
+def optimise_module(module: Any, machine: Any, effort: Effort) -> None:
     """Optimise a module for a machine, and strip its names."""
-    tuning = binding.create_pipeline_tuning_options(speed_level=level)
-    tuning.loop_vectorization = tuning.slp_vectorization = False  # numba has done what is worth it
+    tuning = binding.create_pipeline_tuning_options(speed_level=effort.level)
+    tuning.loop_vectorization = tuning.slp_vectorization = effort.vectors
+    tuning.loop_unrolling = effort.unrolling
     builder = binding.create_pass_builder(machine, tuning)
     passes = builder.getModulePassManager()
     passes.add_strip_symbols_pass()

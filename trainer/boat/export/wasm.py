@@ -34,6 +34,7 @@ from trainer.boat.export.lowering import (
     quote_bytes,
 )
 from trainer.boat.export.orders import order_rows
+from trainer.boat.export.targets import Effort
 from trainer.boat.platforms import CPU_TARGETS
 from trainer.config.files import ConfigError
 from trainer.core.casualties import begin, end, instruments
@@ -117,7 +118,7 @@ def lower(scheme: str, target: str) -> None:
         texts.append(settle_method(text, Path(scheme).read_bytes()))
         texts.append(entry_text(entry, kernel, name))
     shown = {*HOST_FUNCTIONS, *(f"trainer_{room}" for room in ROOM_NAMES)}
-    Path(target).write_bytes(compile_for(CPU_TARGETS[WASM32], texts, shown))
+    Path(target).write_bytes(compile_for(CPU_TARGETS[WASM32], texts, shown, Effort(2)))
 
 
 def build_module(scheme: Record) -> bytes:
