@@ -241,7 +241,7 @@ def compile_for(
 def lower_in_child(
     program: str, words: Sequence[str], settings: Mapping[str, str] = MappingProxyType({})
 ) -> None:
-    """Run a program of this package that lowers for a plain processor, by settings of numba.
+    """Run a program of this package that lowers for a plain processor.
 
     It is a process of its own. Its bytes then do not depend on this machine, nor on the user's
     settings of numba, except that of its cache. ConfigError with what it says where it fails.
