@@ -27,6 +27,7 @@ def record_of(name: str) -> Any:
     return identify.draw_record(started.problem(TANKER_RUDDER[:200]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["whole", "missing", "started"])
 def test_the_likelihood_of_statsmodels_is_ours(name: Any) -> None:
     kalman = pytest.importorskip("statsmodels.tsa.statespace.kalman_filter")
@@ -85,6 +86,7 @@ def bench(*words: Any) -> Any:
     return result.output
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_every_goal_has_its_figure() -> None:
     pytest.importorskip("statsmodels")

@@ -179,7 +179,7 @@ def test_the_page_and_the_json_have_intervals_and_directions(path: Any) -> None:
     assert "T1 + T2" in told(path)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_model_is_tested_against_a_simpler_one_and_without_a_parameter(path: Any) -> None:
     report = json.loads(
         told(path, "--json", "--against", "nomoto1", "--without", "delta_0", "--without", "T3")

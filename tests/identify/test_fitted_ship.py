@@ -113,7 +113,7 @@ def test_another_record_is_predicted_by_rudder_alone(ship: Any) -> None:
     assert np.std(ship.residuals["yaw_rate"]) == pytest.approx(np.radians(0.01), rel=0.15)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_series_matrices_plots_and_files_come_out(ship: Any, tmp_path: Path) -> None:
     assert ship.series()["yaw_rate_measured_deg_s"] == pytest.approx(
         np.degrees(motion(1)["yaw_rate"])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cases.reference_ships import TANKER, TANKER_RUDDER
 from helpers.differences import gradient_and_hessian, refined, relative_steps
+from helpers.lanes import sample_cases
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
@@ -169,7 +170,12 @@ def stepped(problem: Any, place: Any) -> Any:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["whole", "varied", "summed", "started", "settled from the first"])
+@pytest.mark.parametrize(
+    "name",
+    sample_cases(
+        ["whole", "varied", "summed", "started", "settled from the first"], "whole", "varied"
+    ),
+)
 def test_gradient_and_information_are_those_of_an_imaginary_step(name: Any) -> None:
     problem = case(name)
     runs = [stepped(problem, place) for place in range(len(problem.free))]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.lanes import sample_cases
 from helpers.places import ROOT
 from helpers.rolling import PROGRAM, ROWS, SYSTEM, K, W, Z, sampled, write_record, write_study
 from helpers.studies import identified, numbers
@@ -32,7 +33,9 @@ def assert_found(report: Any) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("noise", ["covariance", "innovations", "output-error"])
+@pytest.mark.parametrize(
+    "noise", sample_cases(["covariance", "innovations", "output-error"], "innovations")
+)
 def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
     report = identified(write_study(tmp_path), "--noise", noise)
     assert_found(report)

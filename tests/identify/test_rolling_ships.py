@@ -275,7 +275,7 @@ def asked(*words: object) -> Result:
     return CliRunner().invoke(cli, [str(word) for word in words])
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_ship_is_fitted_written_and_sailed_with_her_heel(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -109,7 +109,7 @@ def test_two_runs_at_two_speeds_tell_more_than_one() -> None:
     assert np.all(np.abs(found.theta - both.start)[ship] < 4.0 * ours[ship])
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_two_records_are_fitted_by_one_command(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0), 200)

@@ -238,7 +238,7 @@ def test_the_ship_found_is_written_to_sail(plain: Path, tmp_path: Path) -> None:
         run(identify, plain, "--to", "250", "--write-vessel", tmp_path / "boat.toml")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_plot_is_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     for more in ((), ("--armax",)):

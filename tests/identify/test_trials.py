@@ -173,7 +173,7 @@ def scatter(known: ShipFile, found: TrialDesign, count: int) -> Numbers:
     return np.array(away)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_made_records_scatter_as_was_expected(known: ShipFile, pair: TrialDesign) -> None:
     away = scatter(known, pair, 4)
 

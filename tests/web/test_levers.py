@@ -548,6 +548,7 @@ CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]
   })"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("vessel", sample_cases(["bb2", "sdv-mk9"], "bb2"))
 def test_charts_are_as_wide_as_their_panel(serve: Serve, look: Look, vessel: str) -> None:
     served = serve("--vessel", vessel)

@@ -349,6 +349,7 @@ def test_a_card_says_what_breaks_in_the_language_of_its_page(opened: Open, drill
     )
 
 
+@pytest.mark.slow
 def test_a_try_ends_after_two_minutes_with_its_result_beside_what_was_recorded(
     opened: Open, drill: Path
 ) -> None:

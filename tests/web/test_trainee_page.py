@@ -300,6 +300,7 @@ def test_each_instrument_that_a_step_may_light_up_is_on_the_page(serve: Serve, l
 # Sizes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", sample_cases(["en", "de"], "de"))
 def test_a_lessons_page_is_whole_at_every_size(serve: Serve, look: Look, language: str) -> None:
     page = look(serve("fifteen-metres-down"), "trainee", query=f"?lang={language}")
