@@ -50,8 +50,8 @@ from trainer.core.update import update
 from trainer.io.outputs import replacing
 
 UNIT_KERNELS: Final = (update, instruments, begin, end, order_sea)  # as ``unit.c`` declares them
-EFFORT: Final = Effort(2, vectors=True)  # level 3 is larger by 4 %, and slower by 1 %
-UNIT_EFFORT: Final = EFFORT._replace(unrolling=False)  # smaller by 13 %, slower by 20 %
+SHIPPED_EFFORT: Final = Effort(2, vectors=True)  # level 3 is larger by 4 %, and slower by 1 %
+UNIT_EFFORT: Final = SHIPPED_EFFORT._replace(unrolling=False)  # smaller by 13 %, slower by 20 %
 CHILD_CODE: Final = (
     "from sys import argv; from trainer.boat.export import objects; objects.lower(*argv[1:])"
 )
@@ -95,7 +95,7 @@ def lower(folder: str, *names: str) -> None:
         of_unit = name in UNIT_OBJECTS.values()
         shown = called if of_unit else {*texts, TICK_NAME}
         needed = chain.from_iterable(text for entry, text in texts.items() if entry in shown)
-        code = compile_for(target, needed, shown, UNIT_EFFORT if of_unit else EFFORT)
+        code = compile_for(target, needed, shown, UNIT_EFFORT if of_unit else SHIPPED_EFFORT)
         Path(folder, f"{name}.o").write_bytes(code)
 
 
