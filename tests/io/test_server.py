@@ -9,6 +9,7 @@ import struct
 import threading
 import time
 import tracemalloc
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -584,6 +585,29 @@ def test_a_port_opened_while_the_hub_looks_at_its_ports_is_heard_too(
         assert here.wait(lambda: opened and opened[0])
         with socket.create_connection(("127.0.0.1", opened[0]), timeout=PATIENCE):
             assert len(here.arrivals(1)) == 1
+
+
+def test_a_hub_asks_the_system_for_those_alone_whose_wishes_have_changed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = Counter[str]()
+    watch = Server._watch  # noqa: SLF001  its questions
+
+    def counted(server: Server, end: Any, events: int, call: Any) -> None:
+        asked[getattr(end, "name", "a port")] += 1
+        watch(server, end, events, call)
+
+    monkeypatch.setattr(Server, "_watch", counted)
+    with control() as here, client(here) as (far, busy), client(here) as (_, idle):
+        said = 0
+        while select.select([], [busy], [], 0.1)[1]:  # until nothing more goes out to it
+            said += 1
+            busy.send(f"{said:060d}")
+        while said:
+            said -= far.recv(4096).count(b"\n")
+
+    assert asked[busy.name] > asked[idle.name]
+    assert asked[idle.name] <= 2  # as it comes and as it goes
 
 
 def test_a_hub_that_closes_waits_for_its_clients_asleep(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,6 +25,7 @@ from trainer.session.stations.display import (
     WordDisplay,
     panel,
 )
+from trainer.session.stations.panels import Channel, word
 from trainer.session.stations.roles import PANEL_NAMES, ROLES
 from trainer.session.stations.subscriptions import display
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -483,6 +484,18 @@ def test_a_program_gets_names_and_units_once_and_then_values_in_their_order(boat
     named = [name.partition(":")[0] for name in names.fields[1:]]
     assert dict(zip(named, state.fields[3:], strict=True)) == values(frame, "steering")
     assert state.fields[1:3] == ("120", "60.000")
+
+
+def test_a_channel_is_read_once_for_all_programs_that_look_at_a_frame(boat: Boat) -> None:
+    read = list[Frame]()
+    fields = (word("looks", lambda frame: read.append(frame) or "seen"),)  # type: ignore[func-returns-value]
+    channel = Channel("looks", "how often it was read", fields)
+    first, later = frame_of(boat), frame_of(boat)
+
+    shown = [SentenceDisplay(channel).lines(frame)[-1] for frame in (first,) * 30 + (later,)]
+
+    assert read == [first, later]
+    assert len(set(shown)) == 1
 
 
 @pytest.mark.parametrize("channel", sorted(CHANNELS))

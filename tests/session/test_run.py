@@ -17,6 +17,7 @@ from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.waiting import stay_for
 
+from trainer.cli import run as run_command
 from trainer.cli.main import main
 from trainer.config.vessel import load_vessel
 from trainer.session.options import RunOptions
@@ -677,3 +678,28 @@ def test_a_summary_that_cannot_be_written_is_told_without_a_traceback(start: Sta
     assert ran.code != 0
     assert "trainer: No space left on device" in ran.err
     assert "Traceback" not in ran.err
+
+
+@posix
+@pytest.mark.parametrize(("piped", "told"), [("depth 80\n", 1), ("", 0)])
+def test_a_headless_run_says_once_that_it_does_not_hear_what_is_piped(
+    start: Start, piped: str, told: int
+) -> None:
+    ran = Run(start(*HEADLESS, "--duration", "60"), piped)
+
+    assert ran.code == 0, ran.err
+    assert ran.err.count("not heard by --headless: leave it out, or give --orders FILE") == told
+
+
+def test_orders_that_are_piped_during_a_headless_run_are_told_at_its_end(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    waiting = iter([False, True])
+    monkeypatch.setattr(run_command, "input_waits", lambda: next(waiting))
+    monkeypatch.setattr(sys, "argv", ["trainer", *HEADLESS, "--duration", "1"])
+
+    with pytest.raises(SystemExit) as left:
+        main()
+
+    assert left.value.code == 0
+    assert capsys.readouterr().err.count("not heard by --headless") == 1

@@ -5,6 +5,7 @@ A command makes a record and hands it to ``show_report`` with the functions that
 """
 
 import math
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -72,6 +73,22 @@ def show_report(
 def print_note(text: str) -> None:
     """Print a line on stderr, so that it is no part of the answer."""
     click.echo(text, err=True)
+
+
+def input_waits() -> bool:
+    """Return whether words wait at the standard input, which is no terminal; they are left there.
+
+    A program that needs none must not read them: in a shell's loop they are of the next rounds.
+    """
+    if sys.platform == "win32":  # which cannot tell
+        return False
+    import fcntl
+    import termios
+
+    try:
+        return not os.isatty(0) and fcntl.ioctl(0, termios.FIONREAD, bytes(4)) != bytes(4)
+    except OSError:  # closed, or no pipe and no file
+        return False
 
 
 def show_step(step: int, cost: float) -> None:

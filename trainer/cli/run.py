@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from trainer.cli.answers import input_waits, print_note
 from trainer.cli.options import (
     EXERCISE_NAME,
     RECORDING_FILE,
@@ -48,6 +49,9 @@ from trainer.cli.web import require_pages
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
 IMPORT_SPACE = 320_000_000  # [B] of addresses: numba and numpy were seen to take 350 million
+UNREAD_ORDERS = (
+    "orders at the standard input are not heard by --headless: leave it out, or give --orders FILE"
+)
 WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.beside")  # a refusal may name any path
 STATION_ROLES = (
     "instructor",
@@ -231,10 +235,23 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     refuse_little_memory()
     from trainer.session.run import run_boat
 
+    alone = options.headless and not options.serve
+    told = alone and tell_unread_orders()
     try:
-        sys.exit(run_boat(options, debriefing=debriefing()))
+        code = run_boat(options, debriefing=debriefing())
     finally:
         gc.enable()
+    if alone and not told:  # the program before the pipe may have begun later
+        tell_unread_orders()
+    sys.exit(code)
+
+
+def tell_unread_orders() -> bool:
+    """Tell of orders that wait at the input of a headless run; return whether there are any."""
+    waiting = input_waits()
+    if waiting:
+        print_note(f"trainer: {UNREAD_ORDERS}")
+    return waiting
 
 
 def refuse_little_memory() -> None:

@@ -67,6 +67,7 @@ class Connection:
         self.local = False  # it is of this machine and this user
         self.machine = ""  # where it comes from, once that is known
         self.introduce_by = math.inf  # [s]  when that has to be said
+        self.watched = 0  # the events that the server waits for at its socket
         end.settimeout(0.0)
         self._end = end
         self._arrived = arrived  # set when there is something to take, and at the end

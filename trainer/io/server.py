@@ -294,12 +294,14 @@ class Server:
             if connection.overdue(now):
                 connection.send("? closed: nobody said who is here: role NAME TOKEN")
                 connection.close(REFUSAL_TIMEOUT_S)
-            if connection.finished(now):
-                self._watch(connection, 0, connection.serve)
+            finished = connection.finished(now)
+            wanted = 0 if finished else connection.wants(now)
+            if connection.watched != wanted:  # asking the selector takes most of a round
+                self._watch(connection, wanted, connection.serve)
+                connection.watched = wanted
+            if finished:
                 connection.dispose()
                 self._connections.remove(connection)
-            else:
-                self._watch(connection, connection.wants(now), connection.serve)
 
     def _watch(
         self, end: socket.socket | Connection, events: int, call: Callable[[int], None]

@@ -38,9 +38,14 @@ class SentenceDisplay:
         self._named = False
 
     def lines(self, frame: Frame) -> list[str]:
-        """Return the values, under their names if these have not been sent."""
+        """Return the values, under their names if these have not been sent.
+
+        The frame keeps the sentence, because thirty stations look at seven channels.
+        """
         name, fields = self._channel.name, self._channel.fields
-        values = sentences.state(name, frame.tick, frame.seconds, self._channel.values(frame))
+        if (values := frame.kept.get(f"sentence {name}")) is None:
+            values = sentences.state(name, frame.tick, frame.seconds, self._channel.values(frame))
+            frame.kept[f"sentence {name}"] = values
         if self._named:
             return [values]
         self._named = True
