@@ -76,9 +76,9 @@ def print_note(text: str) -> None:
 
 
 def input_waits() -> bool:
-    """Return whether words wait at the standard input, which is no terminal; they are left there.
+    """Return whether words wait at the standard input, a pipe or a file.
 
-    A program that needs none must not read them: in a shell's loop they are of the next rounds.
+    They are left there, because in a shell's loop they are the input of the next rounds.
     """
     if sys.platform == "win32":  # which cannot tell
         return False

@@ -184,7 +184,9 @@ trainee_options = combine_options(
 )
 
 console_options = combine_options(
-    click.option("--headless", is_flag=True, help="No console, no input; a progress bar and a summary."),
+    click.option(
+        "--headless", is_flag=True, help="No console, no input; a progress bar and a summary."
+    ),
     click.option(
         "--serial",
         "url",

@@ -247,7 +247,7 @@ def take_to_sea(options: RunOptions) -> NoReturn:
 
 
 def tell_unread_orders() -> bool:
-    """Tell of orders that wait at the input of a headless run; return whether there are any."""
+    """Tell of orders that wait unread at the standard input; return whether any do."""
     waiting = input_waits()
     if waiting:
         print_note(f"trainer: {UNREAD_ORDERS}")
