@@ -158,6 +158,18 @@ def test_a_release_has_forty_lines_of_changelog_at_most() -> None:
     assert [each.splitlines()[0] for each in releases if len(each.splitlines()) > 40] == []
 
 
+def test_each_library_that_is_asked_for_has_its_reason_on_the_page_of_dependencies() -> None:
+    page = (DOCS / "dependencies.md").read_text(encoding="utf-8")
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project = table["project"]
+    groups = [project["dependencies"], *project["optional-dependencies"].values()]
+    groups += table["dependency-groups"].values()
+    libraries = {re.match(r"[\w-]+", each)[0] for group in groups for each in group}  # type: ignore[index]
+
+    assert len(libraries) > 30
+    assert sorted(each for each in libraries if not re.search(rf"\b{each}\b", page)) == []
+
+
 def test_the_hosted_workflow_calls_the_gate_and_nothing_else() -> None:
     workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
 
