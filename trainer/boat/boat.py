@@ -263,12 +263,12 @@ class Boat:
         """
         # Nobody looks on the way, because that would leave the machine code at each tick. What
         # gauges show, a collapse or a collision is found in the rows.
-        begun, start = self.ticks, self.snapshot()
+        begun, start = self.ticks, np.array(self.plain)
         status = self.fly(places, rows)
         flown = rows[: self.ticks - begun]
         kept = flown[: keep(flown)]
         if len(kept) < len(flown):
-            self.restore(start)
+            self.plain[:] = start  # as it was
             status = self.fly(places, kept)
         return status, kept
 
