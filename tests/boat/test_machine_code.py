@@ -225,6 +225,23 @@ def test_a_kernel_called_for_two_boats_in_turns_takes_each_one_s_records(
         sail_height(None, None)  # type: ignore[arg-type]
 
 
+@jitted
+def test_numbers_that_may_only_be_read_are_taken_by_the_object_too(
+    make_boat: Callable[..., Boat],
+) -> None:
+    vars(entry.fly).pop("dispatcher", None)  # that a test before this one has asked for
+    flown = []
+    for may_be_written in (True, False):
+        boat, places, rows = make_boat(), np.arange(3.0), np.empty((4, 3))
+        boat.start(5.0, 60.0, 0.0)
+        places.flags.writeable = may_be_written
+        assert entry.fly(boat.records, machine_code.EMPTY_CHART, places, rows) == 0
+        flown.append(rows.tobytes())
+
+    assert flown[0] == flown[1]
+    assert "dispatcher" not in vars(entry.fly)
+
+
 def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:
     assert {each.kernel for each in entries.KERNEL_ENTRIES if each.many_ticks} == MANY_PER_CALL
 

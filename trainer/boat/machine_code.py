@@ -40,6 +40,7 @@ MADE_PREFIX: Final = "object-"  # of an object that was made here
 NUMBA_SETTINGS: Final = ("BOUNDSCHECK", "CPU_NAME", "CPU_FEATURES", "OPT")
 BY_NUMBA: Final = "compiled by numba"
 EMPTY_CHART: Final = np.empty(0)
+NO_BYTES: Final = ctypes.c_char * 0
 MAKING_TEXT: Final = "trainer: compiling the core for this machine, this once (about a minute) ..."
 FORBIDDEN_TEXT: Final = (
     "this system lets no program make machine code at run time: allow it for trainer (systemd: "
@@ -172,23 +173,27 @@ def find_addresses(*kernels: Callable[..., Any]) -> tuple[int, ...]:
 def _address(array: Any) -> int:
     """Return where the numbers of an array are.
 
-    The array interface tells it in a third of the time, but lists the names of a record's fields,
-    in 100 us.
+    A view of no bytes tells it in a quarter of the time that numpy's ways take. It needs an array
+    that may be written and has no fields.
     """
-    if array.dtype.names:
+    if array.dtype.names or not array.flags.writeable:
         return int(array.ctypes.data)
-    return int(array.__array_interface__["data"][0])
+    return ctypes.addressof(NO_BYTES.from_buffer(array))
 
 
 def _fits(kind: Any, given: Any) -> bool:
     """Return whether an argument is of the kind that the object takes, else numba takes it."""
     if not isinstance(given, np.ndarray) or not given.flags.c_contiguous:
         return False
-    if isinstance(kind, tuple):
-        shape = given.shape
-        sized = all(size in (0, had) for size, had in zip(kind, shape, strict=False))
-        return given.dtype == np.float64 and len(shape) == len(kind) and sized
-    return bool(given.dtype == kind) and given.shape == (1,)
+    if not isinstance(kind, tuple):
+        return bool(given.dtype == kind) and given.shape == (1,)
+    shape = given.shape
+    if given.dtype != np.float64 or len(shape) != len(kind):
+        return False
+    for size, had in zip(kind, shape, strict=True):  # all() takes three times as long
+        if size not in (0, had):
+            return False
+    return True
 
 
 def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
@@ -222,7 +227,7 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
                 words.append(each)
             elif not plain and _fits(kind, each):
                 words.append(_address(each))
-                moved = True
+                moved = moved or isinstance(kind, np.dtype)
             else:
                 return entry.kernel.dispatcher(*asked)
         if moved:
