@@ -34,6 +34,7 @@ from trainer.core.ballast.hover import wanted_pump
 from trainer.core.current import north_and_east
 from trainer.core.digest import core_digest, read_source
 from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.sea.sea import order_sea
@@ -204,6 +205,19 @@ def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat
         order_sea(vessel, 0.5, 0.0, wanted, scratch, state)
 
     assert states[0].tobytes() == states[1].tobytes()
+
+
+@jitted
+@pytest.mark.parametrize("wanted", [np.zeros(10), np.zeros(9, np.float32), np.zeros((9, 1))])
+def test_numbers_of_another_size_or_kind_are_numba_s(
+    make_boat: Callable[..., Boat], monkeypatch: pytest.MonkeyPatch, wanted: Numbers
+) -> None:
+    records = make_boat().records
+    monkeypatch.setitem(vars(order_sea), "dispatcher", lambda *_: "numba's")
+
+    answer = order_sea(records.vessel, 0.5, 0.0, wanted, records.scratch, records.state)
+
+    assert answer == "numba's"
 
 
 @jitted

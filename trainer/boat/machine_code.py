@@ -190,7 +190,7 @@ def _fits(kind: Any, given: Any) -> bool:
     shape = given.shape
     if given.dtype != np.float64 or len(shape) != len(kind):
         return False
-    for size, had in zip(kind, shape, strict=True):  # all() takes three times as long
+    for size, had in zip(kind, shape, strict=True):  # noqa: SIM110  all() takes three times as long
         if size not in (0, had):
             return False
     return True
