@@ -263,7 +263,7 @@ class Boat:
         """
         # Nobody looks on the way, because that would leave the machine code at each tick. What
         # gauges show, a collapse or a collision is found in the rows.
-        begun, start = self.ticks, np.array(self.plain)
+        begun, start = self.ticks, memoryview(self.plain.tobytes()).cast("d")
         status = self.fly(places, rows)
         flown = rows[: self.ticks - begun]
         kept = flown[: keep(flown)]
