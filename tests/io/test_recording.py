@@ -422,7 +422,7 @@ def kill_often(folder: Path, kills: int) -> None:
 @pytest.mark.process
 @posix
 def test_a_kill_at_any_instant_loses_no_order(tmp_path: Path) -> None:
-    kill_often(tmp_path, 20)
+    kill_often(tmp_path, 6)
 
 
 @posix

@@ -230,24 +230,22 @@ def table(nursery: Nursery, path: Path) -> list[list[str]]:
     return [row[:-2] for row in rows]
 
 
-def kill_often(nursery: Nursery, exercise: Path, kills: int, speed: str = "max") -> None:
+def kill_often(nursery: Nursery, exercise: Path, kills: int) -> None:
     """Kill a run again and again, until so many kills have left something to go on with."""
     folder, dice = exercise.parent, random.Random(1969)  # noqa: S311  instants, not secrets
-    seconds = SECONDS if speed == "max" else 20
-    duration = ("--duration", str(seconds))
-    run = ("run", str(exercise), "--headless", "--speed", speed, *duration, "--record")
+    run = ("run", str(exercise), *MAX, "--duration", str(SECONDS), "--record")
     whole = folder / "whole.trainer"
     took = nursery.done(*run, str(whole))
     instructions = nursery.instructions()
     expected = story(whole)
-    assert len(expected[0]) == 2 * seconds + 1
+    assert len(expected[0]) == 2 * SECONDS + 1
 
     inside = killed = 0
     for number in itertools.count():
         path = folder / f"{number}.trainer"
         words = (*run, str(path))
         while True:  # a run that has been gone on with is killed as well
-            where = dice.randrange(1, instructions) if speed == "max" and dice.random() < 0.5 else 0
+            where = dice.randrange(1, instructions) if dice.random() < 0.5 else 0
             nursery.start(
                 *words,
                 seconds=None if where else dice.uniform(0.0, took),
@@ -269,7 +267,7 @@ def kill_often(nursery: Nursery, exercise: Path, kills: int, speed: str = "max")
         if killed >= kills:
             break
         path.unlink()
-    assert inside > 0 or speed != "max"
+    assert inside > 0
     assert table(nursery, path) == table(nursery, whole)
 
 
@@ -277,14 +275,7 @@ def kill_often(nursery: Nursery, exercise: Path, kills: int, speed: str = "max")
 def test_a_run_killed_at_any_instant_goes_on_to_the_same_bits(
     nursery: Nursery, exercise: Path
 ) -> None:
-    kill_often(nursery, exercise, 8)
-
-
-@pytest.mark.process
-def test_a_run_killed_in_real_time_goes_on_to_the_same_bits(
-    nursery: Nursery, exercise: Path
-) -> None:
-    kill_often(nursery, exercise, 2, speed="20")
+    kill_often(nursery, exercise, 2)
 
 
 @pytest.mark.long
