@@ -3,9 +3,6 @@
 import dataclasses
 import itertools
 import json
-import signal
-import subprocess
-import sys
 import threading
 import time
 from fractions import Fraction
@@ -13,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from helpers.waiting import stay_for
 
 from trainer.session.time.ledger import SECOND_NS, Histogram, Ledger
 from trainer.session.time.pacer import (
@@ -498,58 +494,6 @@ def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
     assert {i for i, tick in enumerate(ledger.rows) if tick.work >= 60_000_000} == chosen
     assert ledger.rows[-1].deadline - ledger.rows[0].deadline == 21 * 40_000_000
     assert summary.gaps == 0
-
-
-CHILD = """
-import threading
-from trainer.session.time.pacer import MonotonicClock
-from trainer.session.time.pacer import Pacer, Policy
-from trainer.session.time.ledger import Ledger
-
-deadlines = []
-
-class DetailedLedger(Ledger):
-    def record(self, deadline, start, work):
-        super().record(deadline, start, work)
-        deadlines.append(deadline)
-
-clock, wake = MonotonicClock(), threading.Event()
-pacer = Pacer(clock, DetailedLedger(0.5), 1.0, Policy.CATCH_UP)
-pacer.run()
-for tick in range(5):
-    pacer.wait(wake)
-    pacer.begin()
-    print(tick, flush=True)
-    pacer.end()
-summary = pacer.ledger.summary()
-print(*deadlines, flush=True)
-print(summary.gaps, summary.gap_ns, summary.caught_up, summary.skipped, flush=True)
-"""
-
-
-@pytest.mark.clock
-@pytest.mark.process
-@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
-def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> None:
-    with subprocess.Popen([sys.executable, "-c", CHILD], stdout=subprocess.PIPE) as child:
-        assert child.stdout is not None
-        ticks = [int(child.stdout.readline()) for _ in range(2)]
-        stay_for(child, 0.1)  # into the wait for the third
-        child.send_signal(signal.SIGSTOP)
-        stopped = time.monotonic()
-        stay_for(child, 5.0)  # the gap
-        child.send_signal(signal.SIGCONT)
-        away = time.monotonic() - stopped
-        ticks += [int(child.stdout.readline()) for _ in range(3)]
-        apart = np.diff([int(each) for each in child.stdout.readline().split()])
-        gaps, gap_ns, caught_up, skipped = map(int, child.stdout.readline().split())
-
-    assert child.returncode == 0
-    assert ticks == [0, 1, 2, 3, 4]
-    assert (gaps, caught_up, skipped) == (1, 0, 0)
-    assert [apart[0], *apart[2:]] == [PERIOD, PERIOD, PERIOD]  # after the gap as before it
-    assert apart[1] == PERIOD + gap_ns
-    assert gap_ns / SECOND_NS == pytest.approx(away - 0.4, abs=0.8)  # 0.4 s it slept by rights
 
 
 def overloaded(
