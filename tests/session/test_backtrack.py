@@ -676,7 +676,7 @@ class Witness:
 
 
 @pytest.mark.long
-@settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(TYPED, max_size=40))
 def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
     exercise: Path, lines: list[str]
