@@ -20,6 +20,7 @@ import pytest
 from helpers.places import environment
 from helpers.screens import run_aside
 from helpers.waiting import PATIENCE, await_begun, await_that, await_work, eventually
+from textual import events
 
 from trainer.console.app import Console
 from trainer.console.client import Client
@@ -481,7 +482,9 @@ async def typed(app: Console, keys: list[str]) -> list[JournalEntry]:
     async with app.run_test() as pilot:
         while not app.model.picture.seconds or not wanted <= set(app.model.picture.last):
             await pilot.pause(LOOK)
-        await pilot.press(*keys)
+        for key in keys:  # at once: a press by the pilot waits for a screen that moves
+            app.post_message(events.Key(key, key if len(key) == 1 else None))
+        await pilot.pause()
         app.model.order("who")
         while app.model.waiting:
             await pilot.pause(LOOK)
