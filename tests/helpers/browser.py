@@ -77,6 +77,7 @@ def look(browser: Browser) -> Iterator[Look]:
             page.on("console", lambda said: heard.console.append(said.text))
             page.on("pageerror", lambda error: heard.console.append(str(error)))
             page.on("request", lambda request: heard.requests.append(request.url))
+            page.on("websocket", lambda line: heard.requests.append(line.url))
             page.goto(f"{session.url}/{name}{query}")
             return page
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.hands import EACH_WAY, UNWORKED, see_whole, stop_clock, work
+from helpers.hands import UNWORKED, WAYS, see_whole, stop_clock, work
 from helpers.lanes import sample_cases
-from helpers.pages import Served, served
+from helpers.pages import SIZES, Served, served
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
@@ -20,7 +20,7 @@ from trainer.config.files import ConfigError
 from trainer.web.words import read_catalogue
 
 Look = Callable[..., Page]
-UPRIGHT = "1080x1920"
+ROOMS = [*(SIZES[name] for name in ("desk", "tablet", "phone", "phone-side")), (1080, 1920)]
 STEP = 5  # [deg] of a tap on the groove
 FAST = 5.0  # times faster than the clock: what is late on a busy machine is not late for the boat
 TARGET = 60  # [m] as the page says
@@ -213,25 +213,25 @@ def test_mouse_touch_and_keys_work_the_lever_and_the_session_has_it(
     ordered(dragged)
 
 
-def test_each_key_is_worked_by_mouse_touch_and_keyboard(kiosk: Kiosk, look: Look) -> None:
+@pytest.mark.parametrize("way", WAYS)
+def test_each_key_is_worked_each_way(kiosk: Kiosk, look: Look, way: str) -> None:
     page = look(kiosk.session, "kiosk", has_touch=True)
     html = page.locator("html")
-    for way in EACH_WAY:
-        for language in ("de", "en"):
-            work(page, page.locator("#language"), way)
-            expect(html).to_have_attribute("lang", language)
-        work(page, page.locator("#start"), way)
-        scene(page, "dive")
-        work(page, page.locator("#stop"), way)
-        scene(page, "attract")
-        work(page, page.locator("#start"), way)
-        scene(page, "dive")
-        kiosk.order("end exercise")
-        scene(page, "result")
-        work(page, page.locator("#again"), way)
-        scene(page, "dive")
-        work(page, page.locator("#stop"), way)
-        scene(page, "attract")
+    for language in ("de", "en"):
+        work(page, page.locator("#language"), way)
+        expect(html).to_have_attribute("lang", language)
+    work(page, page.locator("#start"), way)
+    scene(page, "dive")
+    work(page, page.locator("#stop"), way)
+    scene(page, "attract")
+    work(page, page.locator("#start"), way)
+    scene(page, "dive")
+    kiosk.order("end exercise")
+    scene(page, "result")
+    work(page, page.locator("#again"), way)
+    scene(page, "dive")
+    work(page, page.locator("#stop"), way)
+    scene(page, "attract")
     assert page.evaluate(UNWORKED) == []
 
 
@@ -336,23 +336,21 @@ def test_the_language_is_chosen_by_one_key_and_forgotten_in_attract(
     expect(page.locator("html")).to_have_attribute("lang", "en")
 
 
-@pytest.mark.parametrize("size", ["desk", "tablet", "phone", "phone-side", UPRIGHT])
 @pytest.mark.parametrize("language", sample_cases(["en", "de"], "de"))
-def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, language: str) -> None:
-    page = look(
-        kiosk.session, "kiosk", size="desk" if size == UPRIGHT else size, query=f"?lang={language}"
-    )
-    if size == UPRIGHT:
-        page.set_viewport_size({"width": 1080, "height": 1920})
-    see_whole(page, size, CUT)
-    page.locator("#start").click()
-    scene(page, "dive")
-    expect(page.locator("#task")).not_to_be_empty()
-    see_whole(page, size, CUT)
-    assert not page.evaluate(OVERLAID)
-    kiosk.order("end exercise")
-    scene(page, "result")
-    see_whole(page, size, CUT)
+def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, language: str) -> None:
+    page = look(kiosk.session, "kiosk", query=f"?lang={language}")
+
+    for name in ("attract", "dive", "result"):
+        if name == "dive":
+            page.locator("#start").click()
+            expect(page.locator("#task")).not_to_be_empty()
+        elif name == "result":
+            kiosk.order("end exercise")
+        scene(page, name)
+        for width, height in ROOMS:
+            page.set_viewport_size({"width": width, "height": height})
+            see_whole(page, (name, width, height), CUT)
+            assert name != "dive" or not page.evaluate(OVERLAID)
     page.locator("#language").focus()
 
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 
 import pytest
-from helpers.hands import EACH_WAY, work
+from helpers.hands import WAYS, work
 from helpers.lanes import sample_cases
 from helpers.pages import IN_SHORT, Served
 from playwright.sync_api import Browser, Page, expect
@@ -115,8 +115,9 @@ def test_what_is_not_found_has_a_way_back(shared: Served, browser: Browser, addr
         expect(page.locator("#state")).to_have_text("CONNECTED")
 
 
+@pytest.mark.parametrize("way", WAYS)
 def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
-    serve: Serve, look: Look
+    serve: Serve, look: Look, way: str
 ) -> None:
     session = serve("stern-plane-jam", "--token", "mast")
     page = look(session)
@@ -125,12 +126,8 @@ def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
     expect(page.locator("body")).not_to_contain_text("Passage")
     page.locator("[href='/helm']").click()
     expect(page.locator("#word-title")).to_contain_text("asks for a word")
-    for way in EACH_WAY:
-        type_word(look(session, "helm", has_touch=True), way)
 
-
-def type_word(page: Page, way: str) -> None:
-    """Type a wrong word, go away and come back, and type the right one."""
+    page = look(session, "helm", has_touch=True)  # a wrong word, away and back, and the right one
     field, enter = page.locator("#word input"), page.locator("#word form button")
     field.fill("boom")
     work(page, enter, way)

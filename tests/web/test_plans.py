@@ -108,11 +108,11 @@ def test_the_instructor_sees_the_exercise_s_events_ahead_and_the_crew_nothing(
     expect(page.locator("#ahead")).to_contain_text("exercise")
     expect(page.locator("#ahead b").first).not_to_be_empty()
     casualty = page.locator("#ahead b").first.inner_text()
+    crew, heard = look(session), list[str]()
+    crew.on("websocket", partial(listen, heard))
     for name in ("planes", "diving", "observer", "wall"):
-        heard: list[str] = []
-        crew = look(session, name)
-        crew.on("websocket", partial(listen, heard))
-        crew.reload()
+        heard.clear()
+        crew.goto(f"{session.url}/{name}")
         expect(crew.locator("#state")).to_have_text("FROZEN")
         assert heard
         assert not any(casualty in frame or "planned" in frame for frame in heard)

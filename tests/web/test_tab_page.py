@@ -93,6 +93,20 @@ def boat_page() -> str:
     return text_of()
 
 
+@pytest.fixture(scope="module")
+def drill_page(drill: Path) -> str:
+    """Return the page of that recording for the instructor."""
+    return text_of(drill)
+
+
+@pytest.fixture(scope="module")
+def debriefed(drill: Path, drill_page: str, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Return the debrief of that recording with the boat inside."""
+    out = tmp_path_factory.mktemp("debriefed") / "debrief.html"
+    debrief_file(drill, out, None, DebriefRequest(boat=drill_page))
+    return out.read_text(encoding="utf-8")
+
+
 @pytest.fixture
 def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
     """Return a function that opens a page's text as a file; nothing may be asked or complained."""
@@ -178,8 +192,8 @@ def test_a_page_offers_only_orders_that_it_takes(boat_page: str) -> None:
     assert not {"hover", "lever", "order", "tell", "next", "end", "release"} & heads
 
 
-def test_a_page_has_no_key_for_what_only_a_session_does(opened: Open) -> None:
-    page = opened(text_of())
+def test_a_page_has_no_key_for_what_only_a_session_does(opened: Open, boat_page: str) -> None:
+    page = opened(boat_page)
     expect(page.locator("#state")).to_have_attribute("data-state", "running")
 
     page.click("#open-exercise")
@@ -258,9 +272,9 @@ def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("station", ["instructor", "pilot", "a card"])
-def test_a_page_has_no_barrier(opened: Open, drill: Path, station: str) -> None:
+def test_a_page_has_no_barrier(opened: Open, drill_page: str, station: str) -> None:
     script = (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
-    page = opened(text_of(drill) if station == "a card" else text_of(station=station))
+    page = opened(drill_page if station == "a card" else text_of(station=station))
     expect(page.locator("#state")).to_have_attribute("data-state", re.compile("running|frozen"))
 
     page.evaluate(script)
@@ -269,9 +283,9 @@ def test_a_page_has_no_barrier(opened: Open, drill: Path, station: str) -> None:
 
 
 def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
-    opened: Open, drill: Path
+    opened: Open, drill_page: str
 ) -> None:
-    page = opened(text_of(drill))
+    page = opened(drill_page)
 
     expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
     page.get_by_role("button", name="Look round first").click()
@@ -320,10 +334,10 @@ def result_of(page: Page) -> list[list[str]]:
     "size", sample_cases([(1366, 768), (360, 640), (844, 390)], (360, 640)), ids=str
 )
 def test_a_mailed_run_begins_with_a_card_and_is_taken_over_there_by_one_key(
-    opened: Open, drill: Path, size: tuple[int, int]
+    opened: Open, drill: Path, drill_page: str, size: tuple[int, int]
 ) -> None:
     at = first_break(drill)
-    page = opened(text_of(drill), *size)
+    page = opened(drill_page, *size)
     card = page.locator("#task")
 
     expect(card.locator("h2")).to_have_text(f"At {at} the stern planes run to 6 deg dive and jam.")
@@ -341,8 +355,10 @@ def test_a_mailed_run_begins_with_a_card_and_is_taken_over_there_by_one_key(
     page.wait_for_function(f"{limit} === 140")
 
 
-def test_a_card_says_what_breaks_in_the_language_of_its_page(opened: Open, drill: Path) -> None:
-    page = opened(text_of(drill), locale="de")
+def test_a_card_says_what_breaks_in_the_language_of_its_page(
+    opened: Open, drill: Path, drill_page: str
+) -> None:
+    page = opened(drill_page, locale="de")
 
     expect(page.locator("#task h2")).to_have_text(
         f"{first_break(drill)}: die Heckruder laufen auf 6 Grad unten und klemmen."
@@ -351,9 +367,9 @@ def test_a_card_says_what_breaks_in_the_language_of_its_page(opened: Open, drill
 
 @pytest.mark.slow
 def test_a_try_ends_after_two_minutes_with_its_result_beside_what_was_recorded(
-    opened: Open, drill: Path
+    opened: Open, drill: Path, drill_page: str
 ) -> None:
-    page = opened(text_of(drill))
+    page = opened(drill_page)
     expect(page.locator("#task")).to_be_visible()
     page.keyboard.press("Enter")
     expect(page.locator("#state")).to_have_attribute("data-state", "running")
@@ -370,7 +386,7 @@ def test_a_try_ends_after_two_minutes_with_its_result_beside_what_was_recorded(
     page.keyboard.press("Enter")  # again
     expect(page.locator("#task")).to_be_hidden()
 
-    page = opened(text_of(drill))  # with the cure, at the clock's own pace
+    page = opened(drill_page)  # with the cure, at the clock's own pace
     expect(page.locator("#task")).to_be_visible()
     page.keyboard.press("Enter")
     expect(page.locator("#task")).to_be_hidden()
@@ -517,11 +533,8 @@ def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
     assert wide <= 360
 
 
-def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path) -> None:
-    out = tmp_path / "debrief.html"
-    debrief_file(drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")))
-
-    page = opened(out.read_text(encoding="utf-8"))
+def test_a_debrief_has_the_boat_inside(opened: Open, debriefed: str) -> None:
+    page = opened(debriefed)
 
     boat = page.frame_locator("iframe")
     expect(boat.locator("#state")).to_have_attribute("data-state", "frozen")
@@ -533,11 +546,9 @@ def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path
 
 
 def test_a_debrief_leads_the_boat_inside_it_to_where_marks_were_lost(
-    opened: Open, drill: Path, tmp_path: Path
+    opened: Open, debriefed: str
 ) -> None:
-    out = tmp_path / "debrief.html"
-    debrief_file(drill, out, None, DebriefRequest(boat=page_text(None, drill, "instructor")))
-    page = opened(out.read_text(encoding="utf-8"))
+    page = opened(debriefed)
     boat = page.frame_locator("iframe")
     expect(boat.locator("#state")).to_have_attribute("data-state", "frozen")
     first = page.get_by_role("link", name="Play from here").first
