@@ -688,7 +688,7 @@ def test_a_headless_run_says_once_that_it_does_not_hear_what_is_piped(
     ran = Run(start(*HEADLESS, "--duration", "60"), piped)
 
     assert ran.code == 0, ran.err
-    assert ran.err.count("not heard by --headless: leave it out, or give --orders FILE") == told
+    assert ran.err.count("not heard by --headless: leave it out\n") == told
 
 
 def test_orders_that_are_piped_during_a_headless_run_are_told_at_its_end(

@@ -49,9 +49,7 @@ from trainer.cli.web import require_pages
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
 Begin = Callable[[RunOptions], NoReturn]
 IMPORT_SPACE = 320_000_000  # [B] of addresses: numba and numpy were seen to take 350 million
-UNREAD_ORDERS = (
-    "orders at the standard input are not heard by --headless: leave it out, or give --orders FILE"
-)
+UNREAD_ORDERS = "orders at the standard input are not heard by --headless: leave it out"
 WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.beside")  # a refusal may name any path
 STATION_ROLES = (
     "instructor",
