@@ -178,6 +178,23 @@ def test_any_text_makes_a_sentence_that_reads_back(text: str, tag: str, accepted
     assert len(event.fields) == 4
 
 
+def test_news_for_thirty_stations_is_framed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    framed, frame = list[str](), sentences.frame
+
+    def noted(kind: str, tag: str, content: str) -> str:
+        framed.append(kind)
+        return frame(kind, tag, content)
+
+    monkeypatch.setattr(sentences, "frame", noted)
+    told = [
+        (sentences.fact(7, 3.5, "order", "depth 81"), sentences.event(7, 3.5, "order", "depth 81"))
+        for _ in range(30)
+    ]
+
+    assert len(set(told)) == 1
+    assert framed == ["TRF", "TRE"]
+
+
 def test_a_comma_within_a_field_is_told_as_a_semicolon() -> None:
     found = parse_sentence(sentences.state("orders", 1, 0.5, ["mind the sea, come up", "2"]))
     assert found

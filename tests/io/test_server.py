@@ -24,6 +24,7 @@ from trainer.io.connection import (
     MAX_OUTGOING_BYTES,
     MAX_OUTGOING_LINES,
     MAX_WAITING_LINES,
+    WRITE_EVENT,
     Connection,
     carried_for,
 )
@@ -177,7 +178,7 @@ def test_a_closed_client_gets_what_was_sent_and_then_the_end() -> None:
 
 def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
     with control() as here, client(here) as (_, hung), client(here) as (far, other):
-        said = 20_000
+        said = 40_000
         seen: list[bytes] = []
         for i in range(said):
             hung.send(f"state {i} " + 60 * "x")
@@ -600,14 +601,43 @@ def test_a_hub_asks_the_system_for_those_alone_whose_wishes_have_changed(
     monkeypatch.setattr(Server, "_watch", counted)
     with control() as here, client(here) as (far, busy), client(here) as (_, idle):
         said = 0
-        while select.select([], [busy], [], 0.1)[1]:  # until nothing more goes out to it
+        while not busy.watched & WRITE_EVENT:  # until some wait for room in its socket
             said += 1
             busy.send(f"{said:060d}")
+        said -= busy.dropped
         while said:
             said -= far.recv(4096).count(b"\n")
 
     assert asked[busy.name] > asked[idle.name]
     assert asked[idle.name] <= 2  # as it comes and as it goes
+
+
+def test_a_burst_of_lines_goes_out_in_one_round_where_there_is_room(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls = Counter[str]()
+
+    def count(name: str) -> None:
+        method = getattr(Server, name)
+
+        def counted(*arguments: Any) -> None:
+            calls[name] += 1
+            method(*arguments)
+
+        monkeypatch.setattr(Server, name, counted)
+
+    with control() as here, ExitStack() as clients:
+        attached = [clients.enter_context(client(here)) for _ in range(10)]
+        for name in ("_tend_connections", "_watch"):  # a round; a question to the system
+            count(name)
+        monkeypatch.setattr(server_module, "GATHER_TIME_S", 0.3)  # beyond any pause of this thread
+        for _, line in attached:
+            line.send("a line")
+            time.sleep(0.001)  # so that the hub could take its turn
+        for far, _ in attached:
+            assert read_lines(far, 1) == [b"a line"]
+        assert calls["_tend_connections"] <= 2  # as it is rung, and one that was on its way
+        assert calls["_watch"] <= 4  # of the port alone, in each round
 
 
 def test_a_hub_that_closes_waits_for_its_clients_asleep(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -259,10 +259,10 @@ class Connection:
         return lines[1:] if carried else lines
 
     def _write(self) -> None:
+        if not self._said:
+            return
         with self._lock:
             batch = b"".join(self._said)
-        if not batch:
-            return
         sent = self._end.send(batch)
         with self._lock:
             self._said_bytes -= sent

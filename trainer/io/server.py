@@ -22,7 +22,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trainer.io import paths
-from trainer.io.connection import CHUNK_BYTES, MAX_OUTGOING_BYTES, READ_EVENT, Connection
+from trainer.io.connection import (
+    CHUNK_BYTES,
+    MAX_OUTGOING_BYTES,
+    READ_EVENT,
+    WRITE_EVENT,
+    Connection,
+)
 from trainer.io.machine import machine_of
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
@@ -37,6 +43,7 @@ MAX_STRANGERS = 24  # that come by TCP and have not taken a role; the oldest giv
 MAX_REFUSED_LINES = 8  # clients that are being sent a refusal; others are cut off at once
 REFUSAL_TIMEOUT_S = 1.0  # [s]  for a refused client to take the reason
 FULL_PAUSE_S = 1.0  # [s]  without new connections after the system had no room for one
+GATHER_TIME_S = 0.0005  # [s]  from the bell to a round, in which a burst of lines is queued
 CLOSE_GRACE_S = 1.0  # [s]  beyond the patience, for the thread to end
 NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 # A client whose machine has died is noticed after 30 + 3 * 10 s.
@@ -279,6 +286,9 @@ class Server:
         self._ear.close()
 
     def _hear_bell(self, _ready: int) -> None:
+        # An order is told to each station in turn. Without the wait a round of all sockets would
+        # come between any two of them; the answer itself is not queued (``Connection.send``).
+        time.sleep(GATHER_TIME_S)
         self._ear.recv(CHUNK_BYTES)
         self._rung = False
 
@@ -294,6 +304,8 @@ class Server:
             if connection.overdue(now):
                 connection.send("? closed: nobody said who is here: role NAME TOKEN")
                 connection.close(REFUSAL_TIMEOUT_S)
+            if not connection.watched & WRITE_EVENT:  # most sockets have room
+                connection.serve(WRITE_EVENT)
             finished = connection.finished(now)
             wanted = 0 if finished else connection.wants(now)
             if connection.watched != wanted:  # asking the selector takes most of a round

@@ -25,6 +25,7 @@ from trainer.io.orders.grammar import MAX_LINE_LETTERS, BadOrder, Order, Refused
 
 # [characters]  of a line from the session; NMEA's 82 would cut states apart
 MAX_ANSWER_LETTERS = 2000
+KEPT_SENTENCES = 8  # sentences; the last ones are asked for again by each station in turn
 
 FRAME_PATTERN = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
 TAG_PATTERN = re.compile(r"[0-9]{1,6}")
@@ -204,11 +205,13 @@ def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str
     return frame("TRS", "", ",".join([channel, f"{tick}", f"{seconds:.3f}", *fields]))
 
 
+@functools.lru_cache(KEPT_SENTENCES)
 def event(tick: int, seconds: float, kind: str, text: str) -> str:
     """Return the sentence of an event at a tick [-], a time [s]."""
     return frame("TRE", "", f"{tick},{seconds:.3f},{safe_field(kind)},{safe(text)}")
 
 
+@functools.lru_cache(KEPT_SENTENCES)
 def fact(tick: int, seconds: float, what: str, subject: str) -> str:
     """Return a fact for programs, one of FACTS, of a tick [-], a time [s]."""
     return frame("TRF", "", f"{tick},{seconds:.3f},{what},{safe(subject)}")
