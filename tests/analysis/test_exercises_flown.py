@@ -31,7 +31,7 @@ from trainer.boat.casualties import insert_casualty
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew
 from trainer.config.baseline import kept_baseline
 from trainer.config.exercise import load_exercise
-from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
+from trainer.config.files import ConfigError, Position, path_named, read_text, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.digest import core_digest
 from trainer.debrief.attainable import RunExplorer
@@ -190,7 +190,7 @@ def useless_crews(plan: Plan) -> Iterator[Crew]:
         wanted = [word for word in USELESS if word in (rule.score.orders or USELESS)]
         if rule.part == "answer" and onset is not None and wanted:
             order = USELESS[wanted[0]].format(speed=plan.initial.speed_kn)
-            yield read_crew({"crew": [{"at_s": onset + 3.0, "order": order}]}, Place("test", ""))
+            yield read_crew({"crew": [{"at_s": onset + 3.0, "order": order}]}, Position("test", ""))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -204,7 +204,7 @@ def test_one_useless_order_at_the_right_second_earns_next_to_nothing(name: str) 
 
 def test_an_emergency_blow_that_is_taken_back_earns_next_to_nothing() -> None:
     orders = [{"at_s": 103, "order": "emergency blow"}, {"at_s": 104, "order": "blow stop"}]
-    crew = read_crew({"crew": orders}, Place("test", ""))
+    crew = read_crew({"crew": orders}, Position("test", ""))
     assert (marks_of("air-bank-failure", crew).total or 0.0) <= 20.0
 
 
@@ -244,7 +244,7 @@ def test_a_hunting_crew_is_marked_below_a_quiet_one(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_a_broken_gate_never_leaves_more_than_50(name: str) -> None:
     plan = flown(name).plan
-    turns = read_crew({"crew": [{"at_s": 70, "order": "blow stop"}]}, Place("test", ""))
+    turns = read_crew({"crew": [{"at_s": 70, "order": "blow stop"}]}, Position("test", ""))
     for flight in (*flown(name).flights.values(), fly_rehearsal(plan, turns)):
         card = judge_run(flight.trajectory, plan, {})
         assert card.verdict
@@ -263,7 +263,7 @@ def test_a_boat_laid_on_the_ground_badly_leaves_50() -> None:
     }
     for well, hastily in hasty.items():
         text = text.replace(well, hastily)
-    crew = read_crew({"crew": tomllib.loads(text)["crew"]}, Place("test", ""))
+    crew = read_crew({"crew": tomllib.loads(text)["crew"]}, Position("test", ""))
     card = marks_of("bottoming", crew)
     assert card.verdict
     assert outcome(card) == "not reached"
@@ -434,7 +434,9 @@ def test_the_crew_sees_what_the_gauges_show() -> None:
     plan = plan_exercise("depth-gauge-failure")
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    rules = read_crew({"crew": [{"when": "depth > 20", "order": "bell stop"}]}, Place("test", ""))
+    rules = read_crew(
+        {"crew": [{"when": "depth > 20", "order": "bell stop"}]}, Position("test", "")
+    )
     aboard = ReferenceCrew(boat, rules)
     assert aboard.look() == []
     assert isinstance(insert_casualty(boat, "depth-gauge-biased", 0.5, 0.0), str)
@@ -454,7 +456,7 @@ def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
         ]
     }
     plan = replace(plan_exercise("depth-changes"), duration=20.0)
-    went = fly_rehearsal(plan, read_crew(table, Place("test", ""))).trajectory
+    went = fly_rehearsal(plan, read_crew(table, Position("test", ""))).trajectory
     given = [(each.tick * 0.5, each.text) for each in went.orders if each.giver == REFERENCE_GIVER]
     assert given == [
         (2.5, "pump depth-control 1 t"),

@@ -10,7 +10,7 @@ import pytest
 from trainer.analysis.exercise_page import FlownExercise, fly_at
 from trainer.boat.boat import Boat
 from trainer.boat.reference_crew import CrewReaction
-from trainer.config.files import Place, shipped_names
+from trainer.config.files import Position, shipped_names
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.debrief.gates import GATE_CAP
 from trainer.debrief.judgement import WON_PERCENT, judge_run
@@ -61,7 +61,7 @@ def by_orders(name: str, orders: Sequence[tuple[float, str]]) -> Scorecard:
         assert isinstance(order, Order), text
         if at < plan.hand_from or in_hand(order, plan.hand, plan.allowed) is None:
             rules.append({"at_s": at, "order": text})
-    crew = read_crew({"crew": rules}, Place("test", ""))
+    crew = read_crew({"crew": rules}, Position("test", ""))
     return marks_of(name, crew)
 
 

@@ -15,7 +15,7 @@ from trainer.config.baseline import digest_of
 from trainer.config.casualties import load_casualties
 from trainer.config.derived import LASTING_CONDITION, compile_conditions
 from trainer.config.exercise import load_exercise, parse_exercise
-from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
+from trainer.config.files import ConfigError, Position, path_named, read_text, shipped_names
 from trainer.config.reference_crew import CREW_HANDS
 from trainer.config.score_rules import SCORE_MEASURES, parse_quantity
 from trainer.config.stated import JUDGED_KINDS, TEXT_UNITS, TextFigure, figures_of
@@ -26,7 +26,7 @@ NAMES = shipped_names("exercises")
 STATING = tuple(name for name in NAMES if load_exercise(name).stated)
 UNITS_OF_KEYS = {"_s": "s", "_m": "m", "_kn": "kn"}
 UNITS_OF_ORDERS = {"depth": "m", "speed": "kn", "turns": "kn"}  # of a number without one
-PLACE = Place("test", "")
+PLACE = Position("test", "")
 LAWS = (  # what texts say of the trainer's own laws
     (GENTLE_SINK, *TEXT_UNITS["m/s"]),
     *((above, *TEXT_UNITS["m"]) for above, _ in WATCH_CALLS),

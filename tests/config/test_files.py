@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     json_text,
     parse_toml,
@@ -803,7 +803,7 @@ def test_keys_tables_and_values_are_quoted_short_whatever_they_are() -> None:
     deep: list[object] = []
     for _ in range(5000):
         deep = [deep]
-    told = Place("any.toml", "t" * 5000).wrong("k" * 5000, deep, "is wrong")
+    told = Position("any.toml", "t" * 5000).wrong("k" * 5000, deep, "is wrong")
 
     assert len(told) < 250
     assert parse_toml(f"{'k' * 50}{'.a' * 18} = [9223372036854775807]", "any.toml")

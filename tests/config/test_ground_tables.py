@@ -21,7 +21,7 @@ from trainer.config.bottom import (
     read_bottom,
 )
 from trainer.config.exercise import parse_exercise
-from trainer.config.files import ConfigError, Place, reading_recorded, remembering
+from trainer.config.files import ConfigError, Position, reading_recorded, remembering
 from trainer.config.soundings import (
     MAX_CELLS,
     Grid,
@@ -48,7 +48,7 @@ def asc(tmp_path: Path) -> Path:
 
 def ground(path: Path, **table: Any) -> Bottom:
     """Return the ground of a table [bottom] of an exercise beside ``path``."""
-    return read_bottom(table, Place("drill.toml", "bottom"), path.parent / "drill.toml")
+    return read_bottom(table, Position("drill.toml", "bottom"), path.parent / "drill.toml")
 
 
 def refused(path: Path, **table: Any) -> str:

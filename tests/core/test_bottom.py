@@ -12,7 +12,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import clear_casualty, insert_casualty, instrument_readings
 from trainer.boat.world.bottom import Ground, chart_of, keel_of
 from trainer.config.bottom import Bottom, read_bottom
-from trainer.config.files import Place
+from trainer.config.files import Position
 from trainer.config.soundings import Grid
 from trainer.core.casualties import KINDS, SOUNDER_RANGE
 from trainer.core.soundings import DISTANT_GROUND_M, FIRST_SAMPLE, SELDOM_MASK, sound
@@ -25,7 +25,7 @@ MakeBoat = Callable[..., Boat]
 
 def ground(**table: object) -> Bottom:
     """Return the ground of a table [bottom]."""
-    return read_bottom(table, Place("x.toml", "bottom"), Path("x.toml"))
+    return read_bottom(table, Position("x.toml", "bottom"), Path("x.toml"))
 
 
 def by_hand(boat: Boat) -> None:

@@ -28,7 +28,7 @@ from trainer.config.casualties import (
 )
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import compile_condition
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
@@ -39,7 +39,7 @@ from trainer.session.time.ledger import Ledger
 KNOT = 1852.0 / 3600.0
 CASUALTY_TABLES = ("casualties", "casualty-kinds", "casualty-quantities")
 DEGREE = math.pi / 180.0
-HERE = Place("my.toml", "casualties[0]")
+HERE = Position("my.toml", "casualties[0]")
 FIELD = {"rudder": "r", "stern": "s", "bow": "b"}
 
 

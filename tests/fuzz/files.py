@@ -34,7 +34,7 @@ from trainer.config.check_case import parse_case
 from trainer.config.derivatives import load_derivatives
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import parse_exercise
-from trainer.config.files import ConfigError, Place, read_text
+from trainer.config.files import ConfigError, Position, read_text
 from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
 from trainer.config.ship import parse_ship, ship_text
@@ -333,7 +333,7 @@ def hull(path: Path) -> None:
 def condition(data: bytes) -> None:
     """Read a condition on the state."""
     with suppress(ConfigError):
-        compile_condition(text_of(data), Place(FILE, ""))
+        compile_condition(text_of(data), Position(FILE, ""))
 
 
 def states(data: bytes) -> None:

@@ -17,7 +17,7 @@ from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
 from trainer.config.derived import Loss, compile_condition
 from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
-from trainer.config.files import Place
+from trainer.config.files import Position
 from trainer.config.outcome import Outcome
 from trainer.config.vessel import load_vessel
 from trainer.config.world import WorldTables
@@ -38,7 +38,7 @@ from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 MARKS: Final = Judgement(Outcome.NOT_REACHED, 42.0, ("depth: 42",))
-PLACE: Final = Place("exercise.toml", "lost")
+PLACE: Final = Position("exercise.toml", "lost")
 
 
 class Typist:

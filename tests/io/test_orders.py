@@ -18,7 +18,7 @@ from trainer.io.orders.grammar import (
     BadOrder,
     Order,
     TokenReading,
-    match_place,
+    match_slot,
     parse,
     tokenise,
 )
@@ -29,10 +29,10 @@ from trainer.io.orders.table import (
     MEANT_ORDERS,
     SESSION_TOPIC,
     TOPICS,
-    Place,
+    Slot,
     Word,
     heading_word,
-    place,
+    read_slot,
 )
 
 KNOT = 1852 / 3600
@@ -328,7 +328,7 @@ def test_the_full_wording_reads_back_as_the_same_order(
 
 
 def test_no_order_typed_in_full_is_in_doubt() -> None:
-    topics = place("TOPIC")
+    topics = read_slot("TOPIC")
     assert isinstance(topics, Word)
     heads = [said for said, _ in topics.spellings] + ["ahead", "astern", "full", "hard"]
 
@@ -356,13 +356,13 @@ def test_a_shortened_order_means_the_same_or_is_refused(
 def test_a_line_is_compared_with_the_orders_of_its_first_word_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    compared: list[Place] = []
+    compared: list[Slot] = []
 
-    def listed(head: Place, token: str) -> Iterable[TokenReading]:
+    def listed(head: Slot, token: str) -> Iterable[TokenReading]:
         compared.append(head)
-        return match_place(head, token)
+        return match_slot(head, token)
 
-    monkeypatch.setattr(grammar, "match_place", listed)
+    monkeypatch.setattr(grammar, "match_slot", listed)
     for first in ("rudder", "rud", "course", "co", "depth"):
         compared.clear()
         parse(first)

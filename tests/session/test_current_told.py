@@ -18,7 +18,7 @@ from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
 from trainer.config.derived import compile_conditions
 from trainer.config.exercise import ExerciseLimits, parse_exercise
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
@@ -142,12 +142,12 @@ def test_speed_over_the_ground_is_a_quantity_and_a_limit(make_boat: Callable[...
         ("speed_over_ground > 11.4 kn", True),
         ("speed_over_ground_kn > 11.5", False),
     ):
-        (condition,) = compile_conditions(text, Place("my.toml", ""))
+        (condition,) = compile_conditions(text, Position("my.toml", ""))
         assert is_met(condition, boat) is holds
     monitor = LimitMonitor(ExerciseLimits(speed_over_ground_kn_max=11.4))
     assert "LIMIT: faster than 11.4 kn over the ground" in monitor.look(boat)[0].text
     boat.state.held_position = 1.0
-    (condition,) = compile_conditions("speed_over_ground < 0.1", Place("my.toml", ""))
+    (condition,) = compile_conditions("speed_over_ground < 0.1", Position("my.toml", ""))
     assert is_met(condition, boat)
 
 

@@ -16,7 +16,7 @@ from trainer.boat.world.bottom import Ground, keel_of
 from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.exercise import ExerciseLimits
-from trainer.config.files import Place, remembering
+from trainer.config.files import Position, remembering
 from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
@@ -36,7 +36,7 @@ MakeBoat = Callable[..., Boat]
 
 def ground(**table: object) -> Bottom:
     """Return the ground of a table [bottom]."""
-    return read_bottom(table, Place("x.toml", "bottom"), Path("x.toml"))
+    return read_bottom(table, Position("x.toml", "bottom"), Path("x.toml"))
 
 
 def put_on(boat: Boat, bottom: Bottom | None) -> None:
@@ -141,8 +141,8 @@ def test_off_the_chart_is_called_once_each_time(make_boat: MakeBoat, tmp_path: P
     path.write_text(head + "300 300 310 320")
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
-    place = Place("x.toml", "bottom")
-    put_on(boat, read_bottom({"grid": path.name, "values": "depth"}, place, tmp_path / "x.toml"))
+    position = Position("x.toml", "bottom")
+    put_on(boat, read_bottom({"grid": path.name, "values": "depth"}, position, tmp_path / "x.toml"))
     assert calls(boat, 60.0) == ["BEYOND THE CHART: the ground is taken as at its edge"]
 
 

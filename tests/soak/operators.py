@@ -19,7 +19,7 @@ from trainer.io.orders.table import (
     FORMS,
     Form,
     Name,
-    Place,
+    Slot,
     UnitWord,
     Word,
     heading_word,
@@ -46,23 +46,23 @@ class Orders:
     def next(self) -> str:
         """Return the words of the next order."""
         while True:
-            places = self._dice.choice(list(variants(self._dice.choice(self._forms))))
-            said = self._said(places)
+            slots = self._dice.choice(list(variants(self._dice.choice(self._forms))))
+            said = self._said(slots)
             if len(said) <= LONGEST_WORDS and isinstance(parse(said), Order):
                 return said
 
-    def _said(self, places: Sequence[Place]) -> str:
-        return " ".join(self._word(each) for each in places)
+    def _said(self, slots: Sequence[Slot]) -> str:
+        return " ".join(self._word(each) for each in slots)
 
-    def _word(self, place: Place) -> str:
-        if isinstance(place, Word):
-            return self._dice.choice(place.spellings)[0]
-        if isinstance(place, Number):
-            number = self._dice.uniform(place.low, place.high)
-            return f"{number:.{min(place.decimals, 2)}f}"
-        if isinstance(place, UnitWord):
-            return self._dice.choice(place.number.units[0].names)
-        return self._dice.choice(self._casualties) if isinstance(place, Name) else "all"
+    def _word(self, slot: Slot) -> str:
+        if isinstance(slot, Word):
+            return self._dice.choice(slot.spellings)[0]
+        if isinstance(slot, Number):
+            number = self._dice.uniform(slot.low, slot.high)
+            return f"{number:.{min(slot.decimals, 2)}f}"
+        if isinstance(slot, UnitWord):
+            return self._dice.choice(slot.number.units[0].names)
+        return self._dice.choice(self._casualties) if isinstance(slot, Name) else "all"
 
 
 def _fits(form: Form, role: Role) -> bool:

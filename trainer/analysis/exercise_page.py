@@ -31,7 +31,7 @@ from trainer.config.baseline import (
 from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_typed,
     collecting,
     number_problems,
@@ -248,29 +248,31 @@ def check_exercise(name: str) -> list[str]:
     plan.start(boat)
     checked = None if plan.duration is None else fly_both(plan)
     path = path_named(name, "exercises")
-    place = Place(path.name, "")
-    problems = [*step_problems(plan, place)]
+    position = Position(path.name, "")
+    problems = [*step_problems(plan, position)]
     if problems:
         raise ConfigError(*number_problems(problems, read_text(path), path.name))
     if checked is not None:
-        problems = [*_refused(checked, place)]
+        problems = [*_refused(checked, position)]
         for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
             if not figure.holds:
                 said = figure.stated.row.says
-                problems.append(place.inside(f"stated[{i}]").wrong("says", said, figure.difference))
+                problems.append(
+                    position.inside(f"stated[{i}]").wrong("says", said, figure.difference)
+                )
         if problems:
             raise ConfigError(*number_problems(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
 
 
-def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
+def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
     """Yield the orders that a run would refuse, and the reasons why marks would be worthless."""
     plan = checked.plan
     for each in checked.flights["nobody"].refused:
         entry = plan.schedule[each.place or 0]
         broken = entry.order.name in ("casualty", "clear")
-        inside = place.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
-        at = inside if entry.line_number else place
+        inside = position.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
+        at = inside if entry.line_number else position
         key = "name" if broken else "order"
         yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
     crew = checked.flights["crew"].refused if checked.crew else ()
@@ -278,7 +280,7 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
     for i, reaction in enumerate(plan.crew.rules):
         if reaction.order.text in refused:
             problem = f"the boat refuses it: {refused[reaction.order.text]}"
-            yield place.inside(f"crew[{i}]").wrong("order", reaction.row.order, problem)
+            yield position.inside(f"crew[{i}]").wrong("order", reaction.row.order, problem)
     if not plan.judged_by_tasks:
         return
     for i, rule in enumerate(plan.scores):
@@ -286,9 +288,9 @@ def _refused(checked: FlownExercise, place: Place) -> Iterator[str]:
         if not _kept(rule) and free > MAX_NOBODY_PERCENT:
             marks = f"gives {free:.0f} marks with nobody aboard, {MAX_NOBODY_PERCENT:.0f} at most"
             problem = f'{marks}: let it earn less without a crew, or write part = "keeping"'
-            yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
+            yield position.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
     if plan.scores and all(each.earned is None for each in checked.nobody.scores):
-        yield place.problem("[[scores]]: this exercise is won by standing still")
+        yield position.problem("[[scores]]: this exercise is won by standing still")
 
 
 def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tuple[str, str]]:

@@ -12,7 +12,7 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.config.files import Place
+from trainer.config.files import Position
 from trainer.config.steps import Step
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused
@@ -60,7 +60,7 @@ def fly_steps(plan: Plan) -> list[StepFlight]:
     return flights
 
 
-def _beyond(plan: Plan, step: Step, number: int, place: Place) -> Iterator[str]:
+def _beyond(plan: Plan, step: Step, number: int, position: Position) -> Iterator[str]:
     """Yield the conditions of a step that ask a surface for more than this boat gives."""
     boat = Boat(plan.file, plan.method)
     for each in step.conditions:
@@ -71,7 +71,7 @@ def _beyond(plan: Plan, step: Step, number: int, place: Place) -> Iterator[str]:
         asked = each.sense * each.threshold
         if asked > most or (each.strict and asked == most):
             why = f"this boat's {surface} goes to {math.degrees(most):g} deg: it never ends"
-            yield place.inside(f"steps[{number}]").wrong("when", each.text, why)
+            yield position.inside(f"steps[{number}]").wrong("when", each.text, why)
 
 
 def _refusals(boat: Boat, orders: tuple[Order, ...]) -> Iterator[tuple[str, str]]:
@@ -82,14 +82,16 @@ def _refusals(boat: Boat, orders: tuple[Order, ...]) -> Iterator[tuple[str, str]
             yield order.text, answer.reason
 
 
-def step_problems(plan: Plan, place: Place) -> Iterator[str]:
+def step_problems(plan: Plan, position: Position) -> Iterator[str]:
     """Yield what keeps a trainee from the end of a lesson."""
-    beyond = [text for i, step in enumerate(plan.steps) for text in _beyond(plan, step, i, place)]
+    beyond = [
+        text for i, step in enumerate(plan.steps) for text in _beyond(plan, step, i, position)
+    ]
     if beyond:
         yield from beyond
         return
     for i, flight in enumerate(fly_steps(plan)):
-        inside, row = place.inside(f"steps[{i}]"), plan.steps[i].row
+        inside, row = position.inside(f"steps[{i}]"), plan.steps[i].row
         for text, why in flight.refused:
             yield inside.wrong("text", text, f"the boat refuses it: {why}")
         if not flight.done:

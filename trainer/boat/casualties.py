@@ -275,7 +275,7 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
     Armed triggers are constants of the run and belong to no snapshot. ConfigError if the boat lacks
     what either is about, or has no trigger left.
     """
-    where = condition.place
+    where = condition.position
     if rule not in TRIGGER_RULES:
         raise ConfigError(where.wrong("rule", rule, f"must be {' or '.join(TRIGGER_RULES)}"))
     wrong = _wrong(boat, casualty, casualty.severity, casualty.ramp_s)
@@ -290,7 +290,7 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
     factor = scale_of(boat, condition.quantity)
     if factor == 0.0:
         problem = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
-        raise ConfigError(condition.place.problem(problem))
+        raise ConfigError(condition.position.problem(problem))
     m.trigger_place[i] = STATE_PLACES[STATE_QUANTITIES[condition.quantity].place]
     m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
     m.trigger_threshold[i] = _whole(condition.threshold * factor)

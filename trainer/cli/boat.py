@@ -22,7 +22,7 @@ from trainer.cli.keywords import parse_options
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
 from trainer.config.exercise import StartState
-from trainer.config.files import ConfigError, Place, quote, remembering
+from trainer.config.files import ConfigError, Position, quote, remembering
 from trainer.config.outcome import Outcome
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
@@ -373,7 +373,9 @@ def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
     """Return the plan with the speed, depth and course given; ConfigError if one is wrong."""
     kinds = {item.name: kind_of(item) for item in fields(StartState)}
     start_values: dict[str, Any] = {
-        INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(name, _number(value), Place("Boat", ""))
+        INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(
+            name, _number(value), Position("Boat", "")
+        )
         for name, value in begin.items()
         if value is not None
     }

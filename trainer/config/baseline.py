@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, as_table, parse_toml, text_if_there
+from trainer.config.files import ConfigError, Position, as_table, parse_toml, text_if_there
 from trainer.config.schema import Choice, Quantity, Text, read_record, required, within
 
 BASELINE_SCHEMA: Final = "baseline/1"
@@ -81,19 +81,19 @@ def kept_baseline(exercise: Path) -> Baseline | None:
 
 def read_baseline(text: str, path: Path) -> Baseline:
     """Return the baseline in ``text``; ConfigError if it is wrong."""
-    table, place = parse_toml(text, path.name), Place(path.name, "")
+    table, position = parse_toml(text, path.name), Position(path.name, "")
     tables = ("nobody", "crew", "marks")
     heading = {key: value for key, value in table.items() if key not in tables}
-    marks = as_table(table.get("marks", {}), place.inside("marks"))
+    marks = as_table(table.get("marks", {}), position.inside("marks"))
     if "nobody" not in table:
-        raise ConfigError(place.problem("lacks [nobody]"))
+        raise ConfigError(position.problem("lacks [nobody]"))
     crew = table.get("crew")
     return Baseline(
-        heading=read_record(BaselineHeading, heading, place, ()),
-        nobody=read_record(Totals, table["nobody"], place.inside("nobody"), ()),
-        crew=None if crew is None else read_record(Totals, crew, place.inside("crew"), ()),
+        heading=read_record(BaselineHeading, heading, position, ()),
+        nobody=read_record(Totals, table["nobody"], position.inside("nobody"), ()),
+        crew=None if crew is None else read_record(Totals, crew, position.inside("crew"), ()),
         marks={
-            name: MARK_QUANTITY.read(name, value, place.inside("marks"))
+            name: MARK_QUANTITY.read(name, value, position.inside("marks"))
             for name, value in marks.items()
         },
     )

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, raise_problems
+from trainer.config.files import ConfigError, Position, raise_problems
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -85,16 +85,16 @@ class Bottom:
     bottoming: bool
 
 
-def read_bottom(value: object, place: Place, path: Path) -> Bottom:
+def read_bottom(value: object, position: Position, path: Path) -> Bottom:
     """Return the ground of a table of the exercise in ``path``; ConfigError with all faults."""
-    table = read_record(BottomTable, value, place, ("note",))
-    problems = _misfits(table, place)
+    table = read_record(BottomTable, value, position, ("note",))
+    problems = _misfits(table, position)
     raise_problems(problems)
     known = None
     if table.grid is None:
         depth = _plane(table)
     else:
-        known = _charted(table, place, path)
+        known = _charted(table, position, path)
         depth = replace(known, values=np.where(np.isnan(known.values), LAND_DEPTH_M, known.values))
     return Bottom(
         depth=depth,
@@ -107,25 +107,27 @@ def read_bottom(value: object, place: Place, path: Path) -> Bottom:
     )
 
 
-def _misfits(table: BottomTable, place: Place) -> list[str]:
+def _misfits(table: BottomTable, position: Position) -> list[str]:
     """Return what is wrong with keys that do not go together."""
     problems = []
     if (table.depth_m is None) == (table.grid is None):
-        problems.append(place.problem("give depth_m, or grid with values"))
+        problems.append(position.problem("give depth_m, or grid with values"))
     if (table.slope_percent is None) != (table.deepens_deg is None):
-        problems.append(place.problem("give slope_percent and deepens_deg, or neither"))
+        problems.append(position.problem("give slope_percent and deepens_deg, or neither"))
     if table.grid is not None and table.values is None:
-        problems.append(place.problem('lacks values: "depth" or "height" of the grid\'s numbers'))
+        problems.append(
+            position.problem('lacks values: "depth" or "height" of the grid\'s numbers')
+        )
     foreign_keys = ("slope_percent", "deepens_deg") if table.grid else ("values", "origin_deg")
     other = "a grid" if table.grid else "depth_m"
     problems += [
-        place.wrong(key, getattr(table, key), f"does not go with {other}")
+        position.wrong(key, getattr(table, key), f"does not go with {other}")
         for key in foreign_keys
         if getattr(table, key) is not None
     ]
     if table.breakout_t and table.kind != "mud":
         problems.append(
-            place.wrong("breakout_t", table.breakout_t, 'only kind = "mud" holds a boat')
+            position.wrong("breakout_t", table.breakout_t, 'only kind = "mud" holds a boat')
         )
     return problems
 
@@ -140,7 +142,7 @@ def _plane(table: BottomTable) -> Grid:
     return Grid(values, 0.0, 0.0, (1.0, 1.0), degrees=False)
 
 
-def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
+def _charted(table: BottomTable, position: Position, path: Path) -> Grid:
     """Return the depths of a grid on the exercise's plane, the tide added."""
     name = table.grid or ""
     try:
@@ -148,10 +150,12 @@ def _charted(table: BottomTable, place: Place, path: Path) -> Grid:
         if table.origin_deg is not None:
             grid = on_the_plane(grid, Chart(*table.origin_deg).position)
     except ConfigError as wrong:
-        raise ConfigError(*(place.wrong("grid", name, each) for each in wrong.problems)) from None
+        raise ConfigError(
+            *(position.wrong("grid", name, each) for each in wrong.problems)
+        ) from None
     if grid.degrees:
         message = "is in degrees: give origin_deg = [LAT, LON], where the exercise's origin lies"
-        raise ConfigError(place.wrong("grid", name, message))
+        raise ConfigError(position.wrong("grid", name, message))
     sense = 1.0 if table.values == "depth" else -1.0
     return replace(grid, values=sense * grid.values + table.tide_m)
 

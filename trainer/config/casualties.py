@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_table,
     collecting,
     nearest,
@@ -140,11 +140,11 @@ class KindWord:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         return KeyForm("word", "a kind below", "what breaks, and how", {"enum": [*KINDS]})
 
-    def read(self, key: str, value: object, place: Place) -> str:
+    def read(self, key: str, value: object, position: Position) -> str:
         """Return the kind; ConfigError naming the nearest if there is none of that name."""
         if not isinstance(value, str) or value not in CODES:
             guess = nearest(value, KINDS) if isinstance(value, str) else ""
-            raise ConfigError(place.wrong(key, value, f"no such kind of casualty{guess}"))
+            raise ConfigError(position.wrong(key, value, f"no such kind of casualty{guess}"))
         return value
 
 
@@ -211,8 +211,10 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
     for path in map(Path, paths):
         for name, casualty in parse_casualties(read_text(path), path, casualties).items():
             if name in casualties:
-                place = Place(path.name, f"casualty.{name}")
-                raise ConfigError(place.problem("is already in another table; give it a new name"))
+                position = Position(path.name, f"casualty.{name}")
+                raise ConfigError(
+                    position.problem("is already in another table; give it a new name")
+                )
             casualties[name] = casualty
     return casualties
 
@@ -230,21 +232,21 @@ def parse_casualties(
 
     ``standard`` has what they may leave out, under the names of the kinds.
     """
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(text, path.name)
     problems: list[str] = []
     casualties: dict[str, Casualty] = {}
     for key, value in table.items():
         with collecting(problems):
             if key in HEADING_FIELDS:
-                HEADING_FIELDS[key].read(key, value, place)
+                HEADING_FIELDS[key].read(key, value, position)
             elif key != "casualty":
                 advice = nearest(key, KNOWN_KEYS) or "; write [casualty.NAME]"
-                raise ConfigError(place.wrong(key, value, f"no such key{advice}"))
+                raise ConfigError(position.wrong(key, value, f"no such key{advice}"))
     with collecting(problems):
         if "casualty" not in table:
-            raise ConfigError(place.problem("has no table [casualty.NAME]"))
-        within_file = place.inside("casualty")
+            raise ConfigError(position.problem("has no table [casualty.NAME]"))
+        within_file = position.inside("casualty")
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
                 casualties[name] = read_casualty(name, entry, within_file.inside(name), standard)
@@ -253,27 +255,27 @@ def parse_casualties(
 
 
 def read_casualty(
-    name: str, table: object, place: Place, standard: Mapping[str, Casualty]
+    name: str, table: object, position: Position, standard: Mapping[str, Casualty]
 ) -> Casualty:
     """Return one casualty from its table; ConfigError with all that is wrong."""
-    row = as_table(table, place)
+    row = as_table(table, position)
     if not CASUALTY_NAME.fullmatch(name) or name == "all":
         text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
-        raise ConfigError(place.problem(text))
-    entry = read_record(CasualtyEntry, {**_filler(row, standard), **row}, place, ("note",))
+        raise ConfigError(position.problem(text))
+    entry = read_record(CasualtyEntry, {**_filler(row, standard), **row}, position, ("note",))
     measure = SEVERITY_MEASURES[entry.kind]
     problems = [
-        place.problem(f"{key} means nothing to {entry.kind}")
+        position.problem(f"{key} means nothing to {entry.kind}")
         for key in PARAMETER_KEYS
         if key in row and key != measure.parameter
     ]
     full = getattr(entry, measure.parameter) if measure.parameter else 1.0
     if full is None:
-        problems.append(place.problem(f"lacks {measure.parameter}, which {entry.kind} needs"))
+        problems.append(position.problem(f"lacks {measure.parameter}, which {entry.kind} needs"))
     if entry.severity not in measure.limits:
-        problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
+        problems.append(position.wrong("severity", entry.severity, severity_rule(entry.kind)))
     if measure.sudden and (entry.ramp_s or entry.clear_ramp_s):
-        problems.append(place.problem(f"{entry.kind} comes and goes at once: ramps must be 0"))
+        problems.append(position.problem(f"{entry.kind} comes and goes at once: ramps must be 0"))
     raise_problems(problems)
     return Casualty(
         name=name,

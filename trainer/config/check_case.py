@@ -15,7 +15,7 @@ import numpy as np
 from trainer.config.exercise import ORDER_ROWS, read_orders, sea_given
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     nearest,
     number_problems,
@@ -189,7 +189,7 @@ class CheckCase:
 
     def problem(self, text: str) -> ConfigError:
         """Return an error about the case's file, with its line where that can be told."""
-        place = Place(self.path.name, "").problem(text)
+        place = Position(self.path.name, "").problem(text)
         return ConfigError(*number_problems([place], read_text(self.path), self.path.name))
 
 
@@ -235,25 +235,27 @@ def parse_case(text: str, path: Path) -> CheckCase:
 
 def _read_case(table: Mapping[str, Any], path: Path) -> CheckCase:
     """Return the case of parsed tables; ConfigError with all that is wrong."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     problems: list[str] = []
     parts: dict[str, Any] = {}
     with collecting(problems):
         own = {key: value for key, value in table.items() if key not in OTHER_TABLES}
-        parts["heading"] = read_record(CaseHeading, own, place, ("note",))
+        parts["heading"] = read_record(CaseHeading, own, position, ("note",))
     with collecting(problems):
-        start = read_record(CaseStart, table.get("start", {}), place.inside("start"), ("note",))
+        start = read_record(CaseStart, table.get("start", {}), position.inside("start"), ("note",))
         parts["start"] = {item.name: getattr(start, item.name) for item in fields(CaseStart)}
     with collecting(problems):
-        spread = read_record(CaseSpread, table.get("spread", {}), place.inside("spread"), ("note",))
+        spread = read_record(
+            CaseSpread, table.get("spread", {}), position.inside("spread"), ("note",)
+        )
         values = {name: getattr(spread, name) for name in CASE_CHANNELS}
         parts["spread"] = {name: value for name, value in values.items() if value is not None}
         if not parts["spread"]:
-            raise ConfigError(place.problem("[spread] names no channel: nothing is compared"))
+            raise ConfigError(position.problem("[spread] names no channel: nothing is compared"))
     with collecting(problems):
-        parts["runs"] = RUN_ROWS.read("runs", table.get("runs", []), place)
+        parts["runs"] = RUN_ROWS.read("runs", table.get("runs", []), position)
     with collecting(problems):
-        parts["orders"] = tuple(read_orders(table, place))
+        parts["orders"] = tuple(read_orders(table, position))
     with collecting(problems):
         parts["sea"] = sea_given(table["sea"], path) if "sea" in table else load_sea("calm")
     with collecting(problems):
@@ -261,11 +263,11 @@ def _read_case(table: Mapping[str, Any], path: Path) -> CheckCase:
     raise_problems(problems)
     parts["boat"] = load_vessel(relative_name(path, parts["heading"].vessel))
     case = CheckCase(path=path, **parts)
-    raise_problems([*_start_problems(case, place), *_run_problems(case, place)])
+    raise_problems([*_start_problems(case, position), *_run_problems(case, position)])
     return case
 
 
-def _start_problems(case: CheckCase, place: Place) -> list[str]:
+def _start_problems(case: CheckCase, position: Position) -> list[str]:
     """Return what the boat of the case cannot start with."""
     surfaces = case.boat.surfaces
     limits = {
@@ -273,7 +275,7 @@ def _start_problems(case: CheckCase, place: Place) -> list[str]:
         "stern_deg": surfaces.stern_plane_limit_deg,
         "bow_deg": surfaces.bow_plane_limit_deg,
     }
-    inside = place.inside("start")
+    inside = position.inside("start")
     return [
         inside.wrong(name, case.start[name], f"beyond the boat's limit, {limit:g} deg")
         for name, limit in limits.items()
@@ -281,17 +283,19 @@ def _start_problems(case: CheckCase, place: Place) -> list[str]:
     ]
 
 
-def _run_problems(case: CheckCase, place: Place) -> list[str]:
+def _run_problems(case: CheckCase, position: Position) -> list[str]:
     """Return what does not fit together among the runs and the times of a case."""
     problems = []
     heading, names = case.heading, [run.name for run in case.runs]
     if not is_multiple(heading.duration_s, heading.sample_s):
         text = f"must be a multiple of sample_s, {heading.sample_s:g} s"
-        problems.append(place.wrong("duration_s", heading.duration_s, text))
+        problems.append(position.wrong("duration_s", heading.duration_s, text))
     if case.runs[0].integrator is None:
-        problems.append(place.inside("runs[0]").problem("the first run is flown: give integrator"))
+        problems.append(
+            position.inside("runs[0]").problem("the first run is flown: give integrator")
+        )
     for i, run in enumerate(case.runs):
-        inside = place.inside(f"runs[{i}]")
+        inside = position.inside(f"runs[{i}]")
         if (run.integrator is None) != (run.step_s is None):
             problems.append(inside.problem("integrator and step_s go together"))
         if run.integrator is None and run.file is None:

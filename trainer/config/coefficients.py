@@ -7,7 +7,14 @@ exists.
 
 from collections.abc import Mapping
 
-from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, raise_problems
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    as_table,
+    collecting,
+    nearest,
+    raise_problems,
+)
 from trainer.config.schema import Quantity, within
 from trainer.core.terms import COEFFICIENTS, LENGTH_POWERS
 
@@ -17,35 +24,37 @@ FACTOR_QUANTITY = Quantity("-", within(-100, 100), "factor on a coefficient of t
 EQUATION_SETS = ("modified", "basic")
 
 
-def read_coefficients(table: object, place: Place) -> dict[str, float]:
+def read_coefficients(table: object, position: Position) -> dict[str, float]:
     """Return the coefficients given under [coefficients] or its axes; ConfigError with all faults.
 
     Those not given are left out.
     """
-    entries, problems = _flatten(as_table(table, place), place)
+    entries, problems = _flatten(as_table(table, position), position)
     known = list(LENGTH_POWERS)
     values: dict[str, float] = {}
     for axis, key, value in entries:
         with collecting(problems):
-            values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
+            values[key] = _coefficient(
+                key, value, position.inside(axis) if axis else position, known
+            )
     keys = [key for _, key, _ in entries]
-    problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
+    problems += [position.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
     raise_problems(problems)
     return values
 
 
-def _coefficient(key: str, value: object, place: Place, known: list[str]) -> float:
+def _coefficient(key: str, value: object, position: Position, known: list[str]) -> float:
     """Return the value [-] of one coefficient; ConfigError if it, or its axis, is wrong."""
     if key not in known:
-        raise ConfigError(place.wrong(key, value, f"no such coefficient{nearest(key, known)}"))
-    root, _, axis = place.table.rpartition(".")
+        raise ConfigError(position.wrong(key, value, f"no such coefficient{nearest(key, known)}"))
+    root, _, axis = position.table.rpartition(".")
     if root and axis != key[0]:
-        raise ConfigError(place.wrong(key, value, f"belongs under [{root}.{key[0]}]"))
-    return COEFFICIENT_QUANTITY.read(key, value, place)
+        raise ConfigError(position.wrong(key, value, f"belongs under [{root}.{key[0]}]"))
+    return COEFFICIENT_QUANTITY.read(key, value, position)
 
 
 def _flatten(
-    table: Mapping[str, object], place: Place
+    table: Mapping[str, object], position: Position
 ) -> tuple[list[tuple[str, str, object]], list[str]]:
     """Return (axis or '', key, value) of each entry, and what is wrong with the axes."""
     entries: list[tuple[str, str, object]] = []
@@ -55,43 +64,43 @@ def _flatten(
             entries.extend((name, key, item) for key, item in value.items())
         elif name in FORCE_AXES or isinstance(value, Mapping):
             text = f"must be one of the tables {', '.join(FORCE_AXES)}, or a coefficient"
-            problems.append(place.wrong(name, value, text))
+            problems.append(position.wrong(name, value, text))
         else:
             entries.append(("", name, value))
     return entries, problems
 
 
 def read_compensation(
-    table: object, place: Place, extra: tuple[str, ...]
+    table: object, position: Position, extra: tuple[str, ...]
 ) -> dict[str, dict[str, float]]:
     """Return factor [-] by coefficient for each compact equation set; ConfigError with all faults.
 
     Only coefficients the compact set keeps, or this hull adds (``extra``), can have a factor.
     """
-    sets = as_table(table, place)
+    sets = as_table(table, position)
     problems = [
-        place.wrong(name, value, f"no such equation set{nearest(name, EQUATION_SETS)}")
+        position.wrong(name, value, f"no such equation set{nearest(name, EQUATION_SETS)}")
         for name, value in sets.items()
         if name not in EQUATION_SETS
     ]
     factors: dict[str, dict[str, float]] = {name: {} for name in EQUATION_SETS}
     for name in EQUATION_SETS:
         with collecting(problems):
-            factors[name] = _factors(sets.get(name, {}), place.inside(name), extra)
+            factors[name] = _factors(sets.get(name, {}), position.inside(name), extra)
     raise_problems(problems)
     return factors
 
 
-def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, float]:
+def _factors(table: object, position: Position, extra: tuple[str, ...]) -> dict[str, float]:
     """Return factor [-] by coefficient; ConfigError with all that is wrong."""
-    values = as_table(table, place)
+    values = as_table(table, position)
     kept_keys = [term.key for term in COEFFICIENTS if term.kept or term.key in extra]
     problems = [
-        place.wrong(
+        position.wrong(
             key, value, f"the compact set keeps no such coefficient{nearest(key, kept_keys)}"
         )
         for key, value in values.items()
         if key not in kept_keys
     ]
     raise_problems(problems)
-    return {key: FACTOR_QUANTITY.read(key, value, place) for key, value in values.items()}
+    return {key: FACTOR_QUANTITY.read(key, value, position) for key, value in values.items()}

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     number_problems,
     parse_toml,
     raise_problems,
@@ -60,13 +60,13 @@ def load_conformity() -> tuple[ConformityLine, ...]:
 
 def parse_conformity(text: str, file: str) -> tuple[ConformityLine, ...]:
     """Return the lines of a text; ConfigError naming the line of what is wrong."""
-    place = Place(file, "")
+    position = Position(file, "")
     table: dict[str, Any] = parse_toml(text, file)
     try:
-        lines = read_record(Conformity, table, place, ()).lines
+        lines = read_record(Conformity, table, position, ()).lines
         raise_problems(
             [
-                place.inside(f"lines[{i}]").wrong("state", line.state, refused.reason)
+                position.inside(f"lines[{i}]").wrong("state", line.state, refused.reason)
                 for i, line in enumerate(lines)
                 if (refused := _lacking(line))
             ]

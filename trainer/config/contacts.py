@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     path_named,
     raise_problems,
@@ -111,18 +111,18 @@ class WayPoints:
         message = f"1 to {self.most} pairs, {-MAX_CONTACT_RANGE_M:.0f} to {MAX_CONTACT_RANGE_M:.0f}"
         return KeyForm("m", message, self.meaning, list_schema(pair, 1, self.most))
 
-    def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, float], ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[tuple[float, float], ...]:
         """Return the places; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
             message = f"must be a list of 1 to {self.most} pairs [north, east]"
-            raise ConfigError(place.wrong(key, value, message))
-        return tuple(self._pair(f"{key}[{i}]", each, place) for i, each in enumerate(value))
+            raise ConfigError(position.wrong(key, value, message))
+        return tuple(self._pair(f"{key}[{i}]", each, position) for i, each in enumerate(value))
 
-    def _pair(self, key: str, value: object, place: Place) -> tuple[float, float]:
+    def _pair(self, key: str, value: object, position: Position) -> tuple[float, float]:
         if not isinstance(value, list) or len(value) != 2:
-            raise ConfigError(place.wrong(key, value, "must be a pair [north, east]"))
+            raise ConfigError(position.wrong(key, value, "must be a pair [north, east]"))
         number = Quantity("m", within(-MAX_CONTACT_RANGE_M, MAX_CONTACT_RANGE_M), "")
-        north, east = (number.read(f"{key}[{i}]", each, place) for i, each in enumerate(value))
+        north, east = (number.read(f"{key}[{i}]", each, position) for i, each in enumerate(value))
         return north, east
 
 
@@ -140,11 +140,11 @@ class LegSpeeds:
         schemas = {"anyOf": [schema, list_schema(schema, 1, self.most)]}
         return KeyForm(unit, f"{limits}, or a list", meaning, schemas)
 
-    def read(self, key: str, value: object, place: Place) -> float | tuple[float, ...]:
+    def read(self, key: str, value: object, position: Position) -> float | tuple[float, ...]:
         """Return the number or the numbers; ConfigError naming the first that is wrong."""
         if not isinstance(value, list):
-            return self.each.read(key, value, place)
-        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+            return self.each.read(key, value, position)
+        return tuple(self.each.read(f"{key}[{i}]", item, position) for i, item in enumerate(value))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,10 +189,10 @@ class ContactRow:
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """One ship, checked by itself. ``place`` is where the file has it, for messages."""
+    """One ship, checked by itself. ``position`` is where the file has it, for messages."""
 
     row: ContactRow
-    place: Place
+    position: Position
     nomoto: NomotoFile | None = None  # the ship that answers its rudder,
     ship: ShipFile | None = None  # or one that is not linear
 
@@ -253,17 +253,17 @@ class Encounters:
 CONTACT_ROWS: Final = Rows(ContactRow, ("note",), 0, MAX_CONTACTS, "ships near, below")
 
 
-def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...]:
+def read_contacts(value: object, position: Position, path: Path) -> tuple[Contact, ...]:
     """Return the ships of an exercise; ConfigError with all that is wrong in them."""
     problems: list[str] = []
     contacts = []
-    rows = CONTACT_ROWS.read("contact", value, Place(place.file, ""))
+    rows = CONTACT_ROWS.read("contact", value, Position(position.file, ""))
     for i, row in enumerate(rows):
-        inside = Place(place.file, f"contact[{i}]")
+        inside = Position(position.file, f"contact[{i}]")
         with collecting(problems):
             nomoto = _nomoto(row, path) if row.nomoto else None
             ship = _ship(row, path) if row.ship else None
-            contact = Contact(row=row, place=inside, nomoto=nomoto, ship=ship)
+            contact = Contact(row=row, position=inside, nomoto=nomoto, ship=ship)
             problems += _faults(contact)
             contacts.append(contact)
     problems += _twice(contacts)
@@ -271,10 +271,10 @@ def read_contacts(value: object, place: Place, path: Path) -> tuple[Contact, ...
     return tuple(contacts)
 
 
-def read_encounters(value: object, place: Place, path: Path) -> Encounters:
+def read_encounters(value: object, position: Position, path: Path) -> Encounters:
     """Return the rules for ships that come near; ConfigError with all that is wrong."""
     del path
-    return read_record(Encounters, value, place, ("note",))
+    return read_record(Encounters, value, position, ("note",))
 
 
 def contacts_schema() -> dict[str, Any]:
@@ -304,7 +304,7 @@ def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
         )
     ship = load_nomoto(nomoto_path)
     bad = [
-        Place(nomoto_path.name, "").wrong(
+        Position(nomoto_path.name, "").wrong(
             key, getattr(ship, key), f"{row.name} cannot be steered: {why}"
         )
         for key, why, good in (
@@ -325,17 +325,17 @@ def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
 
 def _faults(contact: Contact) -> list[str]:
     """Return what is wrong with one ship by itself."""
-    row, place = contact.row, contact.place
+    row, position = contact.row, contact.position
     faults = []
     if not CONTACT_NAME.fullmatch(row.name) or row.name in RESERVED_NAMES:
         message = "must be small letters, digits and hyphens, a letter first, and not add"
-        faults.append(place.wrong("name", row.name, message))
+        faults.append(position.wrong("name", row.name, message))
     if isinstance(row.speed_kn, tuple) and len(row.speed_kn) != contact.legs:
         faults.append(
-            place.wrong("speed_kn", [*row.speed_kn], f"must be one number, or {contact.legs}")
+            position.wrong("speed_kn", [*row.speed_kn], f"must be one number, or {contact.legs}")
         )
     faults += [
-        place.wrong("speed_kn", speed, f"a {row.type} makes {contact.type.fastest_kn:g} kn")
+        position.wrong("speed_kn", speed, f"a {row.type} makes {contact.type.fastest_kn:g} kn")
         for speed in dict.fromkeys(speed / KNOT for speed in contact.speeds)
         if speed > contact.type.fastest_kn + 1e-9
     ]
@@ -344,31 +344,35 @@ def _faults(contact: Contact) -> list[str]:
 
 def _misplaced(contact: Contact) -> list[str]:
     """Return problems of keys that do not go with the way points, or with each other."""
-    row, place = contact.row, contact.place
+    row, position = contact.row, contact.position
     problems = []
     if row.course_deg is not None and len(row.points) > 1:
-        problems.append(place.wrong("course_deg", row.course_deg, "goes with one point alone"))
+        problems.append(position.wrong("course_deg", row.course_deg, "goes with one point alone"))
     for key in ("nomoto", "ship"):
         file = getattr(row, key)
         if file is not None and len(row.points) > 1:
-            problems.append(place.wrong(key, file, "goes with one point and course_deg"))
+            problems.append(position.wrong(key, file, "goes with one point and course_deg"))
     if row.ship is not None:
         problems += _without_way(contact)
     if row.drifts and row.status == "at anchor":
-        problems.append(place.wrong("drifts", row.drifts, 'does not go with status = "at anchor"'))
+        problems.append(
+            position.wrong("drifts", row.drifts, 'does not go with status = "at anchor"')
+        )
     return problems
 
 
 def _without_way(contact: Contact) -> list[str]:
     """Return problems of keys that do not go with a ship that is not linear."""
-    row, place = contact.row, contact.place
+    row, position = contact.row, contact.position
     problems = []
     if row.nomoto is not None:
-        problems.append(place.wrong("ship", row.ship, "goes without nomoto: give one"))
+        problems.append(position.wrong("ship", row.ship, "goes without nomoto: give one"))
     if not any(contact.speeds):
-        problems.append(place.wrong("ship", row.ship, "goes with speed_kn: it has way on"))
+        problems.append(position.wrong("ship", row.ship, "goes with speed_kn: it has way on"))
     if row.starts_s:
-        problems.append(place.wrong("starts_s", row.starts_s, "goes without ship: it has way on"))
+        problems.append(
+            position.wrong("starts_s", row.starts_s, "goes without ship: it has way on")
+        )
     return problems
 
 
@@ -376,8 +380,8 @@ def _twice(found: list[Contact]) -> list[str]:
     """Return problems of names and numbers that two ships share."""
     problems = []
     for key in ("name", "mmsi"):
-        values = [(getattr(each.row, key), each.place) for each in found]
-        for i, (value, place) in enumerate(values):
+        values = [(getattr(each.row, key), each.position) for each in found]
+        for i, (value, position) in enumerate(values):
             if value is not None and value in [before for before, _ in values[:i]]:
-                problems.append(place.wrong(key, value, "another [[contact]] has it"))
+                problems.append(position.wrong(key, value, "another [[contact]] has it"))
     return problems

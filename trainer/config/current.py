@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.config.schema import (
     KeyForm,
     Quantity,
@@ -61,24 +61,24 @@ class Profile:
             list_schema(row, 1, MAX_PROFILE_ROWS),
         )
 
-    def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[tuple[float, ...], ...]:
         """Return the rows; ConfigError naming the first number that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= MAX_PROFILE_ROWS:
             message = f"must be a list of 1 to {MAX_PROFILE_ROWS} rows [depth m, set deg, drift kn]"
-            raise ConfigError(place.wrong(key, value, message))
-        rows = tuple(self._row(f"{key}[{i}]", row, place) for i, row in enumerate(value))
+            raise ConfigError(position.wrong(key, value, message))
+        rows = tuple(self._row(f"{key}[{i}]", row, position) for i, row in enumerate(value))
         for i, (upper, lower) in enumerate(itertools.pairwise(rows), start=1):
             if lower[0] <= upper[0]:
                 message = f"depths must rise: {lower[0]:g} m is not below {upper[0]:g} m"
-                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], message))
+                raise ConfigError(position.wrong(f"{key}[{i}]", value[i], message))
         return rows
 
-    def _row(self, key: str, row: object, place: Place) -> tuple[float, ...]:
+    def _row(self, key: str, row: object, position: Position) -> tuple[float, ...]:
         if not isinstance(row, list) or len(row) != len(self.columns):
             message = "must be three numbers: depth m, set deg, drift kn"
-            raise ConfigError(place.wrong(key, row, message))
+            raise ConfigError(position.wrong(key, row, message))
         return tuple(
-            kind.read(f"{key}[{i}]", item, place)
+            kind.read(f"{key}[{i}]", item, position)
             for i, (kind, item) in enumerate(zip(self.columns, row, strict=True))
         )
 
@@ -127,11 +127,11 @@ class Current:
     )
 
 
-def read_current(value: object, place: Place, _path: Path) -> Current:
+def read_current(value: object, position: Position, _path: Path) -> Current:
     """Return the current of one table; ConfigError with all that is wrong."""
-    current = read_record(Current, value, place, ("note",))
+    current = read_record(Current, value, position, ("note",))
     if refused := _problem(current):
-        raise ConfigError(place.problem(refused.reason))
+        raise ConfigError(position.problem(refused.reason))
     return current
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, parse_toml, read_text
+from trainer.config.files import ConfigError, Position, parse_toml, read_text
 from trainer.config.schema import Choice, Text, read_record, required, with_default, within
 
 DERIVATIVES_SCHEMA: Final = "derivatives/1"
@@ -40,9 +40,9 @@ class DerivativesFile:
 
 def load_derivatives(path: Path) -> DerivativesFile:
     """Return the table in a file; ConfigError with all that is wrong."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(read_text(path), path.name)
-    ship = read_record(DerivativesFile, table, place, ("note", "source"))
+    ship = read_record(DerivativesFile, table, position, ("note", "source"))
     if ship.m11 * ship.m22 == ship.m12 * ship.m21:
-        raise ConfigError(place.problem("m11 m22 = m12 m21: a ship without mass has no motion"))
+        raise ConfigError(position.problem("m11 m22 = m12 m21: a ship without mass has no motion"))
     return ship

@@ -17,7 +17,7 @@ from trainer.config.condition import (
     STATE_QUANTITIES,
     Quantity,
 )
-from trainer.config.files import ConfigError, Place, nearest, quote, raise_problems
+from trainer.config.files import ConfigError, Position, nearest, quote, raise_problems
 
 NUMBER_PATTERN: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
 
@@ -53,32 +53,32 @@ class Condition:
     strict: bool  # the threshold itself does not count
     threshold: float
     text: str
-    place: Place
+    position: Position
 
 
-def compile_conditions(text: str, place: Place) -> tuple[Condition, ...]:
+def compile_conditions(text: str, position: Position) -> tuple[Condition, ...]:
     """Return the conditions that ``and`` joins, of any quantity; ConfigError as below."""
-    return tuple(compile_condition(each, place, ALL_QUANTITIES) for each in AND_WORD.split(text))
+    return tuple(compile_condition(each, position, ALL_QUANTITIES) for each in AND_WORD.split(text))
 
 
 def compile_condition(
-    text: str, place: Place, known: Mapping[str, Quantity] = STATE_QUANTITIES
+    text: str, position: Position, known: Mapping[str, Quantity] = STATE_QUANTITIES
 ) -> Condition:
     """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
     match = CONDITION_PATTERN.fullmatch(text)
     if match is None:
         raise ConfigError(
-            place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
+            position.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
         )
     words, comparison, number, unit = match.groups()
-    name, suffix = _split(words, text, place, known)
+    name, suffix = _split(words, text, position, known)
     units = known[name].units
     if suffix and unit and suffix != unit:
-        raise ConfigError(place.problem(f"condition {quote(text)}: has two units"))
+        raise ConfigError(position.problem(f"condition {quote(text)}: has two units"))
     unit_name = (suffix or unit or next(iter(units))).lower().replace("/", "_")
     if unit_name not in units:
         raise ConfigError(
-            place.problem(
+            position.problem(
                 f"condition {quote(text)}: {name} is in {' or '.join(units)}, "
                 f"not {quote(unit_name)}"
             )
@@ -87,9 +87,9 @@ def compile_condition(
         quantity=name,
         sense=1.0 if comparison.startswith(">") else -1.0,
         strict="=" not in comparison,
-        threshold=_number(number, text, place) * units[unit_name],
+        threshold=_number(number, text, position) * units[unit_name],
         text=text.strip(),
-        place=place,
+        position=position,
     )
 
 
@@ -116,7 +116,9 @@ def nearest_quantity(words: str, known: Mapping[str, Quantity] = ALL_QUANTITIES)
     return nearest(words, [*known, *with_units])
 
 
-def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -> tuple[str, str]:
+def _split(
+    words: str, text: str, position: Position, known: Mapping[str, Quantity]
+) -> tuple[str, str]:
     """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
     name_and_unit = parse_name(words, known)
     if name_and_unit is not None:
@@ -127,15 +129,15 @@ def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
             return name, words.removeprefix(f"{name}_")  # a wrong unit
     guess = nearest_quantity(words, known)
-    raise ConfigError(place.problem(f"condition {quote(text)}: no quantity {words!r}{guess}"))
+    raise ConfigError(position.problem(f"condition {quote(text)}: no quantity {words!r}{guess}"))
 
 
-def _number(text: str, whole: str, place: Place) -> float:
+def _number(text: str, whole: str, position: Position) -> float:
     try:
         return float(text)
     except ValueError:
         raise ConfigError(
-            place.problem(f"condition {quote(whole)}: {quote(text)} is no number")
+            position.problem(f"condition {quote(whole)}: {quote(text)} is no number")
         ) from None
 
 
@@ -148,7 +150,7 @@ class Loss:
     text: str
 
 
-def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
+def compile_losses(texts: tuple[str, ...], position: Position) -> tuple[Loss, ...]:
     """Return the conditions that lose the exercise; ConfigError with all faults."""
     problems: list[str] = []
     losses = []
@@ -156,12 +158,12 @@ def compile_losses(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
         lasting = LASTING_CONDITION.fullmatch(text.strip())
         words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
         try:
-            conditions = compile_conditions(words, place)
+            conditions = compile_conditions(words, position)
         except ConfigError as wrong:
             # The message about the list "lost" already quotes the condition, so only its reason
             # is taken over.
             reason = str(wrong).partition("condition ")[2].partition(": ")[2]
-            problems.append(place.wrong("lost", text, reason))
+            problems.append(position.wrong("lost", text, reason))
         else:
             losses.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
     raise_problems(problems)

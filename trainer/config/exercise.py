@@ -18,7 +18,7 @@ from trainer.config.casualties import Casualty, load_casualties, severity_rule
 from trainer.config.derived import Condition, Loss, compile_condition, compile_losses
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     nearest,
     number_problems,
@@ -311,9 +311,9 @@ def parse_exercise(text: str, path: Path) -> Exercise:
 
 def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     """Return the exercise of parsed tables, which came from ``path``; ConfigError as above."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
+        position.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
         for key, value in table.items()
         if key not in KNOWN_KEYS
     ]
@@ -324,46 +324,46 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
             for key, value in table.items()
             if key in KNOWN_KEYS and key not in EXERCISE_TABLES
         }
-        heading = read_record(ExerciseHeading, heading_values, place, ("note",))
+        heading = read_record(ExerciseHeading, heading_values, position, ("note",))
         parts["heading"] = replace(
             heading, vessel=heading.vessel and relative_name(path, heading.vessel)
         )
         if heading.seed is not None and heading.seed != int(heading.seed):
-            problems.append(place.wrong("seed", heading.seed, "must be a whole number"))
+            problems.append(position.wrong("seed", heading.seed, "must be a whole number"))
     with collecting(problems):
         if isinstance(own_table := table.get("casualty_table"), str):
             parts["casualties"] = load_casualties(relative_name(path, own_table))
     for name, record in (("initial", StartState), ("limits", ExerciseLimits)):
         with collecting(problems):
             content = table.get(name, {})
-            parts[name] = read_record(record, content, place.inside(name), ("note",))
+            parts[name] = read_record(record, content, position.inside(name), ("note",))
     with collecting(problems):
         if "sea" in table:
             parts["sea"] = sea_given(table["sea"], path)
     timed: list[ScheduledOrder] = []
     with collecting(problems):
-        timed += read_orders(table, place)
+        timed += read_orders(table, position)
     with collecting(problems):
-        broken, parts["armed"], parts["drawn"] = _casualties(table, place, parts["casualties"])
+        broken, parts["armed"], parts["drawn"] = _casualties(table, position, parts["casualties"])
         timed += broken
     with collecting(problems):
-        parts["scores"] = read_rules(table, place, parts["casualties"])
+        parts["scores"] = read_rules(table, position, parts["casualties"])
     with collecting(problems):
-        parts["crew"] = read_crew(table, place)
+        parts["crew"] = read_crew(table, position)
     with collecting(problems):
-        parts["stated"] = read_stated(table, place)
+        parts["stated"] = read_stated(table, position)
     with collecting(problems):
-        parts["steps"] = read_steps(table, place)
+        parts["steps"] = read_steps(table, position)
     with collecting(problems):
         parts["world"] = read_world(table, path)
     with collecting(problems):
-        parts["lost"] = compile_losses(_texts(table, "lost"), place)
-    problems += _unmanned(table, place)
+        parts["lost"] = compile_losses(_texts(table, "lost"), position)
+    problems += _unmanned(table, position)
     if "ghost" in _texts(table, "aids") and not table.get("crew"):
         message = "the ghost is the run of the reference crew, and there is no [[crew]]"
-        problems.append(place.wrong("aids", table["aids"], message))
+        problems.append(position.wrong("aids", table["aids"], message))
     if _texts(table, "hand"):
-        problems += _without_win(parts.get("scores", ()), place)
+        problems += _without_win(parts.get("scores", ()), position)
     raise_problems(problems)
     timed.sort(key=lambda entry: entry.seconds)
     return Exercise(path=path, schedule=tuple(timed), **parts)
@@ -375,7 +375,7 @@ def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     return tuple(each for each in value if isinstance(each, str)) if isinstance(value, list) else ()
 
 
-def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
+def _unmanned(table: Mapping[str, Any], position: Position) -> list[str]:
     """Return problems of scheduled orders to the crew for an axis that nobody mans."""
     order_names = (*_texts(table, "hand"), *_texts(table, "allowed"))
     problems = []
@@ -390,22 +390,22 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
             if not set(manned) & set(order_names):
                 message = f"nobody mans it: hand = [{', '.join(map(quote, order_names))}]"
                 message += f" has none of {', '.join(manned)}"
-                problems.append(place.inside(f"orders[{i}]").wrong("order", text, message))
+                problems.append(position.inside(f"orders[{i}]").wrong("order", text, message))
     return problems
 
 
-def _without_win(rules: tuple[ScoreRule, ...], place: Place) -> list[str]:
+def _without_win(rules: tuple[ScoreRule, ...], position: Position) -> list[str]:
     """Return a problem if an exercise has scores, but none that wins it."""
     if not rules or any(rule.part == "task" for rule in rules):
         return []
-    return [place.problem('[[scores]] have no part = "task": nothing wins this exercise')]
+    return [position.problem('[[scores]] have no part = "task": nothing wins this exercise')]
 
 
 def sea_given(value: object, path: Path) -> SeaFile:
     """Return a sea given by name or path, or as a table of its own."""
     if isinstance(value, str):
         return load_sea(relative_name(path, value))
-    sea = read_sea(value, Place(path.name, "sea"))
+    sea = read_sea(value, Position(path.name, "sea"))
     return SeaFile(path=path, text="", name=sea_words(sea), sea=sea)
 
 
@@ -420,13 +420,15 @@ def sea_words(sea: Sea) -> str:
     return f"{words} from {sea.direction_deg:03.0f}"
 
 
-def read_orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrder]:
+def read_orders(table: Mapping[str, object], position: Position) -> list[ScheduledOrder]:
     """Return the orders and their times; ConfigError with all that are not orders."""
     problems: list[str] = []
     orders = []
     rows: object = table.get("orders", [])
     readers: Readers = {"order": _read_order}
-    for i, inside, row in sound_rows(ORDER_ROWS, rows, place.inside("orders"), readers, problems):
+    for i, inside, row in sound_rows(
+        ORDER_ROWS, rows, position.inside("orders"), readers, problems
+    ):
         with collecting(problems):
             order = _read_order(row.order, inside)
             orders.append(ScheduledOrder(row.at_s, order, i + 1))
@@ -434,18 +436,18 @@ def read_orders(table: Mapping[str, object], place: Place) -> list[ScheduledOrde
     return orders
 
 
-def _read_order(text: str, place: Place) -> Order:
+def _read_order(text: str, position: Position) -> Order:
     """Return a scheduled order; ConfigError if it is none."""
     order = parse(text)
     if not isinstance(order, Order):
-        raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
+        raise ConfigError(position.wrong("order", text, order.reason if order else "is no order"))
     if order.name in UNSCHEDULED_WORDS:
-        raise ConfigError(place.wrong("order", text, "has no place in a schedule"))
+        raise ConfigError(position.wrong("order", text, "has no place in a schedule"))
     return to_the_crew(order)
 
 
 def _casualties(
-    table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
+    table: Mapping[str, object], position: Position, known: Mapping[str, Casualty]
 ) -> tuple[list[ScheduledOrder], tuple[ConditionalCasualty, ...], tuple[RandomCasualty, ...]]:
     """Return casualties at set times, those that wait for a condition, those of chance.
 
@@ -457,7 +459,7 @@ def _casualties(
     armed: list[ConditionalCasualty] = []
     rows = table.get("casualties", [])
     readers: Readers = {"name": partial(_entry_named, known), "when": compile_condition}
-    array = place.inside("casualties")
+    array = position.inside("casualties")
     for i, inside, row in sound_rows(CASUALTY_ROWS, rows, array, readers, problems):
         condition = None
         with collecting(problems):
@@ -475,17 +477,19 @@ def _casualties(
     return timed, tuple(armed), tuple(drawn)
 
 
-def _entry_named(known: Mapping[str, Casualty], name: str, place: Place) -> Casualty:
+def _entry_named(known: Mapping[str, Casualty], name: str, position: Position) -> Casualty:
     """Return the casualty of that name as its table has it; ConfigError if there is none."""
     if name not in known:
         text = f"no such casualty{nearest(name, known)}; `trainer casualties` lists them"
-        raise ConfigError(place.wrong("name", name, text))
+        raise ConfigError(position.wrong("name", name, text))
     return known[name]
 
 
-def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
+def _known_casualty(
+    row: CasualtyRow, position: Position, known: Mapping[str, Casualty]
+) -> Casualty:
     """Return the casualty with the row's severity and ramp; ConfigError on what is wrong."""
-    entry = _entry_named(known, row.name, place)
+    entry = _entry_named(known, row.name, position)
     entry = replace(
         entry,
         severity=entry.severity if row.severity is None else row.severity,
@@ -493,22 +497,22 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
     )
     problems = []
     if entry.severity not in entry.measure.limits:
-        problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
+        problems.append(position.wrong("severity", entry.severity, severity_rule(entry.kind)))
     if entry.measure.sudden and entry.ramp_s:
-        problems.append(place.wrong("ramp_s", entry.ramp_s, f"{entry.kind} comes at once"))
+        problems.append(position.wrong("ramp_s", entry.ramp_s, f"{entry.kind} comes at once"))
     if (row.at_s is None) == (row.when is None):
-        problems.append(place.problem("give one of at_s, when"))
+        problems.append(position.problem("give one of at_s, when"))
     if row.rule is not None and row.when is None:
-        problems.append(place.wrong("rule", row.rule, "goes with when"))
+        problems.append(position.wrong("rule", row.rule, "goes with when"))
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
-        problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
+        problems.append(position.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
     problems += [
-        place.wrong(key, getattr(row, key), why)
+        position.wrong(key, getattr(row, key), why)
         for key, why in TIMED_KEYS.items()
         if getattr(row, key) is not None and row.at_s is None
     ]
     if row.lasts_s is not None and row.clear_at_s is not None:
-        problems.append(place.problem("give one of clear_at_s, lasts_s"))
+        problems.append(position.problem("give one of clear_at_s, lasts_s"))
     raise_problems(problems)
     return entry
 

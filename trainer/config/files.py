@@ -76,15 +76,15 @@ def raise_problems(problems: Collection[str]) -> None:
         raise ConfigError(*problems)
 
 
-class Place(NamedTuple):
+class Position(NamedTuple):
     """Where a value stands: file name, and table ('' at the top level)."""
 
     file: str
     table: str
 
-    def inside(self, name: str) -> "Place":
-        """Return the place of the table ``name`` within this one."""
-        return Place(self.file, f"{self.table}.{name}" if self.table else name)
+    def inside(self, name: str) -> "Position":
+        """Return the position of the table ``name`` within this one."""
+        return Position(self.file, f"{self.table}.{name}" if self.table else name)
 
     def problem(self, text: str) -> str:
         """Return the one-line message ``text`` about this table."""
@@ -96,10 +96,10 @@ class Place(NamedTuple):
         return self.problem(f"{quote_key(key)} = {quote(value)}: {text}")
 
 
-def as_table(value: object, place: Place) -> Mapping[str, Any]:
+def as_table(value: object, position: Position) -> Mapping[str, Any]:
     """Return ``value``; ConfigError if it is no table."""
     if not isinstance(value, Mapping):
-        raise ConfigError(place.problem(f"must be a table, not {quote(value)}"))
+        raise ConfigError(position.problem(f"must be a table, not {quote(value)}"))
     return value
 
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     nearest,
     parse_toml,
@@ -74,22 +74,24 @@ class Stations:
         message = f"{self.fewest} to {self.most} rows of 3 or 4 numbers"
         return KeyForm("m", message, self.meaning, rows)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[tuple[float, ...], ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[tuple[float, ...], ...]:
         """Return the rows with four numbers each; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
             message = f"must be {self.fewest} to {self.most} rows [x, breadth, height] in m"
-            raise ConfigError(place.wrong(key, value, message))
+            raise ConfigError(position.wrong(key, value, message))
         kind = Quantities(_number("m", -400.0, 400.0, ""), 3, 4)
-        rows = [kind.read(f"{key}[{i}]", row, place) for i, row in enumerate(value)]
+        rows = [kind.read(f"{key}[{i}]", row, position) for i, row in enumerate(value)]
         for i, row in enumerate(rows):
             if min(row[:3]) < 0.0:
-                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], "must not be negative, m"))
+                raise ConfigError(
+                    position.wrong(f"{key}[{i}]", value[i], "must not be negative, m")
+                )
         for i, (before, row) in enumerate(pairwise(rows), start=1):
             if row[0] <= before[0]:
                 message = f"x must rise: must be above {before[0]:g} m"
-                raise ConfigError(place.wrong(f"{key}[{i}]", value[i], message))
+                raise ConfigError(position.wrong(f"{key}[{i}]", value[i], message))
         if not any(row[1] * row[2] > 0.0 for row in rows):
-            raise ConfigError(place.wrong(key, value, "the area is nowhere above 0 m2"))
+            raise ConfigError(position.wrong(key, value, "the area is nowhere above 0 m2"))
         return tuple((*row, 0.0)[:4] for row in rows)
 
 
@@ -245,9 +247,9 @@ class HullFile:
         return self.form.reference_length or self.form.length
 
     @property
-    def place(self) -> Place:
-        """Return the place that messages name."""
-        return Place(self.path.name, "")
+    def position(self) -> Position:
+        """Return the position that messages name."""
+        return Position(self.path.name, "")
 
 
 SURFACE_ROWS: Final = Rows(Panels, ("note",), 1, 40, "surfaces, below")
@@ -270,9 +272,9 @@ def load_hull(path: Path) -> HullFile:
 
 def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     """Return the hull of parsed tables; ConfigError with all that is wrong."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     problems = [
-        place.wrong(
+        position.wrong(
             key, value, f"no such key{nearest(key, KNOWN_KEYS) or f'; there are {KNOWN_KEYS_TEXT}'}"
         )
         for key, value in given.items()
@@ -280,16 +282,16 @@ def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     ]
     lacking = [key for key in ("name", *NECESSARY_TABLES, "surfaces") if key not in given]
     if lacking:
-        problems.append(place.problem(f"lacks {', '.join(lacking)}"))
+        problems.append(position.problem(f"lacks {', '.join(lacking)}"))
     parts: dict[str, Any] = {"propeller": None}
     for name, record in HULL_TABLES.items():
         if name in given or name not in (*NECESSARY_TABLES, "propeller"):
             with collecting(problems):
-                here = place.inside(name)
+                here = position.inside(name)
                 parts[name] = read_record(record, given.get(name, {}), here, ("note",))
     for name, kind in (("name", BOAT_NAME), ("surfaces", SURFACE_ROWS)):
         with collecting(problems):
-            parts[name] = kind.read(name, given[name], place) if name in given else None
+            parts[name] = kind.read(name, given[name], position) if name in given else None
     raise_problems(problems)
     file = HullFile(
         path=path, form=parts.pop("hull"), water=parts.pop("fluid"), tables=given, **parts
@@ -337,75 +339,75 @@ def _skipped(file: HullFile) -> tuple[str, ...]:
 
 def _form_problems(file: HullFile) -> Iterator[str]:
     """Yield what does not fit about the bare hull."""
-    form, place = file.form, file.place.inside("hull")
+    form, position = file.form, file.position.inside("hull")
     if (form.stations is None) == (form.breadth is None):
-        yield place.problem("give one of stations, breadth")
+        yield position.problem("give one of stations, breadth")
     elif form.stations is not None:
         yield from _station_problems(file)
     else:
         yield from _nose_and_tail_problems(file)
     if form.reference_length and not 0.8 <= form.reference_length / form.length <= 1.25:
         message = f"must be about length = {form.length:g} m, 0.8 to 1.25 of it"
-        yield place.wrong("reference_length", form.reference_length, message)
+        yield position.wrong("reference_length", form.reference_length, message)
 
 
 def _station_problems(file: HullFile) -> Iterator[str]:
     """Yield what does not fit about stations."""
-    form, place = file.form, file.place.inside("hull")
+    form, position = file.form, file.position.inside("hull")
     rows = form.stations or ()
     first, last = rows[0], rows[-1]
     if last[0] > form.length * (1.0 + 1e-9) or first[0] < 0.0:
         message = f"x must lie within 0 to length = {form.length:g} m"
-        yield place.problem(f"stations: {first[0]:g} to {last[0]:g} m: {message}")
+        yield position.problem(f"stations: {first[0]:g} to {last[0]:g} m: {message}")
         return
     widest = max(max(row[1:3]) for row in rows)
     for name, row, at in (("first", first, 0.0), ("last", last, form.length)):
         if abs(row[0] - at) > END_SHARE * form.length:
-            yield place.problem(f"stations: the {name} x = {row[0]:g} m: must be near {at:g} m")
+            yield position.problem(f"stations: the {name} x = {row[0]:g} m: must be near {at:g} m")
         elif max(row[1:3]) > POINTED_END_SHARE * widest:
             message = f"must be near 0, at most {POINTED_END_SHARE * widest:.3g} m"
-            yield place.problem(f"stations: the {name} is {max(row[1:3]):g} m wide: {message}")
+            yield position.problem(f"stations: the {name} is {max(row[1:3]):g} m wide: {message}")
 
 
 def _nose_and_tail_problems(file: HullFile) -> Iterator[str]:
     """Yield what does not fit about a hull of nose, middle and tail."""
-    form, place = file.form, file.place.inside("hull")
+    form, position = file.form, file.position.inside("hull")
     breadth = form.breadth or 0.0
     nose = form.nose_length or 1.5 * breadth
     tail = form.tail_length or 3.0 * breadth
     if nose + tail > form.length:
         message = f"nose {nose:g} m and tail {tail:g} m must not be longer than length"
-        yield place.wrong("length", form.length, f"{message}; nearest is {nose + tail:g} m")
+        yield position.wrong("length", form.length, f"{message}; nearest is {nose + tail:g} m")
     if max(breadth, form.height or 0.0) > form.length / 2.0:
         message = f"must be at most half of length, {form.length / 2.0:g} m"
-        yield place.wrong("breadth", breadth, message)
+        yield position.wrong("breadth", breadth, message)
     if form.base_diameter >= breadth:
-        yield place.wrong("base_diameter", form.base_diameter, f"must be below {breadth:g} m")
+        yield position.wrong("base_diameter", form.base_diameter, f"must be below {breadth:g} m")
     if form.tail == "myring":
         lacks = [key for key in ("tail_half_angle_deg", "tail_cut") if getattr(form, key) is None]
-        yield from (place.problem(f"lacks {key}: tail = myring needs it") for key in lacks)
+        yield from (position.problem(f"lacks {key}: tail = myring needs it") for key in lacks)
 
 
 def _mass_problems(file: HullFile) -> Iterator[str]:
     """Yield what does not fit about the centres."""
-    place, mass, length = file.place.inside("mass"), file.mass, file.form.length
+    position, mass, length = file.position.inside("mass"), file.mass, file.form.length
     low, high = 0.2 * length, 0.8 * length
     if mass.cg_from_nose is not None and not low <= mass.cg_from_nose <= high:
         message = f"must be in the middle 60 %, {low:g} to {high:g} m"
-        yield place.wrong("cg_from_nose", mass.cg_from_nose, message)
+        yield position.wrong("cg_from_nose", mass.cg_from_nose, message)
     if mass.cb_above_cg is not None and mass.cb_above_cg <= 0.0:
         message = "must be above 0 m: the centre of buoyancy must be above that of gravity"
-        yield place.wrong("cb_above_cg", mass.cb_above_cg, message)
+        yield position.wrong("cb_above_cg", mass.cb_above_cg, message)
 
 
 def _surface_problems(file: HullFile) -> Iterator[str]:
     """Yield what does not fit about each surface."""
     for i, panels in enumerate(file.surfaces):
-        place = file.place.inside(f"surfaces[{i}]")
-        yield from _panel_problems(panels, place, file.form.length)
+        position = file.position.inside(f"surfaces[{i}]")
+        yield from _panel_problems(panels, position, file.form.length)
         # yield which panels cannot serve the control that they are given
         if panels.sail and panels.control != "none":
-            yield place.wrong("control", panels.control, "a sail steers nothing; must be none")
+            yield position.wrong("control", panels.control, "a sail steers nothing; must be none")
         for angle in panels.angles_deg:
             across, down = abs(math.sin(math.radians(angle))), abs(math.cos(math.radians(angle)))
             wanted = {
@@ -417,27 +419,29 @@ def _surface_problems(file: HullFile) -> Iterator[str]:
             if wanted.get(panels.control, 1.0) < MIN_NORMAL_SHARE:
                 right = {RUDDER_CONTROL: "90 or 270", X_CONTROL: "45, 135, 225 or 315"}
                 message = f"no {panels.control} can act there; nearest are"
-                yield place.wrong(
+                yield position.wrong(
                     "angles_deg", angle, f"{message} {right.get(panels.control, '0 or 180')} deg"
                 )
 
 
-def _panel_problems(panels: Panels, place: Place, length: float) -> Iterator[str]:
+def _panel_problems(panels: Panels, position: Position, length: float) -> Iterator[str]:
     """Yield what does not fit about the outline of a panel."""
     root = panels.root_radius
     if root is not None and panels.tip_radius <= root:
-        yield place.wrong("tip_radius", panels.tip_radius, f"must be above root_radius, {root:g} m")
+        yield position.wrong(
+            "tip_radius", panels.tip_radius, f"must be above root_radius, {root:g} m"
+        )
     for key in ("le_root", "le_tip"):
         at = getattr(panels, key)
         if at is not None and at < 0.0:
-            yield place.wrong(key, at, "must not be ahead of the nose: must be 0 m or more")
+            yield position.wrong(key, at, "must not be ahead of the nose: must be 0 m or more")
     trailing = panels.le_root + panels.root_chord
     if trailing > MAX_TRAILING * length:
         message = f"trailing edge at {trailing:g} m, must be at most {MAX_TRAILING * length:g} m"
-        yield place.wrong("le_root", panels.le_root, message)
+        yield position.wrong("le_root", panels.le_root, message)
     if panels.root_radius is not None:
         span = panels.tip_radius - panels.root_radius
         area = 0.5 * (panels.root_chord + panels.tip_chord) * span
         if panels.moving_area is not None and panels.moving_area > area > 0.0:
             message = f"must be at most the panel's area, {area:.4g} m2"
-            yield place.wrong("moving_area", panels.moving_area, message)
+            yield position.wrong("moving_area", panels.moving_area, message)

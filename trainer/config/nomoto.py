@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, parse_toml, read_text
+from trainer.config.files import ConfigError, Position, parse_toml, read_text
 from trainer.config.schema import (
     Choice,
     Text,
@@ -69,13 +69,13 @@ def load_nomoto(path: Path) -> NomotoFile:
     ``source`` and ``deviations`` are for people, and are not read.
     """
     table = parse_toml(read_text(path), path.name)
-    place = Place(path.name, "")
-    ship = read_record(NomotoFile, table, place, ("note", "source", "deviations"))
+    position = Position(path.name, "")
+    ship = read_record(NomotoFile, table, position, ("note", "source", "deviations"))
     for key, value in (("H2_s2", ship.H2_s2), ("H3_s3", ship.H3_s3)):
         if value is not None and ship.H1_s is None:
-            raise ConfigError(place.wrong(key, value, "goes with H1_s, which is not given"))
+            raise ConfigError(position.wrong(key, value, "goes with H1_s, which is not given"))
     if ship.H1_s is not None and ship.kappa_s2 is not None:
-        raise ConfigError(place.wrong("kappa_s2", ship.kappa_s2, "stands in for H1_s: give one"))
+        raise ConfigError(position.wrong("kappa_s2", ship.kappa_s2, "stands in for H1_s: give one"))
     return ship
 
 

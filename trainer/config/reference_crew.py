@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from trainer.config.derived import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, nearest, raise_problems
+from trainer.config.files import ConfigError, Position, collecting, nearest, raise_problems
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -111,14 +111,14 @@ class Crew:
 CREW_RULE_ROWS: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
 
 
-def read_crew(table: Mapping[str, object], place: Place) -> Crew:
+def read_crew(table: Mapping[str, object], position: Position) -> Crew:
     """Return the reference crew of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
     if isinstance(table.get("crew"), dict):
-        raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] each"))
+        raise ConfigError(position.problem("[crew]: one reference crew, its rules [[crew]] each"))
     rules: list[CrewRule] = []
     readers: Readers = {"when": compile_conditions, "order": parse_crew_order}
-    array = place.inside("crew")
+    array = position.inside("crew")
     for i, inside, row in sound_rows(
         CREW_RULE_ROWS, table.get("crew", []), array, readers, problems
     ):
@@ -127,11 +127,11 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     ways: dict[str, Any] = {}
     for name, record in (("planesman", Planesman), ("helmsman", Helmsman)):
         with collecting(problems):
-            ways[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+            ways[name] = read_record(record, table.get(name, {}), position.inside(name), ("note",))
     # which rules stand twice: two crews in one file
     rows = [rule.row for rule in rules]
     problems += [
-        place.inside(f"crew[{i}]").problem(
+        position.inside(f"crew[{i}]").problem(
             f'order = "{row.order}": is a rule above too; an exercise has one reference crew'
         )
         for i, row in enumerate(rows)
@@ -141,34 +141,34 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     return Crew(rules=tuple(rules), **ways)
 
 
-def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
+def _read_rule(row: CrewRow, i: int, position: Position) -> CrewRule:
     """Return one rule; ConfigError with all that is wrong in it."""
     problems: list[str] = []
     begins = [key for key in ("at_s", "when", "ordered") if getattr(row, key) is not None]
     if len(begins) > 1 or not (begins or row.then):
-        problems.append(place.problem("give one of at_s, when, ordered, or then = true"))
+        problems.append(position.problem("give one of at_s, when, ordered, or then = true"))
     if row.then and i == 0:
-        problems.append(place.wrong("then", row.then, "there is no rule above"))
+        problems.append(position.wrong("then", row.then, "there is no rule above"))
     problems += [
-        place.wrong(key, getattr(row, key), "goes with when")
+        position.wrong(key, getattr(row, key), "goes with when")
         for key in ("from_s", "to_s", "every_s", "mean_s")
         if getattr(row, key) is not None and row.when is None
     ]
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
-        conditions = compile_conditions(row.when, place) if row.when else ()
+        conditions = compile_conditions(row.when, position) if row.when else ()
     problems += [
-        place.wrong("when", row.when, f"no gauge shows {condition.quantity}")
+        position.wrong("when", row.when, f"no gauge shows {condition.quantity}")
         for condition in conditions
         if condition.quantity in UNSEEN_QUANTITIES
     ]
     with collecting(problems):
-        order = parse_crew_order(row.order, place)
+        order = parse_crew_order(row.order, position)
     raise_problems(problems)
     return CrewRule(row=row, conditions=conditions, order=order)
 
 
-def parse_crew_order(text: str, place: Place) -> Order:
+def parse_crew_order(text: str, position: Position) -> Order:
     """Return what a crew can order, or switch; ConfigError if it is neither."""
     words = " ".join(text.split()).lower()
     if words in HAND_SWITCHES:
@@ -176,11 +176,11 @@ def parse_crew_order(text: str, place: Place) -> Order:
         return Order(hand, 0.0, word, words)
     if nearest(words.split(" ")[0], CREW_HANDS):
         raise ConfigError(
-            place.wrong("order", text, f"say on or off{nearest(words, HAND_SWITCHES)}")
+            position.wrong("order", text, f"say on or off{nearest(words, HAND_SWITCHES)}")
         )
     order = parse(text)
     if not isinstance(order, Order):
-        raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
+        raise ConfigError(position.wrong("order", text, order.reason if order else "is no order"))
     if order.name not in (*ANSWER_ORDERS, MARK_ORDER):
-        raise ConfigError(place.wrong("order", text, "no crew orders that"))
+        raise ConfigError(position.wrong("order", text, "no crew orders that"))
     return order

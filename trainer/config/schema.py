@@ -13,7 +13,14 @@ from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_d
 from functools import cache
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from trainer.config.files import ConfigError, Place, as_table, collecting, nearest, raise_problems
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    as_table,
+    collecting,
+    nearest,
+    raise_problems,
+)
 
 Record = TypeVar("Record")
 MIN_NONZERO_SIZE = 1e-12  # of a number that is not 0, in any unit
@@ -71,7 +78,7 @@ class Kind(Protocol):
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
 
-    def read(self, key: str, value: object, place: Place) -> object:
+    def read(self, key: str, value: object, position: Position) -> object:
         """Return the checked value; ConfigError if it is wrong."""
 
 
@@ -88,19 +95,19 @@ class Quantity:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         return KeyForm(self.unit, str(self.limits), self.meaning, self.limits.schema)
 
-    def read(self, key: str, value: object, place: Place) -> float:
+    def read(self, key: str, value: object, position: Position) -> float:
         """Return the number [unit]; ConfigError if it is none or outside the limits."""
         unit = "" if self.unit == "-" else f" {self.unit}"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ConfigError(place.wrong(key, value, f"must be a number, {self.limits}{unit}"))
+            raise ConfigError(position.wrong(key, value, f"must be a number, {self.limits}{unit}"))
         number = float(value) if abs(value) <= sys.float_info.max else math.inf
         if not math.isfinite(number):
-            raise ConfigError(place.wrong(key, value, f"must be finite, {self.limits}{unit}"))
+            raise ConfigError(position.wrong(key, value, f"must be finite, {self.limits}{unit}"))
         if number not in self.limits:
-            raise ConfigError(place.wrong(key, value, f"must be {self.limits}{unit}"))
+            raise ConfigError(position.wrong(key, value, f"must be {self.limits}{unit}"))
         if 0.0 < abs(number) < MIN_NONZERO_SIZE:
             least = f"must be 0, or {MIN_NONZERO_SIZE:g}{unit} or more in size, {self.limits}{unit}"
-            raise ConfigError(place.wrong(key, value, least))
+            raise ConfigError(position.wrong(key, value, least))
         return number
 
 
@@ -118,12 +125,12 @@ class WholeNumber:
         schema = {"type": "integer", "minimum": self.low, "maximum": self.high}
         return KeyForm("whole number", f"{self.low} to {self.high}", self.meaning, schema)
 
-    def read(self, key: str, value: object, place: Place) -> int:
+    def read(self, key: str, value: object, position: Position) -> int:
         """Return the number; ConfigError if it is none, or outside the limits."""
         whole = isinstance(value, int) and not isinstance(value, bool)
         if not (whole and isinstance(value, int) and self.low <= value <= self.high):
             message = f"must be a whole number, {self.low} to {self.high}"
-            raise ConfigError(place.wrong(key, value, message))
+            raise ConfigError(position.wrong(key, value, message))
         return value
 
 
@@ -146,11 +153,13 @@ class Quantities:
     def _count(self) -> str:
         return f"{self.fewest}" if self.fewest == self.most else f"{self.fewest} to {self.most}"
 
-    def read(self, key: str, value: object, place: Place) -> tuple[float, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[float, ...]:
         """Return the numbers; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
-            raise ConfigError(place.wrong(key, value, f"must be a list of {self._count} numbers"))
-        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+            raise ConfigError(
+                position.wrong(key, value, f"must be a list of {self._count} numbers")
+            )
+        return tuple(self.each.read(f"{key}[{i}]", item, position) for i, item in enumerate(value))
 
 
 @dataclass(frozen=True)
@@ -166,12 +175,14 @@ class Text:
         schema = {"type": "string", "minLength": 1, "maxLength": self.longest}
         return KeyForm("text", f"1 to {self.longest} characters", self.meaning, schema)
 
-    def read(self, key: str, value: object, place: Place) -> str:
+    def read(self, key: str, value: object, position: Position) -> str:
         """Return the line; ConfigError if it is empty, too long or not printable."""
         if not isinstance(value, str) or not value.isprintable():
-            raise ConfigError(place.wrong(key, value, "must be one line of text"))
+            raise ConfigError(position.wrong(key, value, "must be one line of text"))
         if not 1 <= len(value) <= self.longest:
-            raise ConfigError(place.wrong(key, value, f"must have 1 to {self.longest} characters"))
+            raise ConfigError(
+                position.wrong(key, value, f"must have 1 to {self.longest} characters")
+            )
         return value
 
 
@@ -179,12 +190,14 @@ class Text:
 class LongText(Text):
     """Some lines of text."""
 
-    def read(self, key: str, value: object, place: Place) -> str:
+    def read(self, key: str, value: object, position: Position) -> str:
         """Return the text; ConfigError if it is empty, too long or not printable."""
         good = isinstance(value, str) and value.replace("\n", "").isprintable()
         if not isinstance(value, str) or not good or not 1 <= len(value.strip()) <= self.longest:
             raise ConfigError(
-                place.wrong(key, value, f"must be printable text of 1 to {self.longest} characters")
+                position.wrong(
+                    key, value, f"must be printable text of 1 to {self.longest} characters"
+                )
             )
         return value.strip()
 
@@ -201,10 +214,10 @@ class Choice:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         return KeyForm("word", " or ".join(self.words), self.meaning, {"enum": [*self.words]})
 
-    def read(self, key: str, value: object, place: Place) -> str:
+    def read(self, key: str, value: object, position: Position) -> str:
         """Return the word; ConfigError if it is none of them."""
         if not isinstance(value, str) or value not in self.words:
-            raise ConfigError(place.wrong(key, value, f"must be {' or '.join(self.words)}"))
+            raise ConfigError(position.wrong(key, value, f"must be {' or '.join(self.words)}"))
         return value
 
 
@@ -219,10 +232,10 @@ class Flag:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         return KeyForm("word", "true or false", self.meaning, {"type": "boolean"})
 
-    def read(self, key: str, value: object, place: Place) -> bool:
+    def read(self, key: str, value: object, position: Position) -> bool:
         """Return the word; ConfigError if it is neither."""
         if not isinstance(value, bool):
-            raise ConfigError(place.wrong(key, value, "must be true or false"))
+            raise ConfigError(position.wrong(key, value, "must be true or false"))
         return value
 
 
@@ -239,12 +252,12 @@ class Texts:
         _, _, meaning, schema = self.each.form
         return KeyForm("texts", f"0 to {self.most}", meaning, list_schema(schema, 0, self.most))
 
-    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[str, ...]:
         """Return the lines; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or len(value) > self.most:
             message = f"must be a list of {self.most} texts at most"
-            raise ConfigError(place.wrong(key, value, message))
-        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+            raise ConfigError(position.wrong(key, value, message))
+        return tuple(self.each.read(f"{key}[{i}]", item, position) for i, item in enumerate(value))
 
 
 @dataclass(frozen=True)
@@ -260,16 +273,16 @@ class Choices:
         schema = {"type": "array", "items": {"enum": [*self.words]}, "uniqueItems": True}
         return KeyForm("words", f"some of {', '.join(self.words)}", self.meaning, schema)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[str, ...]:
         """Return the words; ConfigError if one is unknown or given twice."""
         listed = value if isinstance(value, list) else [value]
         unknown = [str(item) for item in listed if item not in self.words]
         if unknown or not isinstance(value, list):
             like = nearest(unknown[0], self.words) if unknown else ""
             text = f"must list some of {', '.join(self.words)}{like}"
-            raise ConfigError(place.wrong(key, value, text))
+            raise ConfigError(position.wrong(key, value, text))
         if len(set(value)) < len(value):
-            raise ConfigError(place.wrong(key, value, "must not name one twice"))
+            raise ConfigError(position.wrong(key, value, "must not name one twice"))
         return tuple(value)
 
 
@@ -287,10 +300,10 @@ class NamedNumbers:
         table = object_schema(dict.fromkeys(self.names, schema), self.names)
         return KeyForm(unit, limits, f"{meaning}: {', '.join(self.names)}", table)
 
-    def read(self, key: str, value: object, place: Place) -> dict[str, float]:
+    def read(self, key: str, value: object, position: Position) -> dict[str, float]:
         """Return number by name; ConfigError if a name is unknown or lacking."""
         record = _record_of(key, self)
-        return asdict(read_record(record, value, place.inside(key), ()))
+        return asdict(read_record(record, value, position.inside(key), ()))
 
 
 @cache
@@ -324,18 +337,18 @@ class Rows:
         listed = list_schema(row, self.fewest, self.most)
         return KeyForm("tables", f"{self.fewest} to {self.most}", self.meaning, listed)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[Any, ...]:
         """Return the records in the order of the file; ConfigError with all that is wrong."""
         return tuple(
-            read_record(self.record, row, place.inside(f"{key}[{i}]"), self.documentary)
-            for i, row in enumerate(self.listed(key, value, place))
+            read_record(self.record, row, position.inside(f"{key}[{i}]"), self.documentary)
+            for i, row in enumerate(self.listed(key, value, position))
         )
 
-    def listed(self, key: str, value: object, place: Place) -> list[Any]:
+    def listed(self, key: str, value: object, position: Position) -> list[Any]:
         """Return the rows as they are written; ConfigError if these are no such list."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
-            text = f"must be {self.fewest} to {self.most} tables [[{place.inside(key).table}]]"
-            raise ConfigError(place.wrong(key, value, text))
+            text = f"must be {self.fewest} to {self.most} tables [[{position.inside(key).table}]]"
+            raise ConfigError(position.wrong(key, value, text))
         return value
 
 
@@ -356,9 +369,9 @@ class Table:
         """Return unit, range and meaning, and the JSON Schema of its values."""
         return KeyForm("table", "1", self.meaning, record_schema(self.record, self.documentary))
 
-    def read(self, key: str, value: object, place: Place) -> Any:
+    def read(self, key: str, value: object, position: Position) -> Any:
         """Return the record; ConfigError with all that is wrong."""
-        return read_record(self.record, value, place.inside(key), self.documentary)
+        return read_record(self.record, value, position.inside(key), self.documentary)
 
 
 def required(*kind: Any) -> Any:
@@ -435,44 +448,46 @@ def file_schema(
     return {"$schema": JSON_SCHEMA_DRAFT, "title": title, **object_schema(keys, needed)}
 
 
-def find_infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
+def find_infinite(value: object, key: str, position: Position, depth: int = 0) -> list[str]:
     """Return where a value for the reader holds nan or an infinite number."""
     if isinstance(value, float) and not math.isfinite(value):
-        return [place.wrong(key, value, "must be finite")]
+        return [position.wrong(key, value, "must be finite")]
     inner: Iterable[tuple[str, object]] = ()
     if isinstance(value, Mapping):
         inner = ((f"{key}.{name}", item) for name, item in value.items())
     elif isinstance(value, list):
         inner = ((f"{key}[{i}]", item) for i, item in enumerate(value))
     if inner and depth > MAX_TABLE_DEPTH:
-        return [place.problem(f"{key}: is nested too deeply")]
-    return [wrong for name, item in inner for wrong in find_infinite(item, name, place, depth + 1)]
+        return [position.problem(f"{key}: is nested too deeply")]
+    return [
+        wrong for name, item in inner for wrong in find_infinite(item, name, position, depth + 1)
+    ]
 
 
 def read_record(
-    record: type[Record], table: object, place: Place, documentary: Iterable[str]
+    record: type[Record], table: object, position: Position, documentary: Iterable[str]
 ) -> Record:
     """Return ``table`` as a ``record``, leaving out documentary keys; ConfigError with all faults.
 
     ``record`` is a dataclass with keyword-only fields, each with a kind.
     """
-    content = as_table(table, place)
+    content = as_table(table, position)
     items: tuple[Field[Any], ...] = fields(record)  # type: ignore[arg-type]
     known = [item.name for item in items]
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        position.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in content.items()
         if key not in known and key not in documentary
     ]
     for key in documentary:
-        problems += find_infinite(content.get(key), key, place)
+        problems += find_infinite(content.get(key), key, position)
     lacking = [item.name for item in items if item.default is MISSING and item.name not in content]
     if lacking:
-        problems.append(place.problem(f"lacks {', '.join(lacking)}"))
+        problems.append(position.problem(f"lacks {', '.join(lacking)}"))
     values = {}
     for item in items:
         if item.name in content:
             with collecting(problems):
-                values[item.name] = kind_of(item).read(item.name, content[item.name], place)
+                values[item.name] = kind_of(item).read(item.name, content[item.name], position)
     raise_problems(problems)
     return record(**values)

@@ -14,7 +14,7 @@ from typing import Final
 from trainer.config.casualties import Casualty
 from trainer.config.derived import ALL_QUANTITIES, Condition, compile_conditions, parse_name
 from trainer.config.derived import nearest_quantity as guess
-from trainer.config.files import ConfigError, Place, collecting, nearest, raise_problems
+from trainer.config.files import ConfigError, Position, collecting, nearest, raise_problems
 from trainer.config.schema import (
     Choice,
     Choices,
@@ -266,7 +266,9 @@ def with_quiet_hands(rules: tuple[ScoreRule, ...], hand: Collection[str]) -> tup
     return (*rules, ScoreRule(score=QUIET_HANDS, measured=None, conditions=(), casualty=None))
 
 
-def understand_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
+def understand_rule(
+    score: ScoreRow, position: Position, known: Mapping[str, Casualty]
+) -> ScoreRule:
     """Return the rule of a table, the names in it understood; ConfigError with all faults.
 
     Whether its keys go with its measure is checked only where an exercise file is read.
@@ -275,41 +277,43 @@ def understand_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]
     measured = None
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
-        measured = score.quantity and parse_quantity(score.quantity, place)
+        measured = score.quantity and parse_quantity(score.quantity, position)
     with collecting(problems):
-        conditions = compile_conditions(score.when, place) if score.when else ()
+        conditions = compile_conditions(score.when, position) if score.when else ()
     casualties: dict[str, Casualty | None] = {}
     for key in ("casualty", "since"):
         name = getattr(score, key)
         with collecting(problems):
-            casualties[key] = None if name is None else _casualty_named(known, key, name, place)
+            casualties[key] = None if name is None else _casualty_named(known, key, name, position)
     if score.full == score.zero:
-        problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
+        problems.append(position.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
-        problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
+        problems.append(position.wrong("to_s", score.to_s, "is before from_s"))
     raise_problems(problems)
     return ScoreRule(score=score, measured=measured or None, conditions=conditions, **casualties)
 
 
-def _casualty_named(known: Mapping[str, Casualty], key: str, name: str, place: Place) -> Casualty:
+def _casualty_named(
+    known: Mapping[str, Casualty], key: str, name: str, position: Position
+) -> Casualty:
     """Return the casualty that a key names; ConfigError if there is none."""
     if name not in known:
-        raise ConfigError(place.wrong(key, name, f"no such casualty{nearest(name, known)}"))
+        raise ConfigError(position.wrong(key, name, f"no such casualty{nearest(name, known)}"))
     return known[name]
 
 
-def _refuse_unknown(measure: str, place: Place) -> None:
+def _refuse_unknown(measure: str, position: Position) -> None:
     """Raise ConfigError if there is no such measure."""
     if measure not in SCORE_MEASURES:
         guess = nearest(measure, SCORE_MEASURES) or f"; there are: {', '.join(SCORE_MEASURES)}"
-        raise ConfigError(place.wrong("measure", measure, f"no such measure{guess}"))
+        raise ConfigError(position.wrong("measure", measure, f"no such measure{guess}"))
 
 
-def parse_quantity(text: str, place: Place) -> MeasuredQuantity:
+def parse_quantity(text: str, position: Position) -> MeasuredQuantity:
     """Return the quantity that is named, in its unit or else its own. ConfigError if none is."""
     name_and_unit = parse_name(text)
     if name_and_unit is None:
-        raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
+        raise ConfigError(position.wrong("quantity", text, f"no such quantity{guess(text)}"))
     name, unit = name_and_unit
     units = ALL_QUANTITIES[name].units
     unit = unit or next(iter(units))
@@ -317,7 +321,7 @@ def parse_quantity(text: str, place: Place) -> MeasuredQuantity:
 
 
 def read_rules(
-    table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
+    table: Mapping[str, object], position: Position, known: Mapping[str, Casualty]
 ) -> tuple[ScoreRule, ...]:
     """Return the rules of an exercise file; ConfigError with all that is wrong in them."""
     problems: list[str] = []
@@ -329,13 +333,13 @@ def read_rules(
         "casualty": partial(_casualty_named, known, "casualty"),
         "since": partial(_casualty_named, known, "since"),
     }
-    rows, array = table.get("scores", []), place.inside("scores")
+    rows, array = table.get("scores", []), position.inside("scores")
     for _, inside, score in sound_rows(SCORE_ROWS, rows, array, readers, problems):
         with collecting(problems):
             rules.append(_read_rule(score, inside, known))
     names = [rule.score.name for rule in rules]
     problems += [
-        place.problem(f'two [[scores]] have the name "{name}"')
+        position.problem(f'two [[scores]] have the name "{name}"')
         for name in dict.fromkeys(names)
         if names.count(name) > 1
     ]
@@ -343,47 +347,47 @@ def read_rules(
     return tuple(rules)
 
 
-def _read_rule(score: ScoreRow, place: Place, known: Mapping[str, Casualty]) -> ScoreRule:
+def _read_rule(score: ScoreRow, position: Position, known: Mapping[str, Casualty]) -> ScoreRule:
     """Return one rule, its names understood and its keys fit for its measure; ConfigError."""
     problems: list[str] = []
     with collecting(problems):
-        rule = understand_rule(score, place, known)
+        rule = understand_rule(score, position, known)
     with collecting(problems):
-        _refuse_unknown(score.measure, place)
-        problems += _unfit(score, place)
+        _refuse_unknown(score.measure, position)
+        problems += _unfit(score, position)
     if not problems:
-        problems += _check_target(rule, place)
+        problems += _check_target(rule, position)
     raise_problems(problems)
     return rule
 
 
-def _unfit(score: ScoreRow, place: Place) -> list[str]:
+def _unfit(score: ScoreRow, position: Position) -> list[str]:
     """Return problems of keys that the measure has no use for, or lacks."""
     measure = SCORE_MEASURES[score.measure]
     timed = () if score.measure in TIMELESS_MEASURES else WINDOW_KEYS
     taken = (*measure.needs, *measure.may, *timed)
     given_keys = [key for key in OPTIONAL_KEYS if getattr(score, key) is not None]
     problems = [
-        place.wrong(key, getattr(score, key), f"{score.measure} has no use for it")
+        position.wrong(key, getattr(score, key), f"{score.measure} has no use for it")
         for key in given_keys
         if key not in taken
     ]
     lacking = [key for key in measure.needs if key not in given_keys]
     if lacking:
-        problems.append(place.problem(f"{score.measure} lacks {', '.join(lacking)}"))
+        problems.append(position.problem(f"{score.measure} lacks {', '.join(lacking)}"))
     return problems
 
 
-def _check_target(rule: ScoreRule, place: Place) -> list[str]:
+def _check_target(rule: ScoreRule, position: Position) -> list[str]:
     """Return problems of the quantity, or of a target that it lacks."""
     measure, measured, score = SCORE_MEASURES[rule.score.measure], rule.measured, rule.score
     if measured is None:
         return []
     if measure.quantities and measured.name not in measure.quantities:
         message = f"{score.measure} is of {' or '.join(measure.quantities)}"
-        return [place.wrong("quantity", score.quantity, message)]
+        return [position.wrong("quantity", score.quantity, message)]
     aims = "target" in measure.may and score.measure not in VALUE_MEASURES
     if score.target is None and aims and measured.name not in ORDERED_QUANTITIES:
         message = f"nobody orders it as such ({', '.join(ORDERED_QUANTITIES)} are): give a target"
-        return [place.wrong("quantity", score.quantity, message)]
+        return [position.wrong("quantity", score.quantity, message)]
     return []

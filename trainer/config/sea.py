@@ -15,7 +15,7 @@ import numpy as np
 from trainer.config.current import read_current
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_table,
     collecting,
     nearest,
@@ -113,46 +113,46 @@ def load_sea(name_or_path: str) -> SeaFile:
 
 def parse_sea(text: str, path: Path) -> SeaFile:
     """Return the sea written in ``text``, which came from ``path``; ConfigError if it is wrong."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(text, path.name)
     problems: list[str] = []
     for key, value in table.items():
         with collecting(problems):
             if key in HEADING_FIELDS:
-                HEADING_FIELDS[key].read(key, value, place)
+                HEADING_FIELDS[key].read(key, value, position)
             elif key not in KNOWN_KEYS:
                 text = (
                     "belongs under [sea]"
                     if key in SEA_KEYS
                     else f"no such key{nearest(key, KNOWN_KEYS)}"
                 )
-                raise ConfigError(place.wrong(key, value, text))
+                raise ConfigError(position.wrong(key, value, text))
     with collecting(problems):
         if "sea" not in table:
-            raise ConfigError(place.problem("lacks the table [sea]"))
-        sea = read_sea(table["sea"], place.inside("sea"))
+            raise ConfigError(position.problem("lacks the table [sea]"))
+        sea = read_sea(table["sea"], position.inside("sea"))
     world = {}
     with collecting(problems):
         if "current" in table:
-            world["current"] = read_current(table["current"], place.inside("current"), path)
+            world["current"] = read_current(table["current"], position.inside("current"), path)
     raise_problems(problems)
     name = table.get("name", path.stem)
     return SeaFile(path=path, text=text, name=name, sea=sea, world=world)
 
 
-def read_sea(table: object, place: Place) -> Sea:
+def read_sea(table: object, position: Position) -> Sea:
     """Return the sea of one table, such as an exercise's. ConfigError with all that is wrong."""
-    sea = read_record(Sea, {**sea_defaults(), **as_table(table, place)}, place, ("note",))
+    sea = read_record(Sea, {**sea_defaults(), **as_table(table, position)}, position, ("note",))
     problems = _problems(sea)
     if problems:
-        raise ConfigError(*(place.problem(text) for text in problems))
+        raise ConfigError(*(position.problem(text) for text in problems))
     return sea
 
 
 def sea_defaults() -> Mapping[str, Any]:
     """Return the table [sea] of the shipped file of defaults."""
     path = shipped_path("", "sea-defaults")
-    return as_table(parse_toml(read_text(path), path.name).get("sea"), Place(path.name, "sea"))
+    return as_table(parse_toml(read_text(path), path.name).get("sea"), Position(path.name, "sea"))
 
 
 def _problems(sea: Sea) -> list[str]:

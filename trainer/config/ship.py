@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_table,
     collecting,
     nearest,
@@ -198,34 +198,34 @@ def parse_ship(text: str, path: Path) -> ShipFile:
 
 def read_ship(table: Mapping[str, Any], path: Path) -> ShipFile:
     """Return the ship in the tables of the file ``path``; ConfigError with all faults."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     known = ("schema", "name", *SHIP_TABLES, "columns", "coefficients", "covariance", "ranges")
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        position.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in table.items()
         if key not in (*known, "note", "source")
     ]
     parts: dict[str, Any] = {"sensors": None, "result": None, "roll": None}
     heading_values = {key: table[key] for key in ("schema", "name") if key in table}
     with collecting(problems):
-        parts["name"] = read_record(ShipHeading, heading_values, place, ()).name
+        parts["name"] = read_record(ShipHeading, heading_values, position, ()).name
     for key, record in SHIP_TABLES.items():
         if key in table or key in ("dimensions", "records"):
             with collecting(problems):
                 content = table.get(key, {} if key == "records" else None)
                 if content is None:
-                    raise ConfigError(place.problem(f"lacks [{key}]"))
-                parts[key] = read_record(record, content, place.inside(key), ("note",))
+                    raise ConfigError(position.problem(f"lacks [{key}]"))
+                parts[key] = read_record(record, content, position.inside(key), ("note",))
     with collecting(problems):
-        parts["columns"] = COLUMN_ROWS.read("columns", table.get("columns", []), place)
+        parts["columns"] = COLUMN_ROWS.read("columns", table.get("columns", []), position)
     if "result" in table:
         with collecting(problems):
-            parts |= _numbers(table, place)
+            parts |= _numbers(table, position)
     if problems:
         raise ConfigError(*(_with_feet(problem) for problem in problems))
     ship = ShipFile(path=path, **parts)
     if ship.roll is not None and ship.stiffness == 0.0:
-        inside = place.inside("roll")
+        inside = position.inside("roll")
         raise ConfigError(inside.problem("lacks radius_m, or beam_m in [dimensions]"))
     return ship
 
@@ -237,21 +237,21 @@ def _with_feet(problem: str) -> str:
     return problem
 
 
-def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+def _numbers(table: Mapping[str, Any], position: Position) -> dict[str, Any]:
     """Return coefficients, covariance and ranges of a result; ConfigError if one is wrong."""
     tables = {
-        key: as_table(table.get(key, {}), place.inside(key))
+        key: as_table(table.get(key, {}), position.inside(key))
         for key in ("coefficients", "covariance", "ranges")
     }
     numbers = {
-        name: COEFFICIENT_NUMBER.read(name, value, place.inside("coefficients"))
+        name: COEFFICIENT_NUMBER.read(name, value, position.inside("coefficients"))
         for name, value in tables["coefficients"].items()
     }
     if not numbers:
-        raise ConfigError(place.problem("[result] needs [coefficients]"))
+        raise ConfigError(position.problem("[result] needs [coefficients]"))
     rows = tables["covariance"]
     names = tuple(rows)
-    inside = place.inside("covariance")
+    inside = position.inside("covariance")
     line = Quantities(COEFFICIENT_NUMBER, max(len(names), 1), max(len(names), 1))
     matrix = tuple(line.read(name, row, inside) for name, row in rows.items())
     strange = [name for name in names if name not in numbers]
@@ -261,7 +261,7 @@ def _numbers(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     ranges = {
         name: (low, high)
         for name, value in tables["ranges"].items()
-        for low, high in [pair.read(name, value, place.inside("ranges"))]
+        for low, high in [pair.read(name, value, position.inside("ranges"))]
     }
     return {
         "coefficients": numbers,

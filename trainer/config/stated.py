@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.derived import Condition, compile_conditions
-from trainer.config.files import ConfigError, Place, collecting, quote, raise_problems
+from trainer.config.files import ConfigError, Position, collecting, quote, raise_problems
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -169,7 +169,7 @@ class StatedValue:
         if self.measured is not None:
             numbers.append((self.row.value, *TEXT_UNITS.get(self.measured.unit, ("", 1.0))))
         for condition in self.conditions:
-            quantity = parse_quantity(condition.quantity, condition.place)
+            quantity = parse_quantity(condition.quantity, condition.position)
             numbers.append(
                 (condition.threshold / quantity.size, *TEXT_UNITS.get(quantity.unit, ("", 1.0)))
             )
@@ -179,48 +179,48 @@ class StatedValue:
         )
 
 
-def read_stated(table: Mapping[str, object], place: Place) -> tuple[StatedValue, ...]:
+def read_stated(table: Mapping[str, object], position: Position) -> tuple[StatedValue, ...]:
     """Return the stated figures of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
     stated: list[StatedValue] = []
     texts = [table.get("briefing"), table.get("instructor")]
     page = " ".join(" ".join(text.split()) for text in texts if isinstance(text, str))
     with collecting(problems):
-        for i, row in enumerate(STATED_ROWS.read("stated", table.get("stated", []), place)):
+        for i, row in enumerate(STATED_ROWS.read("stated", table.get("stated", []), position)):
             with collecting(problems):
-                stated.append(_read_row(row, page, place.inside(f"stated[{i}]")))
+                stated.append(_read_row(row, page, position.inside(f"stated[{i}]")))
     raise_problems(problems)
     return tuple(stated)
 
 
-def _read_row(row: StatedRow, page: str, place: Place) -> StatedValue:
+def _read_row(row: StatedRow, page: str, position: Position) -> StatedValue:
     """Return one stated figure; ConfigError with all that is wrong in it."""
-    problems = [*_lacking(row, place)]
+    problems = [*_lacking(row, position)]
     if " ".join(row.says.split()) not in page:
         message = "neither briefing nor instructor says so: copy its words, or correct them"
-        problems.append(place.wrong("says", row.says, message))
+        problems.append(position.wrong("says", row.says, message))
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
-        conditions = compile_conditions(row.when, place) if row.when else ()
+        conditions = compile_conditions(row.when, position) if row.when else ()
     measured = None
     orders: tuple[ScheduledOrder, ...] = ()
     with collecting(problems):
-        measured = parse_quantity(row.quantity, place) if row.quantity else None
+        measured = parse_quantity(row.quantity, position) if row.quantity else None
     with collecting(problems):
         # the orders that a flight has besides; ConfigError with the first that is none
         entries = []
         for i, line in enumerate(row.orders or ()):
             entry = parse_entry(line, 0)
             if not isinstance(entry, ScheduledOrder):
-                raise ConfigError(place.wrong(f"orders[{i}]", line, entry or "is no order"))
+                raise ConfigError(position.wrong(f"orders[{i}]", line, entry or "is no order"))
             if entry.order.name not in BOAT_ORDERS:
-                raise ConfigError(place.wrong(f"orders[{i}]", line, "moves no boat"))
+                raise ConfigError(position.wrong(f"orders[{i}]", line, "moves no boat"))
             entries.append(entry)
         orders = tuple(entries)
     raise_problems(problems)
     stated = StatedValue(row=row, conditions=conditions, measured=measured, orders=orders)
     if refused := _unlike(stated):
-        raise ConfigError(place.wrong("says", row.says, refused.reason))
+        raise ConfigError(position.wrong("says", row.says, refused.reason))
     return stated
 
 
@@ -236,15 +236,15 @@ def _unlike(stated: StatedValue) -> Refused | None:
     return Refused(f"{quote(strange[0])} is no number of this row") if strange else None
 
 
-def _lacking(row: StatedRow, place: Place) -> Iterator[str]:
+def _lacking(row: StatedRow, position: Position) -> Iterator[str]:
     """Yield the keys that a row lacks, and those that do not go together."""
     if (row.when is None) == (row.quantity is None):
-        yield place.problem("give one of when, quantity")
+        yield position.problem("give one of when, quantity")
     elif row.when is not None and row.at_s is None:
-        yield place.problem("lacks at_s: the moment that when first holds")
+        yield position.problem("lacks at_s: the moment that when first holds")
     elif row.when is not None and (row.measure or row.value is not None):
-        yield place.problem("measure and value go with quantity")
+        yield position.problem("measure and value go with quantity")
     elif row.quantity is not None and (row.measure is None or row.value is None):
-        yield place.problem("lacks measure, value: quantity goes with both")
+        yield position.problem("lacks measure, value: quantity goes with both")
     elif row.quantity is not None and (row.measure == "value") != (row.at_s is not None):
-        yield place.problem('at_s goes with when, or with measure = "value"')
+        yield position.problem('at_s goes with when, or with measure = "value"')

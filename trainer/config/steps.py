@@ -11,7 +11,7 @@ from itertools import combinations
 from typing import Final
 
 from trainer.config.derived import ALL_QUANTITIES, Condition, compile_condition
-from trainer.config.files import ConfigError, Place, collecting, raise_problems
+from trainer.config.files import ConfigError, Position, collecting, raise_problems
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -69,12 +69,12 @@ class Step:
     given: tuple[Order, ...]  # by the exercise, as the step begins
 
 
-def read_steps(table: Mapping[str, object], place: Place) -> tuple[Step, ...]:
+def read_steps(table: Mapping[str, object], position: Position) -> tuple[Step, ...]:
     """Return the steps of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
     steps: list[Step] = []
     readers: Readers = {}
-    array = place.inside("steps")
+    array = position.inside("steps")
     for _, inside, row in sound_rows(STEP_ROWS, table.get("steps", []), array, readers, problems):
         with collecting(problems):
             steps.append(_read_step(row, inside))
@@ -82,27 +82,29 @@ def read_steps(table: Mapping[str, object], place: Place) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _read_step(row: StepRow, place: Place) -> Step:
+def _read_step(row: StepRow, position: Position) -> Step:
     """Return one step; ConfigError with all that is wrong in it."""
     problems: list[str] = []
     conditions: list[Condition] = []
     for text in row.when:
         with collecting(problems):
-            conditions.append(compile_condition(text, place, ALL_QUANTITIES))
+            conditions.append(compile_condition(text, position, ALL_QUANTITIES))
     problems += [
-        place.problem(f'when = "{one.text}", "{other.text}": cannot hold at once: it never ends')
+        position.problem(f'when = "{one.text}", "{other.text}": cannot hold at once: it never ends')
         for one, other in combinations(conditions, 2)
         if _exclude(one, other)
     ]
     if row.for_s >= row.within_s:
-        problems.append(place.wrong("for_s", row.for_s, "is not less than within_s: it never ends"))
+        problems.append(
+            position.wrong("for_s", row.for_s, "is not less than within_s: it never ends")
+        )
     if row.hint and row.hint_after_s >= row.within_s:
-        problems.append(place.wrong("hint_after_s", row.hint_after_s, "is not before within_s"))
+        problems.append(position.wrong("hint_after_s", row.hint_after_s, "is not before within_s"))
     orders: dict[str, list[Order]] = {"text": [], "orders": []}
     for key, texts in (("text", TYPED_ORDER.findall(row.text)), ("orders", row.orders or ())):
         for text in texts:
             with collecting(problems):
-                orders[key].append(_read_order(key, text, place))
+                orders[key].append(_read_order(key, text, position))
     raise_problems(problems)
     return Step(
         row=row,
@@ -122,11 +124,11 @@ def _exclude(one: Condition, other: Condition) -> bool:
     return low.threshold > high.threshold
 
 
-def _read_order(key: str, text: str, place: Place) -> Order:
+def _read_order(key: str, text: str, position: Position) -> Order:
     """Return an order of a step; ConfigError if it is none, or none of a schedule."""
     order = parse(text)
     if not isinstance(order, Order):
-        raise ConfigError(place.wrong(key, text, order.reason if order else "is no order"))
+        raise ConfigError(position.wrong(key, text, order.reason if order else "is no order"))
     if key == "orders" and order.name not in GIVEN_ORDERS:
-        raise ConfigError(place.wrong(key, text, "has no place in a step"))
+        raise ConfigError(position.wrong(key, text, "has no place in a step"))
     return order

@@ -15,7 +15,7 @@ from trainer.config.ballast_records import Ballast, ballast_problems, ballast_re
 from trainer.config.coefficients import read_coefficients, read_compensation
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     collecting,
     nearest,
     parse_toml,
@@ -202,12 +202,12 @@ def _defaults(text: str, file: str) -> Mapping[str, Any]:
 
 def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     """Return the vessel of parsed tables, which came from ``text``; ConfigError as above."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table, defaulted = with_defaults(given)
-    parts = _read_parts(table, place)
+    parts = _read_parts(table, position)
     absent = tuple(term.key for term in COEFFICIENTS if term.key not in parts["coefficients"])
     parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
-    problems = _fit_problems(parts, place)
+    problems = _fit_problems(parts, position)
     raise_problems(problems)
     parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
@@ -231,7 +231,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         coefficients={term.key: coefficients[term.key] for term in COEFFICIENTS},
         absent=absent,
         defaulted=tuple(defaulted),
-        remarks=tuple(_placed(remarks, place)),
+        remarks=tuple(_placed(remarks, position)),
         notes=_notes(table.get("notes")),
         **{**dict.fromkeys(OPTIONAL_TABLES), **parts},
     )
@@ -294,48 +294,48 @@ def _fill_defaults(
     return table, names
 
 
-def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+def _read_parts(table: Mapping[str, Any], position: Position) -> dict[str, Any]:
     """Return the checked tables by name; ConfigError with all that is wrong in any of them."""
-    problems = _heading_problems(table, place)
+    problems = _heading_problems(table, position)
     parts: dict[str, Any] = {}
     for name, record in VESSEL_RECORDS.items():
         if name in table or name not in OPTIONAL_TABLES:
             with collecting(problems):
                 known = DOCUMENTARY_KEYS.get(name, ())
-                parts[name] = read_record(record, table.get(name, {}), place.inside(name), known)
+                parts[name] = read_record(record, table.get(name, {}), position.inside(name), known)
     with collecting(problems):
         if "coefficients" not in table:
-            raise ConfigError(place.problem("lacks the table [coefficients]"))
-        here = place.inside("coefficients")
+            raise ConfigError(position.problem("lacks the table [coefficients]"))
+        here = position.inside("coefficients")
         parts["coefficients"] = read_coefficients(table["coefficients"], here)
     with collecting(problems):
         extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
-        here = place.inside("compensation")
+        here = position.inside("compensation")
         parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
     raise_problems(problems)
     return parts
 
 
-def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
+def _heading_problems(table: Mapping[str, Any], position: Position) -> list[str]:
     """Return the faults at the top level; ConfigError at once if it is another kind of file."""
     if "schema" in table:
-        VESSEL_SCHEMA.read("schema", table["schema"], place)
+        VESSEL_SCHEMA.read("schema", table["schema"], position)
     problems: list[str] = []
     for key, value in table.items():
         if key in HEADING_FIELDS:
             with collecting(problems):
-                HEADING_FIELDS[key].read(key, value, place)
+                HEADING_FIELDS[key].read(key, value, position)
         elif key in DOCUMENTARY_TABLES:
-            problems += find_infinite(value, key, place)
+            problems += find_infinite(value, key, position)
         elif key not in KNOWN_KEYS and isinstance(value, Mapping):
             text = f"[{quote_key(key)}]: no such table{nearest(key, KNOWN_KEYS)}"
-            problems.append(place.problem(text))
+            problems.append(position.problem(text))
         elif key not in KNOWN_KEYS:
-            problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}"))
+            problems.append(position.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}"))
     return problems
 
 
-def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
+def _fit_problems(parts: Mapping[str, Any], position: Position) -> list[str]:
     """Return what does not fit together among checked tables, with file and table."""
     fluid, hull = parts["fluid"], parts["vessel"]
     problems = {
@@ -358,9 +358,9 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
     if "wave_strips" in parts:
         strips = parts["wave_strips"]
         problems["wave_strips"] = plausibility.wave_strip_problems(strips, hull, fluid)
-    return _placed(problems, place)
+    return _placed(problems, position)
 
 
-def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
+def _placed(found: Mapping[str, list[str]], position: Position) -> list[str]:
     """Return problems with file and table in front."""
-    return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]
+    return [position.inside(name).problem(text) for name, texts in found.items() for text in texts]

@@ -21,12 +21,12 @@ from trainer.config.contacts import (
     read_encounters,
 )
 from trainer.config.current import current_schema, read_current
-from trainer.config.files import Place, collecting, raise_problems
+from trainer.config.files import Position, collecting, raise_problems
 from trainer.config.schema import record_schema
 from trainer.io.orders.grammar import Refused
 
 # By the name of the table: a function of its content, its place and the exercise's path.
-WORLD_READERS: Final[Mapping[str, Callable[[object, Place, Path], Any]]] = {
+WORLD_READERS: Final[Mapping[str, Callable[[object, Position, Path], Any]]] = {
     "bottom": read_bottom,
     "contact": read_contacts,
     "contacts": read_encounters,
@@ -51,7 +51,7 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
     for name, read in WORLD_READERS.items():
         with collecting(problems):
             if name in table:
-                tables[name] = read(table[name], Place(path.name, name), path)
+                tables[name] = read(table[name], Position(path.name, name), path)
     if "bottom" in tables:
         refusals = (_aground(tables["bottom"], ship) for ship in tables.get("contact", ()))
         problems += [refused.reason for refused in refusals if refused]
@@ -71,7 +71,7 @@ def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
             message = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
             draws = f"a {ship.row.type} draws {ship.type.draught:g} m"
             problem = f"points: {message}: {draws}, so {least:.1f} m at least"
-            return Refused(ship.place.problem(problem))
+            return Refused(ship.position.problem(problem))
     return None
 
 

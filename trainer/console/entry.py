@@ -14,15 +14,15 @@ from textual.widgets import Input
 
 from trainer.console.client import MAX_ORDER_LETTERS
 from trainer.console.model import SessionModel
-from trainer.io.orders.grammar import FORM_READINGS, match_place, tokenise
+from trainer.io.orders.grammar import FORM_READINGS, match_slot, tokenise
 from trainer.io.orders.quantities import Number
-from trainer.io.orders.table import NAME_PLACES, Name, Place, UnitWord, Word
+from trainer.io.orders.table import NAME_SLOTS, Name, Slot, UnitWord, Word
 
 KnownNames = Mapping[str, Sequence[str]]
 ENTER_KEYS: Final = ("enter", "ctrl+j")  # the second: typed before the terminal was the console's
 TYPING_HINT: Final = "type an order, then Enter; Esc goes back to the controls"
-CASUALTY_HINT: Final = NAME_PLACES["NAME"].says
-MOMENT_HINT: Final = NAME_PLACES["LABEL"].says
+CASUALTY_HINT: Final = NAME_SLOTS["NAME"].says
+MOMENT_HINT: Final = NAME_SLOTS["LABEL"].says
 
 
 class Offer(NamedTuple):
@@ -41,41 +41,41 @@ def offer(text: str, known: Mapping[str, Sequence[str]]) -> Offer:
     said = tokenise(text[: len(text) - len(begun)])
     words: dict[str, None] = {}
     hints: dict[str, None] = {}
-    for place in following_places(said):
-        for word in fitting_words(place, begun, known):
+    for slot in following_slots(said):
+        for word in fitting_words(slot, begun, known):
             words[word] = None
-        if not isinstance(place, Word | UnitWord) and not begun:
-            hints[place_text(place)] = None
+        if not isinstance(slot, Word | UnitWord) and not begun:
+            hints[slot_text(slot)] = None
     return Offer(tuple(words), tuple(hints))
 
 
-def following_places(said: Sequence[str]) -> list[Place]:
-    """Return the places that may follow the words said."""
-    next_places = []
+def following_slots(said: Sequence[str]) -> list[Slot]:
+    """Return the slots that may follow the words said."""
+    next_slots = []
     for reading in FORM_READINGS:
-        places = reading.places
-        if reading.form.refusal or len(places) <= len(said):
+        slots = reading.slots
+        if reading.form.refusal or len(slots) <= len(said):
             continue
-        if all(any(True for _ in match_place(place, word)) for place, word in zip(places, said)):  # noqa: B905
-            next_places.append(places[len(said)])
-    return next_places
+        if all(any(True for _ in match_slot(slot, word)) for slot, word in zip(slots, said)):  # noqa: B905
+            next_slots.append(slots[len(said)])
+    return next_slots
 
 
-def fitting_words(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the words of a place that begin so; of several spellings the first."""
-    if isinstance(place, Word):
-        matches = {word: said for said, word in reversed(place.spellings) if said.startswith(begun)}
+def fitting_words(slot: Slot, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the words of a slot that begin so; of several spellings the first."""
+    if isinstance(slot, Word):
+        matches = {word: said for said, word in reversed(slot.spellings) if said.startswith(begun)}
         return [said if not word.startswith(begun) else word for word, said in matches.items()]
-    if isinstance(place, Name):
-        return [name for name in known.get(place.says, ()) if name.startswith(begun)]
+    if isinstance(slot, Name):
+        return [name for name in known.get(slot.says, ()) if name.startswith(begun)]
     return []
 
 
-def place_text(place: Place) -> str:
-    """Return what a place wants."""
-    if isinstance(place, Number):
-        return f"{place.says} ({place.limits})"
-    return place.says if isinstance(place, Name) else "a token"
+def slot_text(slot: Slot) -> str:
+    """Return what a slot wants."""
+    if isinstance(slot, Number):
+        return f"{slot.says} ({slot.limits})"
+    return slot.says if isinstance(slot, Name) else "a token"
 
 
 def complete_word(text: str, known: Mapping[str, Sequence[str]]) -> str:

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there
+from trainer.config.files import ConfigError, Position, nearest, parse_toml, quote, text_if_there
 from trainer.config.outcome import Outcome
 from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
 from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
@@ -65,7 +65,7 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
     text = text_if_there(path)
     if text is None:
         return ()
-    table, place = parse_toml(text, path.name), Place(path.name, "")
+    table, place = parse_toml(text, path.name), Position(path.name, "")
     rows = table.pop("changes", [])
     read_record(ChangesHead, table, place, ())
     changes: tuple[Change, ...] = CHANGE_ROWS.read("changes", rows, place)
@@ -113,7 +113,7 @@ def change_of(text: str, branch: int, plan: Plan) -> Change:
         "reason": reason,
         "at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    return read_record(Change, fields, Place("--change", ""), ())
+    return read_record(Change, fields, Position("--change", ""), ())
 
 
 def names_of(plan: Plan) -> tuple[str, ...]:
@@ -156,7 +156,7 @@ def _what(name: str, what: str, where: str) -> str:
         return STRIKE_WORD
     word, _, number = what.lower().partition(" ")
     try:
-        weight = WEIGHT_FIELD.read(WEIGHT_WORD, float(number), Place("", ""))
+        weight = WEIGHT_FIELD.read(WEIGHT_WORD, float(number), Position("", ""))
     except ValueError:  # a ConfigError is one
         hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE_WORD}"'
         raise ConfigError(f"{where}: {quote(what)}: {hint}") from None

@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     nearest,
     number_problems,
     parse_toml,
@@ -132,21 +132,21 @@ def read_form(path: Path, plan: Plan) -> EvaluationForm:
     """Return a filled form; ConfigError if it is wrong, or of another exercise."""
     text = read_text(path)
     try:
-        return _form_of(parse_toml(text, path.name), Place(path.name, ""), plan)
+        return _form_of(parse_toml(text, path.name), Position(path.name, ""), plan)
     except ConfigError as wrong:
         raise ConfigError(*number_problems(wrong.problems, text, path.name)) from None
 
 
-def _form_of(table: dict[str, Any], place: Place, plan: Plan) -> EvaluationForm:
+def _form_of(table: dict[str, Any], position: Position, plan: Plan) -> EvaluationForm:
     """Return the form of a file's table, of the exercise of a plan; ConfigError."""
     if (schema := table.pop("schema", None)) != FORM_SCHEMA:
-        raise ConfigError(place.wrong("schema", schema, f"must be {quote(FORM_SCHEMA)}"))
-    form = _form(table, place)
+        raise ConfigError(position.wrong("schema", schema, f"must be {quote(FORM_SCHEMA)}"))
+    form = _form(table, position)
     if form.exercise != plan.title:
         advice = f"the recording is of {quote(plan.title)}"
-        raise ConfigError(place.wrong("exercise", form.exercise, advice))
+        raise ConfigError(position.wrong("exercise", form.exercise, advice))
     names = judged_names(plan)
-    inside = place.inside("marks")
+    inside = position.inside("marks")
     problems = [
         inside.wrong(name, mark, f"nothing of that name is judged{nearest(name, names)}")
         for name, mark in form.marks.items()
@@ -157,14 +157,14 @@ def _form_of(table: dict[str, Any], place: Place, plan: Plan) -> EvaluationForm:
     return form
 
 
-def _form(table: Mapping[str, Any], place: Place) -> EvaluationForm:
+def _form(table: Mapping[str, Any], position: Position) -> EvaluationForm:
     """Return the form of a table; ConfigError."""
     marks = table.get("marks", {})
     if not isinstance(marks, dict) or not marks:
-        raise ConfigError(place.problem("[marks]: has no mark"))
-    inside = place.inside("marks")
+        raise ConfigError(position.problem("[marks]: has no mark"))
+    inside = position.inside("marks")
     read = {name: MARK_FIELD.read(name, value, inside) for name, value in marks.items()}
-    return EvaluationForm(**vars(read_record(FormHeading, table, place, ("marks",))), marks=read)
+    return EvaluationForm(**vars(read_record(FormHeading, table, position, ("marks",))), marks=read)
 
 
 def forms_path(recording: Path) -> Path:
@@ -181,7 +181,7 @@ def read_forms(recording: Path) -> tuple[EvaluationForm, ...]:
     rows = parse_toml(text, path.name).get("forms", [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise ConfigError(f"{path.name}: forms: must be tables [[forms]]")
-    return tuple(_form(row, Place(path.name, f"forms[{i}]")) for i, row in enumerate(rows))
+    return tuple(_form(row, Position(path.name, f"forms[{i}]")) for i, row in enumerate(rows))
 
 
 def keep_forms(recording: Path, files: Sequence[Path], plan: Plan) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, Batch, Output, fly_each
 from trainer.analysis.sweep.records import PARAMETER_ROWS, IdentificationTable, ParameterRow
 from trainer.analysis.sweep.study import Study
-from trainer.config.files import ConfigError, Place, nearest, quote
+from trainer.config.files import ConfigError, Position, nearest, quote
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
@@ -104,9 +104,9 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> SimulatedRun:
 def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, IdentificationTable]:
     """Return ship, experiment and start of the search; ConfigError if the model has none."""
     tables = study.varied(drawn)
-    place = Place(study.path.name, "identification")
-    table = read_record(IdentificationTable, tables["identification"], place, ("note",))
-    rows = PARAMETER_ROWS.read("parameters", tables["parameters"], Place(study.path.name, ""))
+    position = Position(study.path.name, "identification")
+    table = read_record(IdentificationTable, tables["identification"], position, ("note",))
+    rows = PARAMETER_ROWS.read("parameters", tables["parameters"], Position(study.path.name, ""))
     _check(rows, table, study.path.name)
     logs = table.bow_log_m or 0.0, table.stern_log_m or 0.0
     ship = Ship(table.length_m, table.speed_kn * KNOT, *logs)
@@ -122,18 +122,18 @@ def _check(rows: tuple[ParameterRow, ...], table: IdentificationTable, file: str
     model, problems = MODELS[table.model], []
     names = [row.name for row in rows]
     for i, name in enumerate(names):
-        place = Place(file, f"parameters[{i}]")
+        position = Position(file, f"parameters[{i}]")
         if name not in (*model.names, *model.given):
             text = f"model {table.model} has no such parameter{nearest(name, model.names)}"
-            problems.append(place.wrong("name", name, text))
+            problems.append(position.wrong("name", name, text))
         if name in names[:i]:
-            problems.append(place.wrong("name", name, "is given twice"))
+            problems.append(position.wrong("name", name, "is given twice"))
     for channel in table.outputs:
         if channel not in model.outputs:
             text = f"model {table.model} has {', '.join(model.outputs)}"
-            problems.append(Place(file, "identification").wrong("outputs", channel, text))
+            problems.append(Position(file, "identification").wrong("outputs", channel, text))
     if all(row.free is False for row in rows):
-        problems.append(Place(file, "").problem("[[parameters]] has none that is free"))
+        problems.append(Position(file, "").problem("[[parameters]] has none that is free"))
     if problems:
         raise ConfigError(*problems)
 

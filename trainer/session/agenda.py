@@ -16,7 +16,7 @@ from trainer.boat.boat import STATE_PLACES, Boat
 from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
@@ -25,7 +25,7 @@ from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
-WHEN_PLACE: Final = Place("when", "")
+WHEN_PLACE: Final = Position("when", "")
 SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
 
 

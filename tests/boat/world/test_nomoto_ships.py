@@ -9,7 +9,7 @@ from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.steered import SteeredContact, SteeredNomoto, SteeredState
 from trainer.config.contacts import read_contacts
-from trainer.config.files import ConfigError, Place, remembering
+from trainer.config.files import ConfigError, Position, remembering
 from trainer.config.nomoto import NomotoFile, nomoto_text_of
 from trainer.units import KNOT
 
@@ -119,7 +119,7 @@ def exercise(folder: Path, file: NomotoFile) -> object:
     (folder / "ship.toml").write_text(nomoto_text_of(file, "a test", {}))
     row = {"name": "one", "type": "cargo", "points": [[100, 200]], "course_deg": 90, "speed_kn": 12}
     rows = [{**row, "nomoto": "./ship.toml"}]
-    return read_contacts(rows, Place("x.toml", "contact"), folder / "x.toml")
+    return read_contacts(rows, Position("x.toml", "contact"), folder / "x.toml")
 
 
 def test_an_exercise_has_an_identified_ship(tmp_path: Path) -> None:

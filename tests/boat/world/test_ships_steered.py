@@ -12,7 +12,7 @@ from trainer.boat.world.contacts import Contacts, contacts_of
 from trainer.boat.world.steered import SteeredContact
 from trainer.boat.world.steered_ship import ENGINE_RISE_S, SteeredShip
 from trainer.config.contacts import read_contacts
-from trainer.config.files import ConfigError, Place, read_text, remembering, shipped_path
+from trainer.config.files import ConfigError, Position, read_text, remembering, shipped_path
 from trainer.config.ship import ShipFile, load_ship
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.units import KNOT
@@ -107,7 +107,7 @@ def exercise(folder: Path, **changes: object) -> Contacts:
     )
     given = {**ROW, "ship": "./found.toml", **changes}
     rows = [{key: value for key, value in given.items() if value is not None}]
-    read = read_contacts(rows, Place("x.toml", "contact"), folder / "x.toml")
+    read = read_contacts(rows, Position("x.toml", "contact"), folder / "x.toml")
     return contacts_of(Boat, {"contact": read})
 
 

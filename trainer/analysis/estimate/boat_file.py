@@ -129,45 +129,45 @@ def check_hull(hull: Hull) -> Hull:
 
 def _hull_problems(hull: Hull) -> Iterator[str]:
     """Yield why no boat has this shape, and why this hull cannot have the mass."""
-    length, place = hull.file.form.length, hull.file.place
+    length, position = hull.file.form.length, hull.file.position
     prime = hull.shape.volume / (0.5 * length**3)
     if prime < MASS_PRIME_RANGE[0]:
         breadth = float(hull.shape.breadth.max())
         most = length * math.sqrt(prime / MASS_PRIME_RANGE[0]) / breadth
         problem = f"{length / breadth:.0f} breadths, must be at most {most:.0f}: is it in feet?"
-        yield place.inside("hull").wrong("length", length, problem)
+        yield position.inside("hull").wrong("length", length, problem)
     given_mass, displaced = hull.file.mass.mass, hull.file.water.rho * hull.shape.volume
     if given_mass is not None and abs(given_mass / displaced - 1.0) > MASS_SLACK:
         problem = (
             f"must be rho V = {displaced:.6g} kg within {MASS_SLACK:.0%}, "
             f"{(1.0 - MASS_SLACK) * displaced:.6g} to {(1.0 + MASS_SLACK) * displaced:.6g} kg"
         )
-        yield place.inside("mass").wrong("mass", given_mass, problem)
+        yield position.inside("mass").wrong("mass", given_mass, problem)
 
 
 def _part_problems(hull: Hull) -> Iterator[str]:
     """Yield which panels lie inside the hull, and why the propeller cannot drive the boat."""
     for i, surface in enumerate(hull.file.surfaces):
-        place = hull.file.place.inside(f"surfaces[{i}]")
+        position = hull.file.position.inside(f"surfaces[{i}]")
         panel = next(panels_of_surface(surface, hull.shape))
         if panel.span <= 0.0:
             problem = f"must be above the hull's radius there, {panel.root:.4g} m"
-            yield place.wrong("tip_radius", surface.tip_radius, problem)
+            yield position.wrong("tip_radius", surface.tip_radius, problem)
         elif surface.moving_area is not None and surface.moving_area > panel.area * (1.0 + 1e-9):
             problem = f"must be at most the panel's area, {panel.area:.4g} m2"
-            yield place.wrong("moving_area", surface.moving_area, problem)
-    p, place = hull.file.propeller, hull.file.place.inside("propeller")
+            yield position.wrong("moving_area", surface.moving_area, problem)
+    p, position = hull.file.propeller, hull.file.position.inside("propeller")
     if p is None:
         return
     widest = float(max(hull.shape.breadth.max(), hull.shape.height.max()))
     if p.diameter > widest:
         problem = f"must be at most the hull's greatest breadth, {widest:.4g} m"
-        yield place.wrong("diameter", p.diameter, problem)
+        yield position.wrong("diameter", p.diameter, problem)
     elif revolutions(hull, resistance(hull)) is None:
         problem = (
             "no revolutions give the thrust that the hull needs; usual is [0.45, -0.36, -0.09]"
         )
-        yield place.wrong("KT", list(p.KT), problem)
+        yield position.wrong("KT", list(p.KT), problem)
 
 
 def round_to_digits(value: float) -> float:

@@ -24,7 +24,7 @@ from trainer.analysis.estimate.coefficients import (
     hull_of,
 )
 from trainer.analysis.sweep.draws import fill_normals, stream_number, uniforms
-from trainer.config.files import ConfigError, Place, as_table
+from trainer.config.files import ConfigError, Position, as_table
 from trainer.config.hull import BOW_CONTROL, read_hull
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -267,53 +267,55 @@ def filed_estimate(file: VesselFile, table: Mapping[str, Any]) -> Estimate:
 
     ``table`` holds its tables. ConfigError if it has none, or one that is damaged.
     """
-    place = Place(file.path.name, "estimate")
+    position = Position(file.path.name, "estimate")
     if "estimate" not in table:
         problem = "lacks the table [estimate]: it is no boat of trainer boat estimate"
         raise ConfigError(f"{file.path.name}: {problem}")
-    estimate_table = as_table(table["estimate"], place)
+    estimate_table = as_table(table["estimate"], position)
     needed = ("constants", "covariance", "sd", "hull")
     if lacking := [key for key in needed if key not in estimate_table]:
-        raise ConfigError(place.problem(f"lacks {', '.join(lacking)}"))
+        raise ConfigError(position.problem(f"lacks {', '.join(lacking)}"))
     hull = hull_of(read_hull(estimate_table["hull"], file.path))
     names = tuple(fitted_constants())
-    constants = _numbers(estimate_table["constants"], names, place.inside("constants"))
-    sd = _numbers(estimate_table["sd"], tuple(term.key for term in TERM_TABLE), place.inside("sd"))
-    rows = _rows(estimate_table["covariance"], len(names), place)
+    constants = _numbers(estimate_table["constants"], names, position.inside("constants"))
+    sd = _numbers(
+        estimate_table["sd"], tuple(term.key for term in TERM_TABLE), position.inside("sd")
+    )
+    rows = _rows(estimate_table["covariance"], len(names), position)
     made = coefficients(hull, constants)
     values = made | dict(file.coefficients)
     return Estimate(hull, file.hull.mass, constants, rows, values, sd)
 
 
-def filed_joint(table: Mapping[str, Any], place: Place) -> JointCoefficients:
+def filed_joint(table: Mapping[str, Any], position: Position) -> JointCoefficients:
     """Return the fitted coefficients of a ship's file, with their covariance.
 
     ``table`` holds its tables. ConfigError if it has no covariance, or one that is damaged.
     """
     if "covariance" not in table:
-        raise ConfigError(place.problem("lacks the table [covariance]: no fit has written it"))
-    rows = as_table(table["covariance"], place.inside("covariance"))
-    given_values = as_table(table.get("coefficients", {}), place.inside("coefficients"))
+        raise ConfigError(position.problem("lacks the table [covariance]: no fit has written it"))
+    rows = as_table(table["covariance"], position.inside("covariance"))
+    given_values = as_table(table.get("coefficients", {}), position.inside("coefficients"))
     for name in rows:
         value = given_values.get(name)
         if isinstance(value, bool) or not isinstance(value, int | float):
             problem = "must be a number: [covariance] has a row of it"
-            raise ConfigError(place.inside("coefficients").wrong(name, value, problem))
+            raise ConfigError(position.inside("coefficients").wrong(name, value, problem))
     values = {name: float(given_values[name]) for name in rows}
-    return JointCoefficients(values, _rows(list(rows.values()), len(rows), place))
+    return JointCoefficients(values, _rows(list(rows.values()), len(rows), position))
 
 
-def _numbers(table: object, names: tuple[str, ...], place: Place) -> dict[str, float]:
+def _numbers(table: object, names: tuple[str, ...], position: Position) -> dict[str, float]:
     """Return numbers by name; ConfigError if one is lacking, none, or negative."""
-    given_values = as_table(table, place)
+    given_values = as_table(table, position)
     for name in names:
         value = given_values.get(name)
         if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.0:
-            raise ConfigError(place.wrong(name, value, "must be a number, 0 or more"))
+            raise ConfigError(position.wrong(name, value, "must be a number, 0 or more"))
     return {name: float(given_values[name]) for name in names}
 
 
-def _rows(rows: object, count: int, place: Place) -> Numbers:
+def _rows(rows: object, count: int, position: Position) -> Numbers:
     """Return the covariance; ConfigError if it is no symmetric matrix of that size."""
     try:
         matrix = np.array(rows, float)
@@ -321,7 +323,7 @@ def _rows(rows: object, count: int, place: Place) -> Numbers:
         matrix = np.zeros(0)
     if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T):
         problem = f"must be {count} rows of {count} numbers, symmetric"
-        raise ConfigError(place.problem(f"covariance: {problem}"))
+        raise ConfigError(position.problem(f"covariance: {problem}"))
     return matrix
 
 

@@ -22,7 +22,7 @@ from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre
 from trainer.boat.assemble import Method
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_table,
     collecting,
     lines_of,
@@ -260,31 +260,31 @@ def load_published(path: Path) -> Published:
     tables = parse_toml(text, path.name)
     lines, keys = _row_lines(text), lines_of(text)
     problems: list[str] = []
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     known = ("boat", *ROW_READERS)
     unknown = (name for name in tables if name not in known)
     problems += [
-        place.problem(f"{name} = ...: no such table{nearest(name, known)}") for name in unknown
+        position.problem(f"{name} = ...: no such table{nearest(name, known)}") for name in unknown
     ]
 
     def read_rows(name: str, read: RowReader) -> Iterator[Any]:
         rows = tables.get(name, [])
         if not isinstance(rows, list):
-            problems.append(place.wrong(name, rows, f"must be tables [[{name}]]"))
+            problems.append(position.wrong(name, rows, f"must be tables [[{name}]]"))
             return
         for i, row in enumerate(rows):
-            inside = place.inside(f"{name}[{i}]")
+            inside = position.inside(f"{name}[{i}]")
             own = [keys.get((inside.table, key), 0) for key in WAVE_KEYS]
             own = lines.get(i, []) if name == "trials" else own
             with collecting(problems):
                 yield read(as_table(row, inside), inside, own)
 
     rows = [tuple(read_rows(name, read)) for name, read in ROW_READERS.items()]
-    boat = as_table(tables.get("boat", {}), place.inside("boat"))
+    boat = as_table(tables.get("boat", {}), position.inside("boat"))
     if not (rows[2] or rows[3] or problems or boat.get("nothing_found")):
-        problems.append(place.problem("has no [[trials]]: say nothing_found in [boat]"))
+        problems.append(position.problem("has no [[trials]]: say nothing_found in [boat]"))
     with collecting(problems):
-        provenance = read_record(Provenance, boat, place.inside("boat"), ())
+        provenance = read_record(Provenance, boat, position.inside("boat"), ())
     raise_problems(number_problems(problems, text, path.name))
     return Published(path, text, provenance, *rows)
 
@@ -303,17 +303,17 @@ def _row_lines(text: str) -> dict[int, list[int]]:
     return lines
 
 
-def _deviation(row: Mapping[str, Any], place: Place, _lines: list[int]) -> Deviation:
+def _deviation(row: Mapping[str, Any], position: Position, _lines: list[int]) -> Deviation:
     """Return a standard deviation; ConfigError if it is wrong."""
-    deviation = read_record(Deviation, row, place, ())
+    deviation = read_record(Deviation, row, position, ())
     if (deviation.share is None) == (deviation.size is None):
-        raise ConfigError(place.problem("must have share or size, one of them"))
+        raise ConfigError(position.problem("must have share or size, one of them"))
     return deviation
 
 
-def _waves(row: Mapping[str, Any], place: Place, lines: list[int]) -> HeadWaves:
+def _waves(row: Mapping[str, Any], position: Position, lines: list[int]) -> HeadWaves:
     """Return regular waves; ConfigError if they are wrong. ``lines`` are those of their keys."""
-    waves = read_record(WavesHeading, row, place, ())
+    waves = read_record(WavesHeading, row, position, ())
     pitch = ("deg", waves.pitch_deg, waves.u_pitch_deg)
     by_name = {"heave": ("-", waves.heave, waves.u_heave), "pitch_deg": pitch}
     figures = []
@@ -321,50 +321,54 @@ def _waves(row: Mapping[str, Any], place: Place, lines: list[int]) -> HeadWaves:
         for (name, (unit, values, u)), line in zip(by_name.items(), lines, strict=True):
             if len(values) != len(waves.depth_m):
                 wanted = f"must have {len(waves.depth_m)} numbers as depth_m has"
-                raise ConfigError(place.wrong(name, list(values), wanted))
+                raise ConfigError(position.wrong(name, list(values), wanted))
             quantity = f"{name.partition('_')[0]} at {depth:.4g} m"
             figures.append(Figure(quantity, unit, values[i], waves.use, u, line))
     return HeadWaves(waves, tuple(figures))
 
 
-def _trial(row: Mapping[str, Any], place: Place, lines: list[int]) -> Trial:
+def _trial(row: Mapping[str, Any], position: Position, lines: list[int]) -> Trial:
     """Return one trial; ConfigError if it is wrong. ``lines`` are its figures'."""
     headed = {each.name for each in fields(TrialHeading)}
     own = {"manoeuvre", "results", "u_D"}
     problems: list[str] = []
     with collecting(problems):
         given = {key: value for key, value in row.items() if key in headed}
-        heading = read_record(TrialHeading, given, place, ())
+        heading = read_record(TrialHeading, given, position, ())
     with collecting(problems):
-        manoeuvre = _manoeuvre(row, place, headed | own)
+        manoeuvre = _manoeuvre(row, position, headed | own)
     by_unit = dict[str, float]()
     with collecting(problems):
-        by_unit = _by_unit(row.get("u_D", {}), place)
+        by_unit = _by_unit(row.get("u_D", {}), position)
     rows, figures = row.get("results"), list[Figure]()
     if not isinstance(rows, list) or not rows:
-        problems.append(place.wrong("results", rows, "must be a list of figures"))
+        problems.append(position.wrong("results", rows, "must be a list of figures"))
         rows = []
     for i, figure in enumerate(rows):
         line = lines[i] if i < len(lines) else 0
         with collecting(problems):
-            figures.append(_figure(figure, by_unit, place, line))
+            figures.append(_figure(figure, by_unit, position, line))
     raise_problems(problems)
     return Trial(heading, row["manoeuvre"], manoeuvre, tuple(figures))
 
 
-def _by_unit(table: object, place: Place) -> dict[str, float]:
+def _by_unit(table: object, position: Position) -> dict[str, float]:
     """Return the uncertainty of readings by their unit; ConfigError."""
     by_unit = {}
-    for unit, value in as_table(table, place).items():
+    for unit, value in as_table(table, position).items():
         if unit not in FILE_UNITS:
-            raise ConfigError(place.wrong("u_D", unit, f"no such unit{nearest(unit, FILE_UNITS)}"))
-        by_unit[unit] = UNCERTAINTY_FIELD.read("u_D", value, place)
+            raise ConfigError(
+                position.wrong("u_D", unit, f"no such unit{nearest(unit, FILE_UNITS)}")
+            )
+        by_unit[unit] = UNCERTAINTY_FIELD.read("u_D", value, position)
     return by_unit
 
 
-def _figure(row: object, by_unit: Mapping[str, float], place: Place, line: int) -> Figure:
+def _figure(row: object, by_unit: Mapping[str, float], position: Position, line: int) -> Figure:
     """Return one figure with its uncertainty; ConfigError with its line."""
-    at = Place(f"{place.file}: line {line}", f"{place.table}.results") if line else place
+    at = (
+        Position(f"{position.file}: line {line}", f"{position.table}.results") if line else position
+    )
     figure = read_record(FigureRecord, row, at, ())
     u = by_unit.get(figure.unit) if figure.u is None else figure.u
     if u is None:
@@ -373,12 +377,12 @@ def _figure(row: object, by_unit: Mapping[str, float], place: Place, line: int) 
     return Figure(figure.quantity, figure.unit, figure.value, figure.use, u, line)
 
 
-def _manoeuvre(row: Mapping[str, Any], place: Place, others: set[str]) -> Manoeuvre:
+def _manoeuvre(row: Mapping[str, Any], position: Position, others: set[str]) -> Manoeuvre:
     """Return the manoeuvre that a trial names, with its parameters; ConfigError if it has none."""
     name = row.get("manoeuvre", "")
     if not isinstance(name, str) or name not in MANOEUVRES:
         advice = f"no such manoeuvre{nearest(str(name), MANOEUVRES)}"
-        raise ConfigError(place.wrong("manoeuvre", name, advice))
+        raise ConfigError(position.wrong("manoeuvre", name, advice))
     manoeuvre = find_manoeuvre(name)
     known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
     field_values = {}
@@ -387,17 +391,17 @@ def _manoeuvre(row: Mapping[str, Any], place: Place, others: set[str]) -> Manoeu
             continue
         if key not in known:
             text = f"no such key{nearest(key, {*known, *others})}"
-            raise ConfigError(place.wrong(key, value, text))
+            raise ConfigError(position.wrong(key, value, text))
         read: Any = PARAMETER_FIELD.read
         if key in FIELD_CHOICES:
             read = Choice(FIELD_CHOICES[key], "as --side, or rise and dive").read
         elif isinstance(known[key], tuple):
             read = Texts(Text(20, "axis"), 9).read
-        field_values[key] = read(key, value, place)
+        field_values[key] = read(key, value, position)
     return replace(manoeuvre, **field_values)
 
 
-RowReader = Callable[[Mapping[str, Any], Place, list[int]], Any]
+RowReader = Callable[[Mapping[str, Any], Position, list[int]], Any]
 ROW_READERS: Final[Mapping[str, RowReader]] = {  # tables of the file, as Published has them
     "fits": lambda row, place, _lines: read_record(Fit, row, place, ()),
     "deviations": _deviation,

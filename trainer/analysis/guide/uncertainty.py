@@ -36,7 +36,14 @@ from trainer.analysis.guide.trials import (
 )
 from trainer.analysis.guide.validation import InputTable, wave_values
 from trainer.analysis.workers import worker_pool
-from trainer.config.files import ConfigError, Place, nearest, parse_toml, text_if_there, toml_value
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    nearest,
+    parse_toml,
+    text_if_there,
+    toml_value,
+)
 from trainer.config.propulsion import ThrustRows
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.vessel_records import ThrustSet
@@ -149,8 +156,8 @@ def prior_deviations(file: VesselFile, published: Published) -> list[InputDeviat
         for name in one.inputs:
             if name not in found:
                 advice = f"no number of the boat that is not 0{nearest(name, values)}"
-                place = Place(published.file, f"deviations[{i}]")
-                raise ConfigError(place.wrong("inputs", name, advice))
+                position = Position(published.file, f"deviations[{i}]")
+                raise ConfigError(position.wrong("inputs", name, advice))
             sd = one.size if one.size is not None else (one.share or 0.0) * abs(values[name])
             found[name] = InputDeviation(name, values[name], sd, one.reason)
     return list(found.values())
@@ -241,9 +248,9 @@ def _fitted_places(published: Published, inputs: Sequence[InputDeviation]) -> li
     for i, fit in enumerate(published.fits):
         for name in fit.coefficients:
             if name not in names:
-                place = Place(published.file, f"fits[{i}]")
+                position = Position(published.file, f"fits[{i}]")
                 advice = f"no coefficient that is not 0{nearest(name, names)}"
-                raise ConfigError(place.wrong("coefficients", name, advice))
+                raise ConfigError(position.wrong("coefficients", name, advice))
     return [names.index(name) for fit in published.fits for name in fit.coefficients]
 
 

@@ -32,7 +32,7 @@ from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
 from trainer.config.coefficients import COEFFICIENT_QUANTITY, FACTOR_QUANTITY
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.config.schema import read_record
 from trainer.config.vessel import VesselFile, read_vessel
 from trainer.core.autopilot.steering import REPORT_LAW
@@ -69,8 +69,8 @@ def case_of(study: Study, drawn: Mapping[str, Any]) -> MemberCase:
         raise ConfigError(f"{study.path.name}: has no boat")
     if any(variable.steps[0] == "vessel" for variable in study.variables):
         file = read_vessel(tables["vessel"], file.text, file.path)
-    place = Place(study.path.name, "manoeuvre")
-    table = read_record(ManoeuvreTable, tables["manoeuvre"], place, ())
+    position = Position(study.path.name, "manoeuvre")
+    table = read_record(ManoeuvreTable, tables["manoeuvre"], position, ())
     rig = Rig(table.controls or "own", table.trim or "own", table.law or "trainer")
     return MemberCase(file, method_of(study.method, file), rig, table)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from trainer.analysis.manoeuvres.flight import FIELD_CHOICES
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -44,14 +44,16 @@ class DistinctTexts(Texts):
         schema = {**schema, "minItems": 1, "uniqueItems": True}
         return KeyForm("list of text", f"1 to {self.most} texts", meaning, schema)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[str, ...]:
         """Return the texts; ConfigError if there is none, one is none, or is given twice."""
         if value == []:
-            raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most} texts"))
-        texts = super().read(key, value, place)
+            raise ConfigError(
+                position.wrong(key, value, f"must be a list of 1 to {self.most} texts")
+            )
+        texts = super().read(key, value, position)
         twice = [text for text in texts if texts.count(text) > 1]
         if twice:
-            raise ConfigError(place.wrong(key, value, f"names {twice[0]!r} twice"))
+            raise ConfigError(position.wrong(key, value, f"names {twice[0]!r} twice"))
         return texts
 
 
@@ -70,16 +72,16 @@ class ValueList:
         schema = {"anyOf": kinds, "uniqueItems": True}
         return KeyForm("list", f"1 to {self.most} numbers, or words", self.meaning, schema)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[Any, ...]:
         """Return the numbers or words; ConfigError if they are neither, or mixed."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
-            raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most}"))
+            raise ConfigError(position.wrong(key, value, f"must be a list of 1 to {self.most}"))
         number = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning)
         word = Text(200, self.meaning)
         kind: Quantity | Text = word if isinstance(value[0], str) else number
-        values = tuple(kind.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+        values = tuple(kind.read(f"{key}[{i}]", item, position) for i, item in enumerate(value))
         if len(set(values)) < len(values):
-            raise ConfigError(place.wrong(key, value, "must not give one twice"))
+            raise ConfigError(position.wrong(key, value, "must not give one twice"))
         return values
 
 

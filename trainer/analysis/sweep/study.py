@@ -31,7 +31,7 @@ from trainer.config.coefficients import EQUATION_SETS
 from trainer.config.file_schemas import exercise_keys
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     as_table,
     collecting,
     is_path,
@@ -180,76 +180,76 @@ def load_study(name_or_path: str) -> Study:
 
 def parse_study(text: str, path: Path) -> Study:
     """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(text, path.name)
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
+        position.wrong(key, value, f"no such key{nearest(key, KNOWN_KEYS)}")
         for key, value in table.items()
         if key not in KNOWN_KEYS
     ]
     parts: dict[str, Any] = {}
     own = {key: table[key] for key in KNOWN_KEYS if key in table and key not in STUDY_TABLES}
     with collecting(problems):
-        parts["heading"] = read_record(StudyHeading, own, place, ("note",))
+        parts["heading"] = read_record(StudyHeading, own, position, ("note",))
     with collecting(problems):
-        parts["kind"] = _kind(table, place)
+        parts["kind"] = _kind(table, position)
     for name, record in (("method", MethodTable), ("sample", Sample)):
         with collecting(problems):
-            parts[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+            parts[name] = read_record(record, table.get(name, {}), position.inside(name), ("note",))
     with collecting(problems):
-        parts["rows"] = VARY_ROWS.read("vary", table.get("vary", []), place)
+        parts["rows"] = VARY_ROWS.read("vary", table.get("vary", []), position)
     raise_problems(problems)
     with collecting(problems):
-        _check_rows(parts["rows"], parts["sample"], place)
+        _check_rows(parts["rows"], parts["sample"], position)
     with collecting(problems):
         parts["file"], parts["tables"] = _subject(parts["kind"], parts["heading"], table, path)
     raise_problems(problems)
     variables = []
     for i, row in enumerate(parts["rows"]):
         with collecting(problems):
-            variables.append(_variable(row, parts, place.inside(f"vary[{i}]")))
+            variables.append(_variable(row, parts, position.inside(f"vary[{i}]")))
     raise_problems(problems)
     draws = Draws(parts.pop("sample"), parts.pop("rows"))
     return Study(path=path, variables=tuple(variables), draws=draws, **parts)
 
 
-def _kind(table: Mapping[str, Any], place: Place) -> str:
+def _kind(table: Mapping[str, Any], position: Position) -> str:
     """Return what every member is; ConfigError if the file does not say one."""
     kinds = [kind for kind in STUDY_KINDS if kind in table]
     if len(kinds) != 1:
         have = f"has {' and '.join(kinds)}" if kinds else "has none of them"
-        raise ConfigError(place.problem(f"{have}: give one of {', '.join(STUDY_KINDS)}"))
+        raise ConfigError(position.problem(f"{have}: give one of {', '.join(STUDY_KINDS)}"))
     if kinds[0] != IDENTIFICATION_STUDY and "parameters" in table:
-        raise ConfigError(place.inside("parameters").problem("goes with [identification]"))
+        raise ConfigError(position.inside("parameters").problem("goes with [identification]"))
     if kinds[0] == IDENTIFICATION_STUDY and "method" in table:
-        raise ConfigError(place.inside("method").problem("goes with a boat, not with a model"))
+        raise ConfigError(position.inside("method").problem("goes with a boat, not with a model"))
     return kinds[0]
 
 
-def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, place: Place) -> None:
+def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, position: Position) -> None:
     """Check plan, names and numbers of what is varied; ConfigError with all faults."""
     problems: list[str] = []
-    inside = place.inside("sample")
+    inside = position.inside("sample")
     if sample.plan == GRID_SAMPLE and sample.members is not None:
         problems.append(inside.wrong("members", sample.members, "a grid has all its points"))
     if sample.plan == GRID_SAMPLE and not rows:
-        problems.append(place.problem("lacks [[vary]]: a grid is of values"))
+        problems.append(position.problem("lacks [[vary]]: a grid is of values"))
     if sample.plan != GRID_SAMPLE and sample.members is None:
         problems.append(inside.problem("lacks members"))
     names = [row.name for row in rows]
     for i, row in enumerate(rows):
-        problems += _row_problems(row, sample, place.inside(f"vary[{i}]"))
+        problems += _row_problems(row, sample, position.inside(f"vary[{i}]"))
         if row.name in names[:i]:
-            problems.append(place.inside(f"vary[{i}]").wrong("name", row.name, "is given twice"))
+            problems.append(position.inside(f"vary[{i}]").wrong("name", row.name, "is given twice"))
     raise_problems(problems)
 
 
-def _row_problems(row: VaryRow, sample: Sample, place: Place) -> list[str]:
+def _row_problems(row: VaryRow, sample: Sample, position: Position) -> list[str]:
     """Return what is wrong with the numbers of one variable."""
     if (row.values is None) == (row.distribution is None):
-        return [place.problem("give one of values, distribution")]
+        return [position.problem("give one of values, distribution")]
     if sample.plan == GRID_SAMPLE and row.values is None:
-        return [place.wrong("distribution", row.distribution, "a grid wants values")]
+        return [position.wrong("distribution", row.distribution, "a grid wants values")]
     wanted = DISTRIBUTION_KEYS[row.distribution]
     given_names = [name for name, value in asdict(row).items() if value is not None]
     numbers = {name for names in DISTRIBUTION_KEYS.values() for name in names}
@@ -259,12 +259,12 @@ def _row_problems(row: VaryRow, sample: Sample, place: Place) -> list[str]:
     if lacking or extra:
         have = [f"lacks {', '.join(lacking)}"] * bool(lacking)
         have += [f"has {', '.join(extra)} besides"] * bool(extra)
-        return [place.problem(f"{what} {' and '.join(have)}")]
+        return [position.problem(f"{what} {' and '.join(have)}")]
     ends = [getattr(row, name) for name in ("low", "mode", "high") if name in wanted]
     if ends != sorted(ends) or (ends and ends[0] == ends[-1]):
-        return [place.problem(f"{', '.join(wanted)} must rise")]
+        return [position.problem(f"{', '.join(wanted)} must rise")]
     if row.relative and row.values and isinstance(row.values[0], str):
-        return [place.wrong("relative", row.relative, "words are no factors")]
+        return [position.wrong("relative", row.relative, "words are no factors")]
     return []
 
 
@@ -272,17 +272,17 @@ def _subject(
     kind: str, heading: StudyHeading, table: Mapping[str, Any], path: Path
 ) -> tuple[VesselFile | None, dict[str, Any]]:
     """Return the boat, if there is one, and the tables that may be varied."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     if kind == IDENTIFICATION_STUDY:
         if heading.vessel is not None:
-            raise ConfigError(place.wrong("vessel", heading.vessel, "goes with a boat"))
-        read_record(IdentificationTable, table[kind], place.inside(kind), ("note",))
-        PARAMETER_ROWS.read("parameters", table.get("parameters", []), place)
+            raise ConfigError(position.wrong("vessel", heading.vessel, "goes with a boat"))
+        read_record(IdentificationTable, table[kind], position.inside(kind), ("note",))
+        PARAMETER_ROWS.read("parameters", table.get("parameters", []), position)
         return None, {name: table[name] for name in VARIED_TABLES[kind]}
-    subject_table = dict(as_table(table[kind], place.inside(kind)))
+    subject_table = dict(as_table(table[kind], position.inside(kind)))
     name = heading.vessel
     if kind == MANOEUVRE_STUDY:
-        read_record(ManoeuvreTable, subject_table, place.inside(kind), ("note",))
+        read_record(ManoeuvreTable, subject_table, position.inside(kind), ("note",))
         subject_table.pop("note", None)
         vessel_path = relative_name(path, name or "bb2")
         if is_path(vessel_path):  # of a ship that was identified, or of a boat
@@ -303,29 +303,31 @@ def _subject(
 
 def _exercise(own: dict[str, Any], heading: StudyHeading, path: Path) -> dict[str, Any]:
     """Return the tables of an exercise: of the file it names, over them the study's own."""
-    place = Place(path.name, EXERCISE_STUDY)
+    position = Position(path.name, EXERCISE_STUDY)
     base: dict[str, Any] = {"schema": "exercise/1", "name": heading.name[:55], "briefing": "-"}
     named = own.pop("file", None)
     if named is not None:
         if not isinstance(named, str):
-            raise ConfigError(place.wrong("file", named, "must be a name, or the path of a file"))
+            raise ConfigError(
+                position.wrong("file", named, "must be a name, or the path of a file")
+            )
         source = path_named(relative_name(path, named), "exercises")
         base = parse_toml(read_text(source), source.name)
     return {**base, **own}
 
 
-def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
+def _variable(row: VaryRow, parts: Mapping[str, Any], position: Position) -> Variable:
     """Return draws of a whole boat or ship, or one number; ConfigError if it cannot vary."""
     tables, file = parts["tables"], parts["file"]
     if row.distribution == ESTIMATE_DISTRIBUTION:
         if WHOLE_VESSEL not in tables or row.key != WHOLE_VESSEL:
             problem = f"must be {WHOLE_VESSEL}: an estimate is drawn whole, of a boat or a ship"
-            raise ConfigError(place.wrong("key", row.key, problem))
+            raise ConfigError(position.wrong("key", row.key, problem))
         if row.relative:
-            raise ConfigError(place.wrong("relative", row.relative, "an estimate has no factor"))
+            raise ConfigError(position.wrong("relative", row.relative, "an estimate has no factor"))
         whole = tables[WHOLE_VESSEL]
         draw: DrawTables = (
-            filed_joint(whole, place).drawn_tables
+            filed_joint(whole, position).drawn_tables
             if file is None
             else partial(drawn_tables, filed_estimate(file, whole))
         )
@@ -334,14 +336,14 @@ def _variable(row: VaryRow, parts: Mapping[str, Any], place: Place) -> Variable:
         steps = steps_of(row.key)
         here = value_at({root: tables[root] for root in VARIED_TABLES[parts["kind"]]}, steps)
     except ConfigError as wrong:
-        raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
+        raise ConfigError(position.wrong("key", row.key, str(wrong))) from None
     if not row.relative:
         if isinstance(here, str) and BLANK_MARK not in here and not isinstance(row.values, tuple):
             problem = f"is {quote(here)}, without a {BLANK_MARK}"
-            raise ConfigError(place.wrong("key", row.key, problem))
+            raise ConfigError(position.wrong("key", row.key, problem))
         return Variable(row, steps, None)
     if isinstance(here, bool) or not isinstance(here, int | float) or here == 0.0:
-        raise ConfigError(place.problem(f"relative: {row.key} is {quote(here)}: no factor"))
+        raise ConfigError(position.problem(f"relative: {row.key} is {quote(here)}: no factor"))
     return Variable(row, steps, float(here))
 
 

@@ -402,14 +402,14 @@ def _helmed(contact: Contact) -> SteerableShip | None:
 
 def way_of(contact: Contact) -> Way:
     """Return the way of a ship. ConfigError on a leg too short, for its turns or its speed."""
-    row, place = contact.row, contact.place
+    row, position = contact.row, contact.position
     course, path = contact.course, [Stretch(0.0, math.inf, contact.speeds[0])]
     if len(row.points) > 1:
         try:
             course, path = path_along(row.points, contact.speeds, contact.type.turn)
         except ValueError as wrong:
             text = ", ".join(f"[{north:g}, {east:g}]" for north, east in row.points)
-            raise ConfigError(place.problem(f"points = [{text}]: {wrong}")) from None
+            raise ConfigError(position.problem(f"points = [{text}]: {wrong}")) from None
     (north, east), late = row.points[0], row.starts_s or 0.0
     speed = 0.0 if late else contact.speeds[0]
     start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
@@ -417,7 +417,7 @@ def way_of(contact: Contact) -> Way:
     if len(row.points) > 1 and (leg := unreached_stretch(way)) is not None:
         ordered = (path[leg].speed or 0.0) / KNOT
         text = f"{ordered:g} kn is not reached on a leg of {path[leg].length:.0f} m between turns"
-        raise ConfigError(place.problem(f"speed_kn = {ordered:g}: {text}"))
+        raise ConfigError(position.problem(f"speed_kn = {ordered:g}: {text}"))
     return way
 
 

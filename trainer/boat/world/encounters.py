@@ -73,9 +73,9 @@ def refuse_touching(boat: Any) -> None:
     ):
         problem = f"points[0] = [{north:g}, {east:g}]: {contact.row.name} starts in "
         if hull.touches(pose, kind, north, east, course):
-            problems.append(contact.place.problem(f"{problem}the boat's own hull"))
+            problems.append(contact.position.problem(f"{problem}the boat's own hull"))
         problems += [
-            contact.place.problem(f"{problem}the hull of {other.row.name}")
+            contact.position.problem(f"{problem}the hull of {other.row.name}")
             for other, its in zip(contacts.given[:i], lying[:i], strict=True)
             if ships_overlap((north, east, course, kind), its)
         ]

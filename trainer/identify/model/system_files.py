@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, read_text
+from trainer.config.files import ConfigError, Position, nearest, parse_toml, quote, read_text
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -152,14 +152,14 @@ class Matrix:
         rows = {"type": "array", "items": {"anyOf": [entry, {"type": "array", "items": entry}]}}
         return KeyForm("rows", "numbers or expressions", self.meaning, rows)
 
-    def read(self, key: str, value: object, place: Place) -> tuple[Row, ...]:
+    def read(self, key: str, value: object, position: Position) -> tuple[Row, ...]:
         """Return the rows; ConfigError if they are not of one length."""
         if isinstance(value, list) and 0 < len(value) <= MAX_DIMENSION:
             rows = tuple(tuple(row) if isinstance(row, list) else (row,) for row in value)
             if len({len(row) for row in rows}) == 1 and len(rows[0]) <= MAX_DIMENSION:
                 return rows
         text = f"must be 1 to {MAX_DIMENSION} rows of one length, each a list"
-        raise ConfigError(place.wrong(key, value, text))
+        raise ConfigError(position.wrong(key, value, text))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,7 +212,7 @@ def load_system(path: Path) -> System:
 
 def _load_file(path: Path) -> System:
     """Return the system of a TOML file, its expressions parsed; ConfigError with all faults."""
-    table, place = parse_toml(read_text(path), path.name), Place(path.name, "")
+    table, place = parse_toml(read_text(path), path.name), Position(path.name, "")
     heading_values = {key: value for key, value in table.items() if key != "parameters"}
     file = read_record(SystemFile, heading_values, place, ("note",))
     rows = SYSTEM_PARAMETERS.read("parameters", table.get("parameters", []), place)

@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, collecting, parse_toml, quote, read_text
+from trainer.config.files import ConfigError, Position, collecting, parse_toml, quote, read_text
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -258,13 +258,13 @@ class DeccaFile(NamedTuple):
 
 def load_decca(path: Path) -> DeccaFile:
     """Return the study in a TOML file; ConfigError with all that is wrong."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(read_text(path), path.name)
-    parts, problems = read_parts(table, place, (DeccaHeading, KNOWN_KEYS), DECCA_TABLES)
+    parts, problems = read_parts(table, position, (DeccaHeading, KNOWN_KEYS), DECCA_TABLES)
     chain: dict[str, Slave] = {}
     with collecting(problems):
-        for i, row in enumerate(SLAVE_ROWS.read("slaves", table.get("slaves", []), place)):
-            inside = place.inside(f"slaves[{i}]")
+        for i, row in enumerate(SLAVE_ROWS.read("slaves", table.get("slaves", []), position)):
+            inside = position.inside(f"slaves[{i}]")
             if row.colour in chain:
                 problems.append(inside.wrong("colour", row.colour, "is given twice"))
             if (row.lane_m is None) == (row.frequency_khz is None):

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.files import ConfigError, Position, collecting, nearest, parse_toml, read_text
 from trainer.config.schema import describe_kind, file_schema, read_record, record_schema
 from trainer.config.sensors import Sensors
 from trainer.identify.model.own_systems import System
@@ -107,29 +107,31 @@ def plain_study(data: Path) -> Study:
 
 def parse_study(text: str, path: Path) -> Study:
     """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
-    place = Place(path.name, "")
+    position = Position(path.name, "")
     table = parse_toml(text, path.name)
-    parts, problems = read_parts(table, place, (StudyHeading, KNOWN_KEYS), OPTIONAL_TABLES)
+    parts, problems = read_parts(table, position, (StudyHeading, KNOWN_KEYS), OPTIONAL_TABLES)
     model = table.get("model")
     # a user's own system names its own columns, and needs no rudder
     own_kind = isinstance(model, Mapping) and model.get("kind") == "own"
     with collecting(problems):
-        rows = COLUMN_ROWS.read("columns", table.get("columns", []), place)
-        parts["columns"] = _columns(rows, place, steered=not own_kind)
+        rows = COLUMN_ROWS.read("columns", table.get("columns", []), position)
+        parts["columns"] = _columns(rows, position, steered=not own_kind)
     with collecting(problems):
-        parts["runs"] = RUN_ROWS.read("runs", table.get("runs", []), place)
+        parts["runs"] = RUN_ROWS.read("runs", table.get("runs", []), position)
     with collecting(problems):
-        parts["parameters"] = PARAMETER_ROWS.read("parameters", table.get("parameters", []), place)
-        _check_once([row.name for row in parts["parameters"]], place, "parameters")
+        parts["parameters"] = PARAMETER_ROWS.read(
+            "parameters", table.get("parameters", []), position
+        )
+        _check_once([row.name for row in parts["parameters"]], position, "parameters")
     with collecting(problems):
-        _check_whole(parts, place)
+        _check_whole(parts, position)
     if problems:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
     if not study.columns and not own_kind:
         if study.data.suffix != RECORDING_SUFFIX:
             raise ConfigError(
-                place.problem("lacks [[columns]]: only a recording of the trainer needs none")
+                position.problem("lacks [[columns]]: only a recording of the trainer needs none")
             )
         return replace(study, columns=own_columns())
     return study
@@ -137,7 +139,7 @@ def parse_study(text: str, path: Path) -> Study:
 
 def read_parts(
     table: Mapping[str, Any],
-    place: Place,
+    position: Position,
     heading: tuple[type[Any], Sequence[str]],
     records: Mapping[str, type[Any]],
 ) -> tuple[dict[str, Any], list[str]]:
@@ -147,7 +149,7 @@ def read_parts(
     """
     record, known = heading
     problems = [
-        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        position.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in table.items()
         if key not in known
     ]
@@ -155,17 +157,19 @@ def read_parts(
     above = {item.name for item in fields(record)} | {"note"}
     with collecting(problems):
         heading_values = {key: value for key, value in table.items() if key in above}
-        parts["heading"] = read_record(record, heading_values, place, ("note",))
+        parts["heading"] = read_record(record, heading_values, position, ("note",))
     for name, kind in records.items():
         with collecting(problems):
             if name in table:
-                parts[name] = read_record(kind, table[name], place.inside(name), ("note",))
+                parts[name] = read_record(kind, table[name], position.inside(name), ("note",))
     return parts, problems
 
 
-def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dict[str, Column]:
+def _columns(
+    rows: tuple[ColumnRow, ...], position: Position, *, steered: bool
+) -> dict[str, Column]:
     """Return the columns by channel; ConfigError if one is given twice or in a wrong unit."""
-    _check_once([row.channel for row in rows], place, "columns")
+    _check_once([row.channel for row in rows], position, "columns")
     problems: list[str] = []
     columns = {}
     for i, row in enumerate(rows):
@@ -173,46 +177,46 @@ def _columns(rows: tuple[ColumnRow, ...], place: Place, *, steered: bool) -> dic
             factor(row.channel, row.unit)
             columns[row.channel] = Column(row.column, row.unit, row.missing)
         except ConfigError as wrong:
-            problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
+            problems.append(position.inside(f"columns[{i}]").problem(str(wrong)))
     if columns and steered and "rudder" not in columns and not problems:
-        problems.append(place.inside("columns").problem("no column is the rudder"))
+        problems.append(position.inside("columns").problem("no column is the rudder"))
     if problems:
         raise ConfigError(*problems)
     return columns
 
 
-def _check_once(names: list[str], place: Place, table: str) -> None:
+def _check_once(names: list[str], position: Position, table: str) -> None:
     """Check that no name stands twice in a table; ConfigError naming the first that does."""
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
-        raise ConfigError(place.inside(table).problem(f"{twice[0]} is given twice"))
+        raise ConfigError(position.inside(table).problem(f"{twice[0]} is given twice"))
 
 
-def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
+def _check_whole(parts: Mapping[str, Any], position: Position) -> None:
     """Check whole numbers, and what goes together; ConfigError with all faults."""
     problems: list[str] = []
     heading = parts.get("heading")
     begin, end = (heading.from_s, heading.to_s) if heading else (None, None)
     if begin is not None and end is not None and end <= begin:
-        problems.append(place.wrong("to_s", end, f"must be after from_s = {begin:g}"))
+        problems.append(position.wrong("to_s", end, f"must be after from_s = {begin:g}"))
     counts = {"": ("heading", ("every",)), "armax": ("armax", ("most", "dead_time", "lags"))}
     counts["model"] = ("model", ("restarts", "predict_from", "predict_to"))
     for table, (part, keys) in counts.items():
         for key in keys:
             value = getattr(parts.get(part), key, None)
             if value is not None and value != int(value):
-                inside = place.inside(table) if table else place
+                inside = position.inside(table) if table else position
                 problems.append(inside.wrong(key, value, "must be a whole number"))
     model = parts.get("model")
     if model is not None:
-        problems += _model_problems(model, parts.get("ship"), place)
+        problems += _model_problems(model, parts.get("ship"), position)
     if problems:
         raise ConfigError(*problems)
 
 
-def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Iterator[str]:
+def _model_problems(model: ModelTable, ship: Ship | None, position: Position) -> Iterator[str]:
     """Yield what a model lacks, and what does not go with it."""
-    inside = place.inside("model")
+    inside = position.inside("model")
     if model.kind == "own":
         if model.outputs:
             yield inside.problem("of kind own has outputs of its own")
@@ -224,11 +228,11 @@ def _model_problems(model: ModelTable, ship: Ship | None, place: Place) -> Itera
     if model.file is not None:
         yield inside.wrong("file", model.file, "goes with kind own")
     if ship is None:
-        yield place.problem("[model] needs a [ship] with its length_m")
+        yield position.problem("[model] needs a [ship] with its length_m")
         return
     for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
         if channel in model.outputs and getattr(ship, key) is None:
-            yield place.inside("ship").problem(f"output {channel} needs {key}")
+            yield position.inside("ship").problem(f"output {channel} needs {key}")
 
 
 def observe_record(study: Study, loaded: Record | None = None) -> Record:
@@ -289,8 +293,8 @@ def speed_of(study: Study, record: Record) -> float:
     if study.ship is not None and study.ship.speed_kn is not None:
         return study.ship.speed_kn * KNOT
     if record.speed is None:
-        place = Place(study.path.name, "ship")
-        raise ConfigError(place.problem("lacks speed_kn, and no speed was recorded"))
+        position = Position(study.path.name, "ship")
+        raise ConfigError(position.problem("lacks speed_kn, and no speed was recorded"))
     return float(np.nanmean(record.speed))
 
 

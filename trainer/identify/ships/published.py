@@ -27,7 +27,7 @@ from trainer.analysis.guide.verdicts import Validity
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.config.files import (
     ConfigError,
-    Place,
+    Position,
     nearest,
     number_problems,
     raise_problems,
@@ -94,7 +94,7 @@ def _refuse_unknown(ship: ShipFile, published: Published) -> None:
         },
     }
     problems = [
-        Place(published.file, place).wrong(
+        Position(published.file, place).wrong(
             key, name, f"no coefficient of {ship.path.name}{nearest(name, ship.coefficients)}"
         )
         for place, (key, names) in named.items()
@@ -102,7 +102,7 @@ def _refuse_unknown(ship: ShipFile, published: Published) -> None:
         if name not in ship.coefficients
     ]
     if published.waves:
-        problems.append(Place(published.file, "waves[0]").problem("is for boats, not for ships"))
+        problems.append(Position(published.file, "waves[0]").problem("is for boats, not for ships"))
     raise_problems(number_problems(problems, published.text, published.file))
 
 

@@ -31,7 +31,7 @@ from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
 from trainer.boat.ship.forces import ROLL_PLACE
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
-from trainer.config.files import ConfigError, Place
+from trainer.config.files import ConfigError, Position
 from trainer.config.schema import read_record
 from trainer.config.ship import ShipFile, read_ship
 from trainer.report.text import table, wrap
@@ -234,11 +234,13 @@ class SailingSubject:
     def _sailed(self, drawn: Mapping[str, Any]) -> tuple[Manoeuvre, Flight]:
         """Return manoeuvre and flight of one member; ConfigError if it cannot begin."""
         tables, path = self.study.varied(drawn), self.study.path
-        inside = Place(path.name, "manoeuvre")
+        inside = Position(path.name, "manoeuvre")
         table = read_record(ManoeuvreTable, tables["manoeuvre"], inside, ())
         settings = {"method": asdict(self.study.method), "manoeuvre": asdict(table)}
         problems = [
-            Place(path.name, where).wrong(key, settings[where][key], "is for boats, not for ships")
+            Position(path.name, where).wrong(
+                key, settings[where][key], "is for boats, not for ships"
+            )
             for where, keys in BOAT_OPTIONS.items()
             for key in keys
             if settings[where][key] is not None

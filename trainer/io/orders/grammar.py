@@ -27,8 +27,8 @@ from trainer.io.orders.table import (
     WORD_SETS,
     Form,
     Name,
-    Place,
     Secret,
+    Slot,
     UnitWord,
     Word,
     heading_word,
@@ -129,20 +129,18 @@ class PartialReading(NamedTuple):
     """One way to understand the tokens so far."""
 
     form: Form
-    places: tuple[Place, ...]
+    slots: tuple[Slot, ...]
     said: tuple[TokenReading, ...]
 
 
-FORM_READINGS = tuple(
-    PartialReading(form, places, ()) for form in FORMS for places in variants(form)
-)
+FORM_READINGS = tuple(PartialReading(form, slots, ()) for form in FORMS for slots in variants(form))
 
 
 def openings() -> dict[str, list[PartialReading]]:
     """Return the readings of a line by its first word, whole or cut short."""
     readings: dict[str, list[PartialReading]] = {}
     for reading in FORM_READINGS:
-        first = reading.places[0]
+        first = reading.slots[0]
         heads = {said for said, _ in first.spellings} if isinstance(first, Word) else set()
         for word in {said[:length] for said in heads for length in range(1, len(said) + 1)}:
             readings.setdefault(word, []).append(reading)
@@ -198,7 +196,7 @@ def planned_order(said: re.Match[str]) -> Order:
     head, digits = said["at"].lower(), said["time"].lower()
     if not DECIMAL_PATTERN.fullmatch(digits):
         raise RefusedError(
-            f'"{digits}" after "{head}": expected {describe_places([TIME_NUMBER])[0]}'
+            f'"{digits}" after "{head}": expected {describe_slots([TIME_NUMBER])[0]}'
         )
     unit = next(each for each in TIME_NUMBER.units if (said["unit"] or "s").lower() in each.names)
     value, wording = quantity(TIME_NUMBER, digits, unit)
@@ -290,11 +288,11 @@ def read_form(tokens: list[str]) -> PartialReading:
     """Return the one reading of the tokens. Refuses where there is none, or more than one."""
     alive = HEAD_READINGS.get(tokens[0], [])
     for i, token in enumerate(tokens):
-        reached = [reading for reading in alive if len(reading.places) > i]
+        reached = [reading for reading in alive if len(reading.slots) > i]
         alive = [
-            PartialReading(form, places, (*before, said))
-            for form, places, before in reached
-            for said in match_place(places[i], token)
+            PartialReading(form, slots, (*before, said))
+            for form, slots, before in reached
+            for said in match_slot(slots[i], token)
         ]
         if not alive:
             raise RefusedError(
@@ -304,9 +302,9 @@ def read_form(tokens: list[str]) -> PartialReading:
             )
         alive = in_full(alive, i, token)
     refuse_doubt(tokens, alive)
-    whole = [reading for reading in alive if len(reading.places) == len(tokens)]
+    whole = [reading for reading in alive if len(reading.slots) == len(tokens)]
     if not whole:
-        expected = join_names(describe_places(list_alternatives(alive, len(tokens))))
+        expected = join_names(describe_slots(list_alternatives(alive, len(tokens))))
         raise RefusedError(f"{' '.join(tokens)} what? expected {expected}")
     if whole[0].form.refusal:
         raise RefusedError(whole[0].form.refusal)
@@ -315,37 +313,37 @@ def read_form(tokens: list[str]) -> PartialReading:
 
 def in_full(alive: list[PartialReading], i: int, token: str) -> list[PartialReading]:
     """Return the readings, without those that take a whole word for a shortened one."""
-    words = [reading for reading in alive if isinstance(reading.places[i], Word)]
+    words = [reading for reading in alive if isinstance(reading.slots[i], Word)]
     if not any(reading.said[i].spelling == token for reading in words):
         return alive
     return [
         reading
         for reading in alive
-        if reading.said[i].spelling == token or not isinstance(reading.places[i], Word)
+        if reading.said[i].spelling == token or not isinstance(reading.slots[i], Word)
     ]
 
 
-def list_alternatives(readings: list[PartialReading], i: int) -> list[Place]:
-    """Return the places at `i`. Wrong forms count only where no right one fits."""
+def list_alternatives(readings: list[PartialReading], i: int) -> list[Slot]:
+    """Return the slots at `i`. Wrong forms count only where no right one fits."""
     good = [reading for reading in readings if not reading.form.refusal]
-    return [reading.places[i] for reading in good or readings]
+    return [reading.slots[i] for reading in good or readings]
 
 
-def match_place(place: Place, token: str) -> Iterable[TokenReading]:
-    """Return the ways `token` fits the place: none, itself, or every word it abbreviates."""
-    if isinstance(place, Number):
-        digits = token.removeprefix(place.prefix)
+def match_slot(slot: Slot, token: str) -> Iterable[TokenReading]:
+    """Return the ways `token` fits the slot: none, itself, or every word it abbreviates."""
+    if isinstance(slot, Number):
+        digits = token.removeprefix(slot.prefix)
         return (TokenReading(token, digits),) if DECIMAL_PATTERN.fullmatch(digits) else ()
-    if isinstance(place, Name):
+    if isinstance(slot, Name):
         return (TokenReading(token, token),) if NAME_PATTERN.fullmatch(token) else ()
-    if isinstance(place, Secret):
+    if isinstance(slot, Secret):
         return (TokenReading(token, token),) if token == HIDDEN_TOKEN else ()
-    if isinstance(place, UnitWord):
-        fits = any(token in unit.names for unit in place.number.units)
+    if isinstance(slot, UnitWord):
+        fits = any(token in unit.names for unit in slot.number.units)
         return (TokenReading(token, token),) if fits else ()
     if not token[0].isalpha():
-        return (TokenReading(token, word) for said, word in place.spellings if said == token)
-    return (TokenReading(said, word) for said, word in place.spellings if said.startswith(token))
+        return (TokenReading(token, word) for said, word in slot.spellings if said == token)
+    return (TokenReading(said, word) for said, word in slot.spellings if said.startswith(token))
 
 
 def refuse_doubt(tokens: list[str], alive: list[PartialReading]) -> None:
@@ -378,38 +376,36 @@ def meant_order(tokens: list[str]) -> str:
     return MEANT_ORDERS.get(tokens[0], "")
 
 
-def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
-    """Return why token `i` fits none of the places, and the nearest word that fits."""
+def describe_unexpected(tokens: list[str], i: int, slots: list[Slot]) -> str:
+    """Return why token `i` fits none of the slots, and the nearest word that fits."""
     token, before = tokens[i], " ".join(tokens[:i])
-    if not places:
+    if not slots:
         return f'"{token}" is too much after "{before}"'
-    if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
+    if token[0] in "+-.0123456789" and any(isinstance(slot, Number) for slot in slots):
         return f'"{token}" is not a plain decimal number'
-    spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
+    spelled = {said for slot in slots if isinstance(slot, Word) for said, _ in slot.spellings}
     heads = before in ("", HELP_HEAD)
     near = (meant_order(tokens[i:]) if heads else "") or nearest_word(token, spelled)
     hint = f"; did you mean {near}?" if near else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'
-    return (
-        f'"{token}" after "{before}"{hint or f": expected {join_names(describe_places(places))}"}'
-    )
+    return f'"{token}" after "{before}"{hint or f": expected {join_names(describe_slots(slots))}"}'
 
 
-def describe_places(places: list[Place]) -> list[str]:
-    """Return what fits the places, in words, once each."""
+def describe_slots(slots: list[Slot]) -> list[str]:
+    """Return what fits the slots, in words, once each."""
     descriptions: dict[str, None] = {}
-    for place in places:
-        if isinstance(place, Word):
-            descriptions |= dict.fromkeys(word for _, word in place.spellings)
-        elif isinstance(place, Number):
-            descriptions[f"{place.says} ({place.limits})"] = None
-        elif isinstance(place, Name):
-            descriptions[place.says] = None
-        elif isinstance(place, Secret):
+    for slot in slots:
+        if isinstance(slot, Word):
+            descriptions |= dict.fromkeys(word for _, word in slot.spellings)
+        elif isinstance(slot, Number):
+            descriptions[f"{slot.says} ({slot.limits})"] = None
+        elif isinstance(slot, Name):
+            descriptions[slot.says] = None
+        elif isinstance(slot, Secret):
             descriptions["a token"] = None
         else:
-            descriptions |= dict.fromkeys(unit.names[0] for unit in place.number.units)
+            descriptions |= dict.fromkeys(unit.names[0] for unit in slot.number.units)
     return list(descriptions)
 
 
@@ -420,22 +416,22 @@ def join_names(names: list[str]) -> str:
 
 def order(reading: PartialReading) -> Order:
     """Return the order of a whole reading. Refuses a number beyond the limits of the grammar."""
-    form, places, said = reading
+    form, slots, said = reading
     head = heading_word(form)
     optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]
     sign, text, words, rest, subject = 1.0, [head, *optional], [], [], ""
     side, unit = 0.0, None
     numbers: list[float] = []
-    for i, (place, token) in enumerate(zip(places, said, strict=True)):
-        if isinstance(place, Number):
-            unit = unit_after(place, said[i + 1 :])
-            value, wording = quantity(place, token.word, unit)
+    for i, (slot, token) in enumerate(zip(slots, said, strict=True)):
+        if isinstance(slot, Number):
+            unit = unit_after(slot, said[i + 1 :])
+            value, wording = quantity(slot, token.word, unit)
             numbers.append(value)
             rest.append(wording)
-        elif isinstance(place, Name):
+        elif isinstance(slot, Name):
             subject = token.word
             rest.append(subject)
-        elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
+        elif isinstance(slot, UnitWord | Secret) or token.word in (optional if i else [head]):
             continue
         elif token.word in SIDE_SIGNS and head != CREW_HEAD:
             sign = side = SIDE_SIGNS[token.word]

@@ -1,8 +1,8 @@
 """The table of orders: every word, number and unit that an order line may hold.
 
 The parser, the help text and docs/orders.md are all read from the tables below. A pattern is a row
-of places: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
-CAPITALS are a number (``quantities``), a set of words (WORD_SETS), any name (NAME_PLACES) or a
+of slots: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
+CAPITALS are a number (``quantities``), a set of words (WORD_SETS), any name (NAME_SLOTS) or a
 secret (TOKEN). The first word heads the order.
 """
 
@@ -87,31 +87,31 @@ UNSCHEDULED_WORDS = frozenset(
 
 @dataclass(frozen=True)
 class Word:
-    """A place for one word: pairs of a spelling and the word it stands for."""
+    """A slot for one word: pairs of a spelling and the word it stands for."""
 
     spellings: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
 class UnitWord:
-    """A place for the unit of the number before it."""
+    """A slot for the unit of the number before it."""
 
     number: Number
 
 
 @dataclass(frozen=True)
 class Name:
-    """A place for a name that only the session knows, such as a casualty's."""
+    """A slot for a name that only the session knows, such as a casualty's."""
 
     says: str
 
 
 @dataclass(frozen=True)
 class Secret:
-    """A place for a secret word, which is taken as typed and never shown."""
+    """A slot for a secret word, which is taken as typed and never shown."""
 
 
-Place = Word | Number | UnitWord | Name | Secret
+Slot = Word | Number | UnitWord | Name | Secret
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Topic:
     says: str
 
 
-NAME_PLACES = {
+NAME_SLOTS = {
     "NAME": Name("the name of a casualty"),
     "SHIP_NAME": Name("the name of a contact"),
     "LABEL": Name("a name for a moment"),
@@ -395,19 +395,19 @@ FORMS = (
 )
 
 
-def place(text: str) -> Word | Number | Name | Secret:
-    """Return the place that one item of a pattern stands for."""
+def read_slot(text: str) -> Word | Number | Name | Secret:
+    """Return the slot that one item of a pattern stands for."""
     if text in NUMBER_KINDS:
         return NUMBER_KINDS[text]
-    if text in NAME_PLACES:
-        return NAME_PLACES[text]
+    if text in NAME_SLOTS:
+        return NAME_SLOTS[text]
     if text == "TOKEN":
         return Secret()
     return topic_place() if text == "TOPIC" else Word(tuple(spellings(WORD_SETS.get(text, text))))
 
 
 def topic_place() -> Word:
-    """Return the place for what help may be asked about."""
+    """Return the slot for what help may be asked about."""
     heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
     names = {head for topic in TOPICS for head in topic.heads}
     words = dict(pair for head in heads for pair in spellings(WORD_SETS.get(head, head)))
@@ -422,11 +422,11 @@ def spellings(text: str) -> Iterator[tuple[str, str]]:
         yield from ((name, names[0]) for name in names)
 
 
-def variants(form: Form) -> Iterator[tuple[Place, ...]]:
-    """Yield every row of places that the form allows, with and without the optional ones."""
-    items: list[list[tuple[Place, ...]]] = []
+def variants(form: Form) -> Iterator[tuple[Slot, ...]]:
+    """Yield every row of slots that the form allows, with and without the optional ones."""
+    items: list[list[tuple[Slot, ...]]] = []
     for text in form.pattern.split():
-        item = place(text.strip("[]"))
+        item = read_slot(text.strip("[]"))
         items.append([(item,)])
         if text.startswith("["):
             items[-1].append(())
