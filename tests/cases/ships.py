@@ -324,7 +324,7 @@ def zig_zag_of(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
     """Return rudder (n,) [deg] and readings (n, 3). The bent hull makes a zig-zag angle/angle."""
     values = problem.whole(problem.start)
     drift = problem.plant.blocks(step_aside(values, ())).drift[0].real[:3]
-    place = problem.plant.model.place("N_v")
+    place = problem.plant.model.index("N_v")
     # what a unit of N_v does to the rates, by sway
     by_moment = problem.plant.blocks(step_aside(values, (place,))).drift[1].imag[:3, 0] * 1e100
     weakening = -WEAKENED * values[place] * by_moment / problem.plant.ship.speed

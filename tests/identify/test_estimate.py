@@ -88,7 +88,7 @@ def test_an_impossible_gain_is_no_cost_and_no_traceback() -> None:
     problem = recorded(replace(TANKER, free=held), 60)
     nothing = {"R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi"}
     values = problem.values.copy()
-    values[[MODELS["1"].place(name) for name in nothing]] = 0.0
+    values[[MODELS["1"].index(name) for name in nothing]] = 0.0
     dead = replace(problem, values=values)
     assert Innovations(dead, settled_gain).value(dead.start) == np.inf
     assert MultiStep(dead, 2, 3).value(dead.start) == np.inf
@@ -118,7 +118,7 @@ def test_a_parameter_that_is_not_free_stays(cost: Any) -> None:
     problem = problem.problem(TANKER_RUDDER[:600]).on(cost.problem.samples)  # type: ignore[assignment]
     start = np.delete(TANKER.start(), TANKER.free.index("N_v"))
     found = find_best_minimum(Likelihood(problem), start, "scoring", SearchOptions())  # type: ignore[arg-type]
-    place = MODELS["1"].place("N_v")
+    place = MODELS["1"].index("N_v")
     assert problem.whole(found.theta)[place] == TANKER.truth["N_v"]  # type: ignore[attr-defined]
 
 
@@ -233,9 +233,9 @@ def test_k_and_t_are_given_together_or_not_at_all() -> None:
     model = MODELS["nomoto2"]
     theta = model.vector(K=-0.05, T1=40.0, T2=5.0, T3=8.0)
     assert_allclose(theta[:4], [0.225, 0.005, -0.002, -0.00025])
-    assert model.places(("T1", "K", "T2", "T3", "lag")) == (0, 1, 2, 3, model.place("lag"))
+    assert model.indices(("T1", "K", "T2", "T3", "lag")) == (0, 1, 2, 3, model.index("lag"))
     with pytest.raises(ConfigError, match="estimates a1, a2, b1, b2, and K follows from them"):
-        model.places(("K",))
+        model.indices(("K",))
 
 
 def test_restarts_leave_a_shallow_minimum(wells: Any) -> None:
@@ -393,7 +393,7 @@ def test_a_free_variance_that_starts_at_nothing_is_refused(cost: Any) -> None:
 def test_a_start_that_is_no_model_is_refused() -> None:
     hopeless = recorded(TANKER, 50)
     values = hopeless.values.copy()
-    values[MODELS["1"].place("P12")] = 1.0
+    values[MODELS["1"].index("P12")] = 1.0
     hopeless = Likelihood(replace(hopeless, values=values))
     with pytest.raises(ConfigError, match="start values are no model"):
         find_best_minimum(hopeless, TANKER.start(), "scoring", SearchOptions())

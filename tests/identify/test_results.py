@@ -129,7 +129,7 @@ def test_series_of_every_noise_model_add_up(path: Any, noise: Any) -> None:
         there = found[f"yaw_rate_{known}_deg_s"] + found[f"yaw_rate_{left}_deg_s"]
         assert there == pytest.approx(rate, abs=1e-9)
     # the prediction is the predicted state, read without error
-    bias = fitted.values[fitted.problem.plant.model.place("r_0")]
+    bias = fitted.values[fitted.problem.plant.model.index("r_0")]
     states = np.degrees(found["state_r"]) + bias
     assert states == pytest.approx(found["yaw_rate_predicted_deg_s"], abs=1e-9)
     alone = simulate_deterministic(fitted.problem, fitted.found.theta)
@@ -163,7 +163,7 @@ def test_terms_of_the_yaw_acceleration_make_the_motion(path: Any) -> None:
     states = simulate_deterministic(fitted.problem, fitted.found.theta)[:, :2]
     parts = terms_of(fitted, states)
     assert {key[0] for key in parts} == {"yaw acceleration"}
-    T = fitted.values[fitted.problem.plant.model.place("T")]
+    T = fitted.values[fitted.problem.plant.model.index("T")]
     # under a held rudder r' fades by exp(-h/T): its integral over an interval is the change of r
     change = T * (1.0 - math.exp(-STEP / T)) * sum(parts.values())
     assert np.diff(states[:, 0]) == pytest.approx(change[:-1], abs=1e-12)

@@ -35,7 +35,7 @@ def drawn(problem: Problem, seed: int) -> Problem:
 def runs(count: int, speeds: tuple[float, ...] = (1.0, 0.8)) -> tuple[list[Problem], Problem]:
     """Return problems of Model 1 at two speeds, and of both together."""
     alone = []
-    places = MODELS["1"].places(OWN)
+    places = MODELS["1"].indices(OWN)
     for seed, by in enumerate(speeds, 1):
         ship = replace(TANKER, ship=replace(TANKER.ship, speed=by * TANKER.ship.speed))
         problem = ship.problem(TANKER_RUDDER[100 * seed :][:count])

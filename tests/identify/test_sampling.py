@@ -185,7 +185,7 @@ def test_each_model_has_the_transfer_function_that_its_document_says(name: Any, 
     model, k = ship.model, SHIP.speed / SHIP.length
     for wind in ("Y_psi", "l_psi", "a3"):
         if wind in model.names:
-            theta[model.place(wind)] = 0.0
+            theta[model.index(wind)] = 0.0
     drift = ship.blocks(theta.astype(complex)[None]).drift[0]
     x = model.states
     found = np.linalg.solve(s * np.eye(x) - drift[:x, :x], drift[:x, x])[row] * 180.0 / np.pi
@@ -219,11 +219,11 @@ def test_model_1_by_hand() -> None:
 
 
 def test_a_parameter_is_found_by_name_and_by_number_and_a_wrong_one_names_the_nearest() -> None:
-    assert MODEL_1.place("theta12") == MODEL_1.place("l_delta") == 11
+    assert MODEL_1.index("theta12") == MODEL_1.index("l_delta") == 11
     with pytest.raises(ConfigError, match="nearest is Y_delta"):
-        MODEL_1.place("Y_delt")
+        MODEL_1.index("Y_delt")
     with pytest.raises(ConfigError, match="theta1 to theta34"):
-        MODEL_1.place("theta35")
+        MODEL_1.index("theta35")
 
 
 def test_two_sways_that_share_a_bias_are_refused() -> None:

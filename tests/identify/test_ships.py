@@ -127,7 +127,7 @@ def test_the_gradient_is_that_of_the_likelihood_with_and_without_wake(wake: floa
 def test_a_reading_that_is_missing_counts_for_nothing() -> None:
     problem, a, _ = made_record("mmg")
     trial = problem.trials[0]
-    system = problem.system(a, a[problem.first_places(0)])
+    system = problem.system(a, a[problem.first_indices(0)])
     errors, none = np.empty((len(trial.table), 4, 2)), (np.empty(0), np.empty((0, 0)))
     whole = filter_record(system, trial.table, errors, *none)
     last = trial.table.copy()

@@ -77,7 +77,7 @@ class Rehearsal:
     def start(self) -> Numbers:
         """Return where the free parameters start (f,)."""
         model = MODELS[self.kind]
-        return model.vector(**{**self.truth, **self.begin})[list(model.places(self.free))]
+        return model.vector(**{**self.truth, **self.begin})[list(model.indices(self.free))]
 
     def freed(self, *names: str, **truth: float) -> "Rehearsal":
         """Return the rehearsal with more free parameters, at values ``truth``."""

@@ -72,8 +72,8 @@ class ShipModel:
         return np.array([_term(name) for name in self.names[: -len(NONLINEAR_NAMES)]])
 
     @property
-    def places(self) -> Terms:
-        """Return the places of the free coefficients (p, 1)."""
+    def indices(self) -> Terms:
+        """Return the indices of the free coefficients (p, 1)."""
         return np.array([self.names.index(name) for name in self.free]).reshape(-1, 1)
 
     def whole(self, values: Mapping[str, float]) -> Numbers:

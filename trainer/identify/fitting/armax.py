@@ -165,7 +165,7 @@ class _Search:
     def at_rim(self, theta: Numbers) -> bool:
         """Return whether a zero of C is held at MAX_ZERO_RADIUS.
 
-        The loss may fall further beyond it, so that the search cannot reach a place without slope.
+        The loss may fall further beyond it, so that the search cannot reach a point without slope.
         """
         return self.radius(theta) > MAX_ZERO_RADIUS - 1e-6
 
@@ -182,7 +182,7 @@ class _Search:
         impulse = np.zeros_like(self.y)
         impulse[0] = -1.0  # a first state acts in its own sample, all else from the next one on
         bases = [filtered(source) for source in (self.y, -self.u, -errors, impulse)]
-        kinds = (divmod(place, self.order) for place in range(count))
+        kinds = (divmod(index, self.order) for index in range(count))
         return np.column_stack([_later(bases[kind], lag + (kind < 3)) for kind, lag in kinds])
 
 

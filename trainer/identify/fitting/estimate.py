@@ -1,4 +1,4 @@
-"""The search for the best fit: a minimiser is started from several places.
+"""The search for the best fit: a minimiser is started from several points.
 
 A cost with many parameters has more than one minimum, and a search ends in the nearest. So further
 starts are drawn about the first until several in a row are no better, and the best end is taken.

@@ -50,7 +50,7 @@ def _gram(rows: Numbers) -> Numbers:
 
 
 class Score(NamedTuple):
-    """Cost and gradient at a place, and the rows whose squares are the information."""
+    """Cost and gradient at a point, and the rows whose squares are the information."""
 
     cost: float
     gradient: Numbers
@@ -88,9 +88,9 @@ class Likelihood:
         return total * np.outer(self.problem.scale, self.problem.scale)
 
     def _score(self, theta: Numbers) -> Score:
-        """Return cost, gradient and rows at ``theta``, from memory if it is the last place.
+        """Return cost, gradient and rows at ``theta``, from memory if it is the last point.
 
-        A search asks for gradient and information of the same place, one after the other.
+        A search asks for gradient and information of the same point, one after the other.
         """
         key = theta.tobytes()
         if self._last.get("key") != key:

@@ -150,7 +150,7 @@ class StretchedCost:
     def clipped(self, step: Numbers, most: float = MAX_STEP) -> Numbers:
         """Return ``step`` with no bounded parameter going further than ``most``.
 
-        That is MAX_STEP for one step of a search, MAX_DISTANCE for a place.
+        That is MAX_STEP for one step of a search, MAX_DISTANCE for a point.
         """
         return np.where(self.bounded, np.clip(step, -most, most), step)
 
@@ -168,7 +168,7 @@ class StretchedCost:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
 
         A parameter whose step is too long goes as far as it may and is held; the others then step
-        to the minimum for that place. So a variance on its way to zero does not shorten all other
+        to the minimum for that point. So a variance on its way to zero does not shorten all other
         steps.
         """
         step = np.zeros(len(gradient))
@@ -211,7 +211,7 @@ def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers
 
 
 class SearchPlace(NamedTuple):
-    """A place of a search, and the cost's shape there."""
+    """A point of a search, and the cost's shape there."""
 
     eta: Numbers
     value: float
@@ -220,9 +220,9 @@ class SearchPlace(NamedTuple):
 
 
 class MinimumVerdict(NamedTuple):
-    """The doubt about a place, empty if it is a minimum.
+    """The doubt about a point, empty if it is a minimum.
 
-    ``better`` is a lower place, if one was found.
+    ``better`` is a lower point, if one was found.
     """
 
     doubt: str
@@ -281,10 +281,10 @@ def judge_minimum(problem: StretchedCost, eta: Numbers) -> MinimumVerdict:
     if not (np.isfinite(gradient).all() and np.isfinite(size).all()):
         return MinimumVerdict(IMPOSSIBLE_NEIGHBOUR)
     gone = problem.bounded & (size < MIN_BOUNDED_INFORMATION)
-    for place in np.flatnonzero(gone & problem.at_end(eta)):
-        lifted = _lift(problem, eta, int(place), (gradient[place], size[place]))
+    for index in np.flatnonzero(gone & problem.at_end(eta)):
+        lifted = _lift(problem, eta, int(index), (gradient[index], size[index]))
         if lifted is not None:
-            return MinimumVerdict(f"{problem.cost.problem.names[place]} wants off its end", lifted)
+            return MinimumVerdict(f"{problem.cost.problem.names[index]} wants off its end", lifted)
     return _judge_shape(problem, eta, gradient, np.where(gone, 0.0, size))
 
 
@@ -293,7 +293,7 @@ def _judge_shape(
 ) -> MinimumVerdict:
     """Return whether ``eta`` is a minimum in the coordinates whose ``size`` is not zero.
 
-    If it is none, the verdict has a lower place: along the direction that curves downwards, or by
+    If it is none, the verdict has a lower point: along the direction that curves downwards, or by
     Newton's step.
     """
     curvature = second_derivatives(problem, eta, size)
@@ -317,9 +317,9 @@ def _judge_shape(
 
 
 def _lift(
-    problem: StretchedCost, eta: Numbers, place: int, here: tuple[float, float]
+    problem: StretchedCost, eta: Numbers, index: int, here: tuple[float, float]
 ) -> Numbers | None:
-    """Return a lower place, one number taken off its end; None if there is none.
+    """Return a lower point, one number taken off its end; None if there is none.
 
     Near zero the cost is nearly linear in a variance itself, but has almost no slope by the
     variance's logarithm. So the step is that to the minimum of a quadratic in the variance itself.
@@ -328,12 +328,12 @@ def _lift(
     if not size > 0.0 or slope * slope < 2.0 * SETTLED_COST_TOLERANCE * size:
         return None
     unit = np.zeros_like(eta)
-    unit[place] = -math.copysign(math.log1p(abs(slope) / size), slope)
+    unit[index] = -math.copysign(math.log1p(abs(slope) / size), slope)
     return _along(problem, eta, unit)
 
 
 def _along(problem: StretchedCost, eta: Numbers, direction: Numbers) -> Numbers | None:
-    """Return a place on a line, lower by MIN_COST_GAIN; None if none was found."""
+    """Return a point on a line, lower by MIN_COST_GAIN; None if none was found."""
     value = problem.cost.value(problem.theta(eta))
     for length in STEP_LENGTHS:
         tried = problem.clipped(eta + length * direction, MAX_DISTANCE)
@@ -357,9 +357,9 @@ def second_derivatives(problem: StretchedCost, eta: Numbers, size: Numbers) -> N
 def curvature(
     slope: Callable[[Numbers], Numbers], at: Numbers, steps: Numbers, back: Numbers
 ) -> Numbers:
-    """Return second derivatives (f, f) by differences of a gradient at two places.
+    """Return second derivatives (f, f) by differences of a gradient at two points.
 
-    The first place is ``steps`` (f,) ahead, the second ``back`` (f,) times that step behind: 1 is
+    The first point is ``steps`` (f,) ahead, the second ``back`` (f,) times that step behind: 1 is
     central, 0 one-sided.
     """
     columns = [
@@ -413,7 +413,7 @@ def scipy_search(
             options={"maxiter": search.most},
             **more,
         )
-    # the best place of all that were tried, because scipy may end at another one
+    # the best point of all that were tried, because scipy may end at another one
     return problem.clipped(best[1], MAX_DISTANCE), int(result.nit)
 
 
@@ -437,6 +437,6 @@ def settle_minimum(
 def judge_place(
     problem: StretchedCost, eta: Numbers, steps: int, verdict: MinimumVerdict | None = None
 ) -> SearchResult:
-    """Return the place ``eta`` as a result, with the given verdict or one made now."""
+    """Return the point ``eta`` as a result, with the given verdict or one made now."""
     verdict, theta = verdict or judge_minimum(problem, eta), problem.theta(eta)
     return SearchResult(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

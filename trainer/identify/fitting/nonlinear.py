@@ -170,8 +170,8 @@ def _regress(
     solution = np.linalg.lstsq(terms, rudder, rcond=None)[0]
     square = max(float(np.sum((rudder - terms @ solution) ** 2)), count * HELM_TOLERANCE_RAD**2)
     variance = square / (count - len(solution)) * np.diag(np.linalg.pinv(terms.T @ terms))
-    unit = np.array([*(scale ** -(place + 1.0) for place in shape), 1.0])
-    names = [*(CURVE_NAMES[place] for place in shape), "delta_0"]
+    unit = np.array([*(scale ** -(index + 1.0) for index in shape), 1.0])
+    names = [*(CURVE_NAMES[index] for index in shape), "delta_0"]
     criterion = count * math.log(square / count) + len(solution) * math.log(count)
     return criterion, names, solution * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
 
@@ -251,11 +251,11 @@ def bend_from_records(
         raise ConfigError(f"{source}: this record does not tell {', '.join(free)}")
     variance = 2.0 * solution.cost / max(len(solution.fun) - len(size), 1)
     widths = np.sqrt(variance * np.diag(np.linalg.inv(unit.T @ unit))) / size
-    names, places = [*free, "delta_0"], [*range(len(free)), -1]
+    names, indices = [*free, "delta_0"], [*range(len(free)), -1]
     return BendEstimate(
         source,
-        ship.changed(names, [float(solution.x[place]) for place in places]),
-        {name: float(widths[place]) for name, place in zip(names, places, strict=True)},
+        ship.changed(names, [float(solution.x[index]) for index in indices]),
+        {name: float(widths[index]) for name, index in zip(names, indices, strict=True)},
         math.sqrt(2.0 * solution.cost / len(solution.fun)),
         float(solution.x[-2]),
     )

@@ -47,7 +47,7 @@ class PredictionRun:
     covariances: Numbers  # (n, x, x) P of the states
     spreads: Numbers  # (n, y, y) R, their covariance
     squares: Numbers  # (n,) error' R^-1 error
-    flags: NDArray[np.int64]  # (n,) places in FLAG_REASONS
+    flags: NDArray[np.int64]  # (n,) indices in FLAG_REASONS
 
     @property
     def counted(self) -> NDArray[np.bool_]:

@@ -34,13 +34,13 @@ class FurtherRun:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Estimate the parameters at the places ``free``; the others stay as in ``values``.
+    """Estimate the parameters at the indices ``free``; the others stay as in ``values``.
 
     ``scale`` (f,): a parameter is its scale times the number that a minimiser moves. ``sampling``
     is that of sampled.sample_systems. ``first`` (x,), if given, is the initial state, whatever the
     parameters say.
 
-    ``others`` are further runs of the same ship. The parameters at the places ``own`` (initial
+    ``others`` are further runs of the same ship. The parameters at the indices ``own`` (initial
     states, steady forces) differ from run to run, all others are common. A vector of free
     parameters has those of the first run (f,), then the ``own`` ones of each further run.
     """
@@ -57,39 +57,39 @@ class Problem:
 
     @cached_property
     def estimated(self) -> tuple[tuple[int, int], ...]:
-        """Return run (from 0) and place of each number that is estimated."""
-        further = ((i, place) for i in range(1, 1 + len(self.others)) for place in self.own)
-        return (*((0, place) for place in self.free), *further)
+        """Return run (from 0) and index of each number that is estimated."""
+        further = ((i, index) for i in range(1, 1 + len(self.others)) for index in self.own)
+        return (*((0, index) for index in self.free), *further)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Return the names of what is estimated."""
         names = self.plant.model.names
         return tuple(
-            names[place] + (f" of run {run + 1}" if run else "") for run, place in self.estimated
+            names[index] + (f" of run {run + 1}" if run else "") for run, index in self.estimated
         )
 
     @cached_property
     def kinds(self) -> tuple[str, ...]:
         """Return how each of them is bounded."""
         parameters = self.plant.model.parameters
-        return tuple(parameters[place].kind for _, place in self.estimated)
+        return tuple(parameters[index].kind for _, index in self.estimated)
 
     @property
     def start(self) -> Numbers:
         """Return what is estimated as it stands in ``values``, scaled."""
         values = [self.values, *(run.values for run in self.others)]
-        return np.array([values[run][place] for run, place in self.estimated]) / self.scale
+        return np.array([values[run][index] for run, index in self.estimated]) / self.scale
 
     @cached_property
     def runs(self) -> tuple[tuple["Problem", NDArray[np.int64]], ...]:
-        """Return the problem of each run alone, and the places of its numbers among all."""
+        """Return the problem of each run alone, and the indices of its numbers among all."""
         count, size = len(self.free), len(self.own)
         problems = []
         for i, run in enumerate((FurtherRun(self.plant, self.samples, self.values), *self.others)):
             at = np.arange(count)
             if i:
-                at[[self.free.index(place) for place in self.own]] = (
+                at[[self.free.index(index) for index in self.own]] = (
                     count + (i - 1) * size + np.arange(size)
                 )
             values = self.values.copy()
@@ -133,7 +133,7 @@ class Problem:
         return values
 
     def folded(self, theta: Numbers) -> Numbers:
-        """Return ``theta`` (f,) with each number at the first place that means the same model.
+        """Return ``theta`` (f,) with each number at the first point that means the same model.
 
         Variances and lags become positive, angles lie between -pi/2 and pi/2.
         """
@@ -180,8 +180,8 @@ class Problem:
 def problem_of(
     plant: Plant, samples: Samples, values: Numbers, free: Sequence[str | int]
 ) -> Problem:
-    """Return the problem of estimating ``free``, by name or place, unscaled."""
+    """Return the problem of estimating ``free``, by name or index, unscaled."""
     model = plant.model
     names = (model.names[one] if isinstance(one, int) else one for one in free)
-    places = model.places(names)
-    return Problem(plant, samples, values, places, np.ones(len(places)))
+    indices = model.indices(names)
+    return Problem(plant, samples, values, indices, np.ones(len(indices)))

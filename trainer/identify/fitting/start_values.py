@@ -59,10 +59,10 @@ def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
     names += [
         name for name, channel in INITIAL_STATE_NAMES[model.name] if channel != "heading" or heading
     ]
-    chosen = set(model.places(names))
+    chosen = set(model.indices(names))
     for word, change in (("yes", chosen.update), ("no", chosen.difference_update)):
-        change(model.places(row.name for row in rows if row.free == word))
-    return tuple(name for place, name in enumerate(model.names) if place in chosen)
+        change(model.indices(row.name for row in rows if row.free == word))
+    return tuple(name for index, name in enumerate(model.names) if index in chosen)
 
 
 def start_values(
@@ -80,9 +80,9 @@ def start_values(
         **shown | {name: stated_starts[name] for name in model.given if name in stated_starts}
     )
     for name in stated_starts.keys() - set(model.given):
-        known_values[model.names[model.place(name)]] = stated_starts[name]
+        known_values[model.names[model.index(name)]] = stated_starts[name]
     for name, value in known_values.items():
-        values[model.place(name)] = value
+        values[model.index(name)] = value
     if model.name == "1":
         lacking = [
             name for name in (*ACCELERATION_NAMES, *DERIVATIVE_NAMES) if name not in known_values
@@ -160,16 +160,16 @@ def _disturb(plant: Plant, record: Record, values: Numbers, known: Mapping[str, 
     if not names:
         return
     for name in names:
-        values[model.place(name)] = 1.0
+        values[model.index(name)] = 1.0
     noise = plant.blocks(values[None]).noise[0]
-    place = 0 if model.name in ("nomoto1", "2") else 1
+    index = 0 if model.name in ("nomoto1", "2") else 1
     seen = record.sway if model.name == "2" else record.yaw_rate
     seen = record.column("turning")[:-1] if seen is None else seen
     motion = float(np.nanstd(seen)) or 1e-6  # the usual size of it, SI
     density = (
         (DISTURBANCE_SHARE * motion) ** 2
-        / max(noise[place, place], 1e-300)
+        / max(noise[index, index], 1e-300)
         / (5.0 * record.interval)
     )
     for name in names:
-        values[model.place(name)] = density
+        values[model.index(name)] = density

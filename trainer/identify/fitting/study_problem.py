@@ -65,18 +65,18 @@ def pose_problem(
         runs.append(FurtherRun(at, samples_of(seen, plant.outputs, inputs), values))
     samples, values = runs[0].samples, runs[0].values
     problem = problem_of(plant, samples, values, free)
-    places = plant.model.places
+    indices = plant.model.indices
     row_scales = [
-        (places((row.name,)), row.scale) for row in study.parameters if row.scale is not None
+        (indices((row.name,)), row.scale) for row in study.parameters if row.scale is not None
     ]
-    scales = {place: size for inside, size in reversed(row_scales) for place in inside}
-    scale = [scales.get(place, 1.0) for place in problem.free]
+    scales = {index: size for inside, size in reversed(row_scales) for index in inside}
+    scale = [scales.get(index, 1.0) for index in problem.free]
     sampling = table.measurement
     if study.system is not None and study.system.discrete:
         sampling = "discrete"
         _check_interval(study, runs)
     run_parameters = _of_each_run(plant.model, rows, problem.free) if others else ()
-    scale += [scale[problem.free.index(place)] for place in run_parameters] * len(others)
+    scale += [scale[problem.free.index(index)] for index in run_parameters] * len(others)
     further: dict[str, Any] = {"others": tuple(runs[1:]), "own": run_parameters}
     problem = replace(problem, scale=np.array(scale), sampling=sampling, **further)
     if fixed:
@@ -103,8 +103,8 @@ def _start(study: Study, plant: Plant, record: Record, ship: Mapping[str, float]
         return start_values(plant, record, ship, study.parameters)
     values = study.system.starts.copy()
     for row in study.parameters:
-        place = plant.model.place(row.name)
-        values[place] = values[place] if row.start is None else row.start
+        index = plant.model.index(row.name)
+        values[index] = values[index] if row.start is None else row.start
     return values
 
 
@@ -136,14 +136,14 @@ def dropped_names(study: Study, plant: Plant) -> tuple[str, ...]:
 def _of_each_run(
     model: Model, rows: Sequence[ParameterRow], free: Sequence[int]
 ) -> tuple[int, ...]:
-    """Return the places of the free parameters that differ from run to run."""
+    """Return the indices of the free parameters that differ from run to run."""
     run_names = set(model.of_each_run)
     for row in rows:
         if row.per_run is not None:
             (run_names.add if row.per_run == "yes" else run_names.discard)(
-                model.names[model.place(row.name)]
+                model.names[model.index(row.name)]
             )
-    return tuple(place for place in free if model.names[place] in run_names)
+    return tuple(index for index in free if model.names[index] in run_names)
 
 
 def _check_interval(study: Study, runs: Sequence[FurtherRun]) -> None:

@@ -64,16 +64,16 @@ def prospect(
     values = model.vector(**_ship(steering, kind), **errors)
     for name, channel in INITIAL_STATE_NAMES[kind]:
         if channel:
-            values[model.place(name)] = float(record.column(channel)[0]) * OUTPUT_UNITS[channel][1]
+            values[model.index(name)] = float(record.column(channel)[0]) * OUTPUT_UNITS[channel][1]
     # the ratio of the densities of disturbance; their size follows from the unrest
     sea = {"R1_N": 1.0, "R1_Y": SEA_LEVER_LENGTHS**-2}
     if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
         sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
     for name, share in sea.items():
-        values[model.place(name)] = share
+        values[model.index(name)] = share
     density = _density(plant, values, math.radians(unrest))
     for name in sea:
-        values[model.place(name)] *= density
+        values[model.index(name)] *= density
     free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))

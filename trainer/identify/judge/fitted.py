@@ -193,14 +193,14 @@ def simulate_study(study: Study, record: Record, others: Sequence[Record] = ()) 
 def screen_samples(
     problem: Problem, theta: Numbers, probability: float
 ) -> tuple[Problem, list[tuple[int, int]]]:
-    """Return the problem without improbable samples, and the run and place of each of these."""
+    """Return the problem without improbable samples, and the run and index of each of these."""
     kept_samples, outliers = [], []
     limits = chi_square_limits(probability, problem.samples.outputs.shape[1])
     for number, (run, at) in enumerate(problem.runs):
         flags = run_filter(run, theta[at], limits).flags
         rejected = flags == FLAG_REASONS.index("rejected")
         kept_samples.append(run.samples.without(rejected))
-        outliers += [(number, int(place)) for place in np.flatnonzero(rejected)]
+        outliers += [(number, int(index)) for index in np.flatnonzero(rejected)]
     further = zip(problem.others, kept_samples[1:], strict=True)
     others = tuple(replace(run, samples=samples) for run, samples in further)
     return replace(problem, samples=kept_samples[0], others=others), outliers

@@ -153,8 +153,8 @@ def goodness_of_fit(left: Numbers) -> TestStatistic:
     # degrees of freedom: less 1 for the sum, and 2 for mean and deviation, which are estimated
     if deviation == 0.0:
         return TestStatistic(0.0, classes - 3, 1.0)
-    place = ndtr((values - np.mean(values)) / deviation)
-    counts = np.bincount(np.minimum((place * classes).astype(int), classes - 1), minlength=classes)
+    index = ndtr((values - np.mean(values)) / deviation)
+    counts = np.bincount(np.minimum((index * classes).astype(int), classes - 1), minlength=classes)
     expected = len(values) / classes
     statistic = float(np.sum((counts - expected) ** 2) / expected)
     return TestStatistic(statistic, classes - 3, float(chdtrc(classes - 3, statistic)))

@@ -39,7 +39,7 @@ def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     ConfigError if one of them was not estimated.
     """
     model, study = fitted.problem.plant.model, fitted.study
-    wanted = [model.names[model.place(ZERO_PARAMETERS.get(name, name))] for name in names]
+    wanted = [model.names[model.index(ZERO_PARAMETERS.get(name, name))] for name in names]
     shown_names = [
         name if name in ZERO_PARAMETERS else one for name, one in zip(names, wanted, strict=True)
     ]
@@ -49,7 +49,7 @@ def compare_without(fitted: ModelFit, names: tuple[str, ...]) -> RivalModel:
     rows = tuple(
         row
         for row in study.parameters
-        if row.name in model.given or model.names[model.place(row.name)] not in wanted
+        if row.name in model.given or model.names[model.index(row.name)] not in wanted
     )
     nothing = tuple(ParameterRow(name=name, start=0.0, free="no") for name in wanted)
     smaller = replace(study, parameters=(*rows, *nothing))

@@ -71,8 +71,8 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
     linked = np.abs(projector) > MIN_MEMBER_SHARE * np.max(np.abs(projector), axis=1, keepdims=True)
     members = np.diag(projector) > MIN_MEMBER_SHARE**2
     groups: list[set[int]] = []
-    for place in map(int, np.flatnonzero(members)):
-        new = {place, *map(int, np.flatnonzero(linked[place] & members))}
+    for index in map(int, np.flatnonzero(members)):
+        new = {index, *map(int, np.flatnonzero(linked[index] & members))}
         for old in [group for group in groups if group & new]:
             groups.remove(old)
             new |= old
@@ -89,11 +89,11 @@ def beside_bounds(known: Uncertainty) -> Uncertainty:
     lost = {name for group in known.flat for name in group if name.startswith(BOUNDED_PREFIXES)}
     if not lost:
         return known
-    kept_places = [i for i, name in enumerate(known.names) if name not in lost]
-    places = np.ix_(kept_places, kept_places)
-    rest = uncertainty(tuple(known.names[i] for i in kept_places), known.curvature[places])
+    kept_indices = [i for i, name in enumerate(known.names) if name not in lost]
+    indices = np.ix_(kept_indices, kept_indices)
+    rest = uncertainty(tuple(known.names[i] for i in kept_indices), known.curvature[indices])
     covariance = np.full_like(known.covariance, np.nan)
-    covariance[places] = rest.covariance
+    covariance[indices] = rest.covariance
     return replace(known, covariance=covariance)
 
 

@@ -22,7 +22,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean
 from trainer.identify.kernels.ship_slopes import Accelerations, coefficient_slopes
 
-FREE: Final = 0  # column of the places of the free coefficients
+FREE: Final = 0  # column of the indices of the free coefficients
 
 
 class Innovation(NamedTuple):

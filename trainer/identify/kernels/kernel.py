@@ -21,8 +21,8 @@ part = compiled_with(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 
 
-def places(names: str) -> Any:
-    """Return the places of numbers that are passed in one row, each by its name.
+def indices(names: str) -> Any:
+    """Return the indices of numbers that are passed in one row, each by its name.
 
     Kernels take a ship's numbers as one array; ``ship[BENT.K]`` is then readable.
     """
@@ -35,7 +35,7 @@ def places(names: str) -> Any:
 
 @part
 def put_vector(source: Entries, at: int, out: Entries) -> None:
-    """Write the one-dimensional ``source`` to ``out`` from the place ``at`` on."""
+    """Write the one-dimensional ``source`` to ``out`` from the index ``at`` on."""
     for i in range(source.size):
         out[at + i] = source[i]
 

@@ -27,7 +27,7 @@ from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put
 
 ABREAST_SAMPLES: Final = 64  # samples that a settled filter takes at a time
 EIGENVALUE_SLACK: Final = 1e-9  # [-] below zero, that rounding may bring an eigenvalue
-LOG_DETERMINANTS, SQUARES, SAMPLES, READINGS = 0, 1, 2, 3  # places in the sums of a record
+LOG_DETERMINANTS, SQUARES, SAMPLES, READINGS = 0, 1, 2, 3  # indices in the sums of a record
 
 
 class FilterState(NamedTuple):
@@ -64,14 +64,14 @@ def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers)
 
 
 @part
-def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
-    """Write ``J`` and ``v`` above the row ``place``, given the reading of that row."""
-    inverse = 1.0 / J[place, place]
-    for i in range(place):
-        gain = J[place, i] * inverse
+def _take(J: Numbers, index: int, error: float, v: Numbers) -> None:
+    """Write ``J`` and ``v`` above the row ``index``, given the reading of that row."""
+    inverse = 1.0 / J[index, index]
+    for i in range(index):
+        gain = J[index, i] * inverse
         v[i] += gain * error
         for j in range(i + 1):
-            J[i, j] -= gain * J[place, j]
+            J[i, j] -= gain * J[index, j]
 
 
 @part
@@ -83,16 +83,16 @@ def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float
     """
     product, count = 1.0, 0
     for back in range(readings.size):
-        place = J.shape[0] - 1 - back
-        error = readings[readings.size - 1 - back] - v[place]
+        index = J.shape[0] - 1 - back
+        error = readings[readings.size - 1 - back] - v[index]
         if not math.isnan(error):
-            variance = J[place, place]
+            variance = J[index, index]
             if not variance > 0.0:
                 return math.nan
             product *= variance
             sums[SQUARES] += error * error / variance
             count += 1
-            _take(J, place, error, v)
+            _take(J, index, error, v)
     sums[SAMPLES] += count > 0
     sums[READINGS] += count
     return product

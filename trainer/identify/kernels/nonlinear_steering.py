@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import kernel, places
+from trainer.identify.kernels.kernel import indices, kernel
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.kernels.ship_models import magnitude
 
-BENT: Final = places("K T1 T2 T3 H1 H2 H3 delta_0")  # of a ship's numbers, SI
-Z, YAW_RATE, HEADING = 0, 1, 2  # places in the state
+BENT: Final = indices("K T1 T2 T3 H1 H2 H3 delta_0")  # of a ship's numbers, SI
+Z, YAW_RATE, HEADING = 0, 1, 2  # indices in the state
 
 
 @kernel

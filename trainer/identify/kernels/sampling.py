@@ -21,7 +21,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries, kernel, lean, part, put_block
 
 Complexes = NDArray[np.complex128]
-OLD, NEW = 0, 1  # places in the time that each of two inputs acts
+OLD, NEW = 0, 1  # indices in the time that each of two inputs acts
 
 
 class Room(NamedTuple):

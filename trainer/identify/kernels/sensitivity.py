@@ -121,12 +121,12 @@ def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
 
 
 @part
-def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: Numbers) -> None:
+def _entry(J: Numbers, dJ: Numbers, states: int, index: tuple[int, int], value: Numbers) -> None:
     """Write the derivatives (p,) of one entry of the next covariance P.
 
     They are dJ - dN K' - K dN' + K dR K', where K is the gain.
     """
-    i, j = place
+    i, j = index
     for q in range(value.size):
         value[q] = dJ[i, j, q]
     for c in range(states, J.shape[0]):
@@ -274,18 +274,18 @@ def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -
     weight = math.sqrt(0.5 * counted)
     for i in range(readings):
         for j in range(readings):
-            place = i * readings + j
+            index = i * readings + j
             for q in range(count):
-                rows[place, q] = 0.0
+                rows[index, q] = 0.0
             for k in range(i, readings):
                 for m in range(j, readings):
                     factor = weight * U[i, k] * U[j, m]
                     for q in range(count):
-                        rows[place, q] += factor * dJ[states + k, states + m, q]
+                        rows[index, q] += factor * dJ[states + k, states + m, q]
             remainder = (counted if i == j else 0.0) - products[i, j]
             remainder *= 0.5 / weight
             for q in range(count):
-                slope[q] += remainder * rows[place, q]
+                slope[q] += remainder * rows[index, q]
             products[i, j] = 0.0
 
 

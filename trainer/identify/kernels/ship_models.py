@@ -16,32 +16,32 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import kernel, places
+from trainer.identify.kernels.kernel import indices, kernel
 from trainer.identify.kernels.sampling import Complexes
 from trainer.units import DEGREE
 
 STERN_SWAY, SWAY, YAW_RATE, HEADING = 1, 2, 3, 4  # outputs; 0 is the bow log
-L, V, L1, L2, T, FIRST_OUTPUT = 0, 1, 2, 3, 4, 5  # places in ``ship``
+L, V, L1, L2, T, FIRST_OUTPUT = 0, 1, 2, 3, 4, 5  # indices in ``ship``
 STATES, FEWER_STATES = 3, 2  # of all models but one, and of that of first order
 
-# places of the parameters of each model
-MODEL_1: Final = places(
+# indices of the parameters of each model
+MODEL_1: Final = indices(
     "m11 m12 m21 m22 Y_v Y_r N_v N_r Y_psi l_psi Y_delta l_delta Y_0 N_0 v1_0 v2_0 r_0 "
     "R1_Y R1_N R1_YN R2_v1 R2_v2 R2_r R2_psi x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
 )
-MODEL_2: Final = places(
+MODEL_2: Final = indices(
     "a1 a2 a3 c1 c2 c3 f1 f2 f3 v_0 R1_1 R1_2 R1_3 R1_12 R1_13 R1_23 R2_v "
     "x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
 )
-MODEL_3: Final = places(
+MODEL_3: Final = indices(
     "a1 a2 a3 b1 b2 f1 f2 r_0 R1_1 R1_2 R1_12 R2_r R2_psi R2_rpsi "
     "x1_0 x2_0 x3_0 P11 P22 P33 P12 P13 P23 lag"
 )
-NOMOTO_1: Final = places("K T delta_0 r_0 R1_r R2_r R2_psi x1_0 x2_0 P11 P22 lag")
-NOMOTO_2: Final = places(
+NOMOTO_1: Final = indices("K T delta_0 r_0 R1_r R2_r R2_psi x1_0 x2_0 P11 P22 lag")
+NOMOTO_2: Final = indices(
     "a1 a2 b1 b2 delta_0 r_0 R1_1 R1_2 R2_r R2_psi x1_0 x2_0 x3_0 P11 P22 P33 lag"
 )
-START: Final = places("P11 P22 P33 P12 P13 P23")  # of the first covariance
+START: Final = indices("P11 P22 P33 P12 P13 P23")  # of the first covariance
 
 KNOTS_PER_M_S = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
 

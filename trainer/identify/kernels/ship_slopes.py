@@ -44,13 +44,13 @@ def set_jacobian(driven: DrivenPlaces, rates: Numbers, A: Numbers) -> None:
 
 
 @part
-def _factor_slopes(table: Numbers, place: int, row: int, units: Units, out: Numbers) -> None:
+def _factor_slopes(table: Numbers, index: int, row: int, units: Units, out: Numbers) -> None:
     """Write the derivatives of the accelerations by the factor of one term."""
-    axis = place if place < 3 else place % AXIS_COUNT
+    axis = index if index < 3 else index % AXIS_COUNT
     for i in range(4):
-        out[axis, i] = in_units(table[row, i], place, units)
-    if place >= AXIS_COUNT:
-        by = place // AXIS_COUNT - 1
+        out[axis, i] = in_units(table[row, i], index, units)
+    if index >= AXIS_COUNT:
+        by = index // AXIS_COUNT - 1
         out[axis, ROLL_RATE_PLACE + by] = out[axis, VALUE]
         heel = units.roll_rate if by == 0 else units.roll
         for i in range(4):
@@ -76,8 +76,8 @@ def coefficient_slopes(
         for i in range(states_of(driven)):
             out[e, i] = 0.0
     if direction < 3:
-        place, row = terms[which, PLACE], terms[which, ROW]
-        _factor_slopes(accelerations.table, place, row, units, out)
+        index, row = terms[which, PLACE], terms[which, ROW]
+        _factor_slopes(accelerations.table, index, row, units, out)
         return
     for e in range(len(driven)):
         out[e, VALUE] = rates[e, SLOPES + direction]

@@ -20,7 +20,7 @@ from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.nomoto import rate_coefficients
 
-# output channels, by their place in the kernels
+# output channels, by their index in the kernels
 OUTPUT_UNITS: Final = {  # of a channel, and how many of them one SI unit is
     "bow_sway": ("kn", 3600.0 / 1852.0),
     "stern_sway": ("kn", 3600.0 / 1852.0),
@@ -111,12 +111,12 @@ class Model:
             return OUTPUT_UNITS[output][0]
         return str(self.system.units[self.outputs.index(output)])
 
-    def place(self, name: str) -> int:
-        """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
+    def index(self, name: str) -> int:
+        """Return a parameter's index, by name or as theta1, theta2, ...; ConfigError if none."""
         if name.startswith("theta") and name[5:].isdecimal():
-            place = int(name[5:]) - 1
-            if 0 <= place < len(self.parameters):
-                return place
+            index = int(name[5:]) - 1
+            if 0 <= index < len(self.parameters):
+                return index
         elif name in self.names:
             return self.names.index(name)
         elif name in self.given:
@@ -130,8 +130,8 @@ class Model:
             f"{', '.join(self.names)}, also called theta1 to theta{len(self.parameters)}"
         )
 
-    def places(self, names: Iterable[str]) -> tuple[int, ...]:
-        """Return the places of ``names``, each once.
+    def indices(self, names: Iterable[str]) -> tuple[int, ...]:
+        """Return the indices of ``names``, each once.
 
         The names of ``given`` stand for the first parameters, which follow from them, and only if
         all of them are named.
@@ -139,10 +139,10 @@ class Model:
         unique_names = list(dict.fromkeys(names))
         inside = [name for name in self.given if name in unique_names]
         if inside and len(inside) < len(self.given):
-            self.place(inside[0])
+            self.index(inside[0])
         indices = [
             *range(len(inside)),
-            *(self.place(one) for one in unique_names if one not in inside),
+            *(self.index(one) for one in unique_names if one not in inside),
         ]
         return tuple(dict.fromkeys(indices))
 
@@ -151,16 +151,16 @@ class Model:
         theta = np.zeros(len(self.parameters))
         inside = [name for name in self.given if name in values]
         if self.follow and inside:
-            theta[list(self.places(inside))] = self.follow(*(values[name] for name in self.given))
+            theta[list(self.indices(inside))] = self.follow(*(values[name] for name in self.given))
         for name, value in values.items():
             if name not in inside:
-                theta[self.place(name)] = value
+                theta[self.index(name)] = value
         return theta
 
 
 @dataclass(frozen=True)
 class Ship:
-    """The scales of the models, and the places of the logs."""
+    """The scales of the models, and the indices of the logs."""
 
     length: float  # [m]
     speed: float  # [m/s]
@@ -203,13 +203,13 @@ class Plant:
     def numbers(self) -> Numbers:
         """Return what the kernels know of the ship."""
         ship = self.ship
-        places = [
+        indices = [
             float(OUTPUT_CHANNELS.index(output))
             for output in self.outputs
             if output in OUTPUT_CHANNELS
         ]
         return np.array(
-            [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *places]
+            [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *indices]
         )
 
     def blocks(self, theta: Entries) -> Blocks:
@@ -226,12 +226,12 @@ class Plant:
         return Blocks(*blocks, gain)
 
 
-def _parameters(places: Any, **own_units: str) -> tuple[Parameter, ...]:
-    """Return the parameters at the ``places`` of a kernel, some with units of this model alone."""
+def _parameters(indices: Any, **own_units: str) -> tuple[Parameter, ...]:
+    """Return the parameters at the ``indices`` of a kernel, some with units of this model alone."""
     units = PARAMETER_UNITS | own_units
     return tuple(
         Parameter(name, units.get(name, "-"), PARAMETER_KINDS.get(name, "free"))
-        for name in places._fields
+        for name in indices._fields
     )
 
 

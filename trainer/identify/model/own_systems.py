@@ -100,7 +100,7 @@ class System:
             if np.iscomplexobj(matrix):
                 stray = np.abs(matrix.imag) > MAX_STRAY_IMAGINARY
                 matrices[key] = np.where(stray, math.nan, matrix)
-        places = {
+        indices = {
             "A": (drift, slice(x), slice(x)),
             "B": (drift, slice(x), slice(x, u)),
             "f": (drift, slice(x), slice(u, None)),
@@ -112,7 +112,7 @@ class System:
             "x0": (start, slice(None), slice(1)),
             "P0": (start, slice(None), slice(1, None)),
         }
-        for key, (out, rows, columns) in places.items():
+        for key, (out, rows, columns) in indices.items():
             if key in matrices:
                 out[:, rows, columns] = matrices[key]
         if "R12" in matrices:
@@ -299,14 +299,14 @@ def _by_differences(function: _FunctionMatrices, theta: Entries) -> Matrices:
     if not np.iscomplexobj(theta):
         return matrices
     matrices = {key: one.astype(complex) for key, one in matrices.items()}
-    for row, place in zip(*np.nonzero(theta.imag), strict=True):
+    for row, index in zip(*np.nonzero(theta.imag), strict=True):
         # about the cube root of rounding: best for central differences
-        step = 6e-6 * max(abs(theta[row, place].real), 1e-3)
+        step = 6e-6 * max(abs(theta[row, index].real), 1e-3)
         beside = np.tile(theta[row].real, (2, 1))
-        beside[:, place] += (step, -step)
-        part = theta[row, place].imag
+        beside[:, index] += (step, -step)
+        part = theta[row, index].imag
         for key, two in function(beside).items():
-            matrices[key][row] += 1j * part * (two[0] - two[1]) / (beside[0] - beside[1])[place]
+            matrices[key][row] += 1j * part * (two[0] - two[1]) / (beside[0] - beside[1])[index]
     return matrices
 
 
@@ -354,23 +354,23 @@ def with_kinds(system: System) -> System:
     """
     start = system.starts
     touched: dict[str, set[str]] = {one.name: set() for one in system.parameters}
-    for theta in (start, 1.17 * start + 0.013):  # a slope may be nothing at one place
+    for theta in (start, 1.17 * start + 0.013):  # a slope may be nothing at one point
         for key, matrix in system.matrices(step_aside(theta)).items():
-            for place, slope in enumerate(matrix[1:].imag):
+            for index, slope in enumerate(matrix[1:].imag):
                 if np.any(slope != 0.0):
-                    touched[system.parameters[place].name].add(key)
+                    touched[system.parameters[index].name].add(key)
     at_start = system.matrices(step_aside(start))
     kinds = {}
     for key in ("P0", "R1", "R2"):
         for value in np.diagonal(at_start.get(key, NO_MATRIX), axis1=1, axis2=2).T:
             slopes = value[1:].imag / COMPLEX_STEP
-            places = np.flatnonzero(slopes)
+            indices = np.flatnonzero(slopes)
             # slope 1, and the parameter's own value: the entry is the parameter
-            alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6
-            if alone and value[0].real == start[places[0]]:
-                kinds[int(places[0])] = "error" if key == "R2" else "variance"
+            alone = len(indices) == 1 and abs(slopes[indices[0]] - 1.0) < 1e-6
+            if alone and value[0].real == start[indices[0]]:
+                kinds[int(indices[0])] = "error" if key == "R2" else "variance"
     parameters = tuple(
-        replace(one, kind=kinds.get(place, "free")) for place, one in enumerate(system.parameters)
+        replace(one, kind=kinds.get(index, "free")) for index, one in enumerate(system.parameters)
     )
     known = {name: frozenset(where) for name, where in touched.items()}
     return replace(system, parameters=parameters, touched=known)

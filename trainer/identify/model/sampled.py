@@ -29,10 +29,10 @@ VECTOR_LANES: Final = 4  # numbers that a processor takes at a time
 
 
 def step_aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
-    """Return ``theta`` (n,), then rows with an imaginary step at one (free) place each."""
-    places = np.arange(len(theta)) if free is None else np.array(free, int)
-    rows = np.tile(theta.astype(complex), (1 + len(places), 1))
-    rows[np.arange(1, 1 + len(places)), places] += 1j * COMPLEX_STEP
+    """Return ``theta`` (n,), then rows with an imaginary step at one (free) index each."""
+    indices = np.arange(len(theta)) if free is None else np.array(free, int)
+    rows = np.tile(theta.astype(complex), (1 + len(indices), 1))
+    rows[np.arange(1, 1 + len(indices)), indices] += 1j * COMPLEX_STEP
     return rows
 
 

@@ -73,8 +73,8 @@ def find_steering(
 ) -> SteeringModel:
     """Return the steering of a boat at ``speed`` [m/s], quadratic terms averaged by ``means``."""
     linear = horizontal_system(file, speed, means)
-    places = [HORIZONTAL_STATES.index(name) for name in STEERED_STATES]
-    pick = np.ix_(places, places)
+    indices = [HORIZONTAL_STATES.index(name) for name in STEERED_STATES]
+    pick = np.ix_(indices, indices)
     c = dimensional_constants(file)
     g = speed**2 * np.array([c.Y_dr, c.N_dr])
     length, density = file.hull.length, file.fluid.rho

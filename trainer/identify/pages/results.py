@@ -264,8 +264,8 @@ def describe_fit(fitted: ModelFit) -> Identification:
         loss_1_alone=loss_1(samples.outputs - predict_alone(problem, fitted.found.theta)),
         simulated=fitted.simulated,
         screened=tuple(
-            Outlier(number + 1, records[number].row(place), float(records[number].t[place]))
-            for number, place in fitted.rejected
+            Outlier(number + 1, records[number].row(index), float(records[number].t[index]))
+            for number, index in fitted.rejected
         ),
         parameters=_parameters(fitted),
         ship=_ship(fitted, others),
@@ -318,8 +318,8 @@ def _parameters(fitted: ModelFit) -> tuple[Estimate, ...]:
     rows = zip(problem.estimated, problem.names, every * problem.scale[:, None], strict=True)
     parameters = problem.plant.model.parameters
     return tuple(
-        Estimate(name, parameters[place].unit, float(value), *map(_finite, rest))
-        for (_, place), name, (value, *rest) in rows
+        Estimate(name, parameters[index].unit, float(value), *map(_finite, rest))
+        for (_, index), name, (value, *rest) in rows
     )
 
 
@@ -380,8 +380,8 @@ def _doubts(fitted: ModelFit, others: AllowedShips) -> list[str]:
 
 def _stability(fitted: ModelFit) -> str:
     """Return in words whether the ship keeps a straight course, and how surely."""
-    place, spread = fitted.quantity_names.index("1/T1"), fitted.quantity_spread
-    value, deviation = float(spread.values[place]), float(spread.deviations[place])
+    index, spread = fitted.quantity_names.index("1/T1"), fitted.quantity_spread
+    value, deviation = float(spread.values[index]), float(spread.deviations[index])
     word = "stable" if value > 0.0 else "unstable"
     if not math.isfinite(deviation) or deviation == 0.0:
         return f"{word}: 1/T1 = {value:.4g} 1/s"

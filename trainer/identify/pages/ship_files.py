@@ -47,7 +47,7 @@ def nomoto_ship(fitted: ModelFit) -> tuple[NomotoFile, dict[str, float]]:
         rudder = math.degrees(limit), math.degrees(rate)
     neutral = 0.0
     if "delta_0" in model.names:
-        neutral = float(fitted.values[model.place("delta_0")])
+        neutral = float(fitted.values[model.index("delta_0")])
     has_sway = bool(form.K_v)
     file = NomotoFile(
         schema=NOMOTO_SCHEMA,

@@ -42,7 +42,7 @@ def find_codes(numbers: Numbers) -> tuple[float, ...]:
 
 
 def find_impossible(channel: str, values: Numbers, unit: str) -> tuple[int, str] | None:
-    """Return the place of a reading [SI] that no ship has, and why; else None."""
+    """Return the index of a reading [SI] that no ship has, and why; else None."""
     beyond = np.abs(np.nan_to_num(values)) > MAX_SIZES.get(channel, math.inf)
     degrees = f'; are these degrees? say unit = "{unit.replace("rad", "deg")}"' * ("rad" in unit)
     text = f"no {channel} in {unit} is so large{degrees}; if it stands for no reading"
@@ -55,14 +55,14 @@ def without_jumps(record: Record) -> Record:
         return record
     known = np.flatnonzero(~np.isnan(record.heading))
     degrees = np.degrees(record.heading[known])
-    places = known[sorted({*_outside(degrees), *_back_again(degrees)})]
-    if not places.size:
+    indices = known[sorted({*_outside(degrees), *_back_again(degrees)})]
+    if not indices.size:
         return record
-    rows, raw = record.rows[places].tolist(), math.degrees(record.heading[places[0]])
+    rows, raw = record.rows[indices].tolist(), math.degrees(record.heading[indices[0]])
     told = f"{len(rows)} missing, rows {', '.join(map(str, rows[:MAX_ROWS_TOLD]))}"
-    finding = record.finding("heading", f"{raw:g} deg is no heading here: {told}", places[0])
+    finding = record.finding("heading", f"{raw:g} deg is no heading here: {told}", indices[0])
     heading = record.heading.copy()
-    heading[places] = np.nan
+    heading[indices] = np.nan
     return replace(record, heading=heading, findings=(*record.findings, finding))
 
 

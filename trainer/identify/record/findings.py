@@ -141,10 +141,10 @@ def _intervals(record: Record) -> Iterator[Finding]:
         yield record.finding("t", text, first + 1)
     others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN_STEP_TOLERANCE
     if others.any():
-        place = int(np.argmax(others))
+        index = int(np.argmax(others))
         share = f"{np.count_nonzero(others)} of {step.size}"
-        text = f"{step[place]:g} s have passed, not {usual:g} s: the interval varies ({share})"
-        yield record.finding("t", text, place + 1)
+        text = f"{step[index]:g} s have passed, not {usual:g} s: the interval varies ({share})"
+        yield record.finding("t", text, index + 1)
 
 
 def _missing_outputs(record: Record) -> Iterator[Finding]:

@@ -102,22 +102,22 @@ class Record:
         """Return the source's word for a channel."""
         return self.names.get(channel, channel)
 
-    def row(self, place: int) -> int:
+    def row(self, index: int) -> int:
         """Return the row of a sample in its source, counted from 1."""
-        return int(self.rows[place])
+        return int(self.rows[index])
 
-    def finding(self, channel: str, text: str, place: int | np.integer | None = None) -> Finding:
-        """Return a finding about a channel: at the sample of a place, or all."""
-        return Finding(self.name(channel), 0 if place is None else self.row(int(place)), text)
+    def finding(self, channel: str, text: str, index: int | np.integer | None = None) -> Finding:
+        """Return a finding about a channel: at the sample of an index, or all."""
+        return Finding(self.name(channel), 0 if index is None else self.row(int(index)), text)
 
-    def part(self, places: Any) -> "Record":
-        """Return the samples at ``places``, a slice or a mask."""
+    def part(self, indices: Any) -> "Record":
+        """Return the samples at ``indices``, a slice or a mask."""
         columns = {
-            item.name: value[places]
+            item.name: value[indices]
             for item in fields(self)
             if isinstance(value := getattr(self, item.name), np.ndarray)
         }
-        plain = {name: values[places] for name, values in self.plain.items()}
+        plain = {name: values[indices] for name, values in self.plain.items()}
         return replace(self, plain=plain, **columns)
 
     def between(self, begin: float, end: float) -> "Record":

@@ -34,7 +34,7 @@ LOG_NOISE_WIDTH: Final = 0.7
 UNREAD_NOISE_WIDTH: Final = 1.0  # the same of the error of a channel that was not read
 MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
 PROMISE_TOLERANCE: Final = 1e-6  # promise of a further step
-MAX_REFUSALS: Final = 30  # steps tried from one place, each with four times the damping
+MAX_REFUSALS: Final = 30  # steps tried from one point, each with four times the damping
 MIN_EIGENVALUE: Final = 1e-12  # eigenvalue of the scaled information that counts
 MAX_LOG_STEP: Final = 1.0  # of a logarithm or first state in a step
 OTHER_STARTS: Final = 2  # starts beside the regression: a search that settles knows one hill only
@@ -135,12 +135,12 @@ def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     rows = trial.readings.copy()
     if np.isnan(rows[:, 2]).all():
         rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
-    places = [0, 1, 2]
+    indices = [0, 1, 2]
     if rows.shape[1] > ROLL_RATE_PLACE:
-        places += [ROLL_RATE_PLACE, ROLL_RATE_PLACE + 1]
+        indices += [ROLL_RATE_PLACE, ROLL_RATE_PLACE + 1]
         if np.isnan(rows[:, ROLL_RATE_PLACE]).all():
             rows[:, ROLL_RATE_PLACE] = _roll_rate(trial)
-    rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in places])
+    rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in indices])
     step = float(np.median(np.diff(trial.t)))
     wanted = SMOOTHING_WINDOW * length / float(np.mean(rows[:, 0])) / step
     window = min(max(2 * int(wanted / 2.0) + 1, SMOOTHING_ORDER + 2), (len(rows) - 1) // 2 * 2 + 1)
@@ -170,8 +170,8 @@ def terms_of(problem: ShipProblem, states: Numbers, inputs: Numbers, rudder: Num
     """Return what multiplies each factor (n, factors); terms of yaw and roll are times L."""
     L, stiffness = problem.constants[0], problem.constants[STIFFNESS_PLACE]
     rows, terms = tabulate_terms(problem.constants, states, inputs, rudder), []
-    for place, row in problem.model.terms:
-        axis, by = place % len(AXIS_LETTERS), place // len(AXIS_LETTERS)
+    for index, row in problem.model.terms:
+        axis, by = index % len(AXIS_LETTERS), index // len(AXIS_LETTERS)
         term = rows[:, row] * states[:, 2 + by] if by else rows[:, row]
         terms.append(term * L * stiffness ** (0.5 * by) if by and axis == 3 else term)
     return np.column_stack(terms)
@@ -198,8 +198,8 @@ def _regression(problem: ShipProblem) -> Numbers:
     scale = (1.0, 1.0, length, length)[: len(model.driven)]
     target = np.vstack([rates for _, rates in smoothed]) * scale
     held = model.whole(dict.fromkeys(model.free, 0.0))
-    for j, (place, _) in enumerate(model.terms):
-        target[:, place % len(AXIS_LETTERS)] -= held[j] * terms[:, j]
+    for j, (index, _) in enumerate(model.terms):
+        target[:, index % len(AXIS_LETTERS)] -= held[j] * terms[:, j]
     values = {name: float(x) for name, x in zip(NONLINEAR_NAMES, rudder, strict=True)}
     for axis, letter in enumerate(AXIS_LETTERS[: len(model.driven)]):
         values |= _solve_axis(problem, letter, terms, target[:, axis])
@@ -212,11 +212,11 @@ def _solve_axis(
     """Return the coefficients of one equation."""
     model = problem.model
     names = [name for name in model.free if name[:2] == f"{letter}_"]
-    places = [model.free.index(name) for name in names]
+    indices = [model.free.index(name) for name in names]
     weight = 1.0 / max(RESIDUAL_SHARE * float(np.var(target)), 1e-30)
-    A, known = terms[:, [model.names.index(name) for name in names]], problem.width[places] ** -2.0
+    A, known = terms[:, [model.names.index(name) for name in names]], problem.width[indices] ** -2.0
     normal = weight * A.T @ A + np.diag(known)
-    right = weight * A.T @ target + known * problem.mean[places]
+    right = weight * A.T @ target + known * problem.mean[indices]
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
     solved = unit * np.linalg.lstsq(normal * np.outer(unit, unit), unit * right, rcond=1e-12)[0]
     return dict(zip(names, map(float, solved), strict=True))
@@ -375,10 +375,10 @@ def _with_intervals(
         taken = sum(
             1.0 - share[j] for j, name in enumerate(problem.model.free) if name[0] in letters
         )
-        place = p + axis
+        index = p + axis
         # the record's precision of log(sigma) is twice the number of errors that it is made from
-        freedom = 0.5 * (1.0 / C[place, place] - 1.0 / problem.width[place] ** 2)
-        a[place] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
+        freedom = 0.5 * (1.0 / C[index, index] - 1.0 / problem.width[index] ** 2)
+        a[index] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
     return _known_at(problem, a, found, others)
 
 
@@ -391,8 +391,8 @@ def _known_at(
     """
     _, H = held_slopes(problem, a)
     records_information = H.copy()
-    places = np.arange(problem.common)
-    records_information[places, places] -= problem.width**-2.0
+    indices = np.arange(problem.common)
+    records_information[indices, indices] -= problem.width**-2.0
     return ShipFit(problem, found, a, _inverse(H), records_information, others)
 
 

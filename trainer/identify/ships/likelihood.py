@@ -57,8 +57,8 @@ class ShipProblem:
 
     @cached_property
     def _places(self) -> Terms:
-        """Return the places of the free coefficients."""
-        return self.model.places
+        """Return the indices of the free coefficients."""
+        return self.model.indices
 
     def coefficients(self, a: Numbers) -> dict[str, float]:
         """Return the free coefficients by name."""
@@ -68,8 +68,8 @@ class ShipProblem:
         """Return the standard deviations of disturbances and errors."""
         return np.exp(a[len(self.model.free) : self.common])
 
-    def first_places(self, record: int) -> slice:
-        """Return the places of the first state of a record."""
+    def first_indices(self, record: int) -> slice:
+        """Return the indices of the first state of a record."""
         first = self.common + self.model.states * record
         return slice(first, first + self.model.states)
 
@@ -105,9 +105,9 @@ class ShipProblem:
         for i in range(len(self.trials)):
             own_slopes, known = np.zeros(count), np.zeros((count, count))
             total += self._filter(a, i, own_slopes, known)[0]
-            places = np.r_[: self.common, self.first_places(i)]
-            gradient[places] += own_slopes
-            information[np.ix_(places, places)] += np.tril(known) + np.tril(known, -1).T
+            indices = np.r_[: self.common, self.first_indices(i)]
+            gradient[indices] += own_slopes
+            information[np.ix_(indices, indices)] += np.tril(known) + np.tril(known, -1).T
         return total, gradient, information
 
     def _filter(self, a: Numbers, record: int, *slopes: Numbers) -> tuple[float, Numbers]:
@@ -117,7 +117,7 @@ class ShipProblem:
         """
         table = self.trials[record].table
         errors = np.empty((len(table), self.model.states, 2))
-        system = self.system(a, a[self.first_places(record)])
+        system = self.system(a, a[self.first_indices(record)])
         return float(filter_record(system, table, errors, *slopes)), errors
 
     def innovations(self, a: Numbers, record: int) -> Numbers:

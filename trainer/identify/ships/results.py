@@ -243,8 +243,8 @@ def residual_accelerations(
     whole = problem.model.whole(problem.coefficients(a))
     terms = terms_of(problem, states, trial.inputs, whole[-len(NONLINEAR_NAMES) :])
     made = np.zeros_like(rates)
-    for (place, _), factor, term in zip(problem.model.terms, whole, terms.T, strict=False):
-        made[:, place % len(AXIS_LETTERS)] += factor * term
+    for (index, _), factor, term in zip(problem.model.terms, whole, terms.T, strict=False):
+        made[:, index % len(AXIS_LETTERS)] += factor * term
     made[:, 2:] /= problem.constants[0]
     return states, rates - made
 
@@ -279,9 +279,9 @@ def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, 
     predictions = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
-            places = [place for place in range(len(trials)) if place != i]
-            rest = replace(problem, trials=tuple(trials[place] for place in places))
-            firsts = [fitted.found.a[problem.first_places(place)] for place in places]
+            indices = [index for index in range(len(trials)) if index != i]
+            rest = replace(problem, trials=tuple(trials[index] for index in indices))
+            firsts = [fitted.found.a[problem.first_indices(index)] for index in indices]
             begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
             end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all: it is near
             predictions.append(predict_record(rest, end.a, trial, "held back in turn"))
@@ -410,15 +410,15 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
             raise ConfigError(
                 f"--without {name}: it cannot be nothing; it is {FIXED_VALUES[name]:g} in books"
             )
-    kept_places = np.array([name not in names for name in problem.names])
+    kept_indices = np.array([name not in names for name in problem.names])
     small = replace(
         problem,
         model=problem.model.without(names),
-        mean=problem.mean[kept_places],
-        width=problem.width[kept_places],
+        mean=problem.mean[kept_indices],
+        width=problem.width[kept_indices],
     )
     firsts = fitted.found.a[problem.common :]
-    begin = np.concatenate([fitted.found.a[: problem.common][kept_places], firsts])
+    begin = np.concatenate([fitted.found.a[: problem.common][kept_indices], firsts])
     end = search_minimum(small, begin, lambda *_: None)
     # both costs are with the prior, where there is one
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
