@@ -40,7 +40,6 @@ from trainer.session.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 STEP_S = 0.5  # [s] of the boats that fly here
-QUICK_CASES = 4
 # an order more at a time [s], or one less
 PLANTED = (
     ("first-depth-change", 150.0, "blow all", ""),
@@ -402,7 +401,7 @@ def named(name: str, seconds: float | None, more: str, less: str) -> bool:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("case", PLANTED[:QUICK_CASES])
+@pytest.mark.parametrize("case", PLANTED[1:3])  # one order more, and one less
 def test_a_planted_order_is_named(case: tuple[str, float | None, str, str]) -> None:
     assert named(*case)
 

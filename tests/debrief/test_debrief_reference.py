@@ -6,7 +6,7 @@ import math
 import re
 import sqlite3
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,20 +18,23 @@ from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
-from trainer.debrief.attainable import AttainableCurve, ChangeCause
+from trainer.debrief.attainable import AttainableCurve, ChangeCause, RunExplorer
 from trainer.debrief.attainable_words import TEXT_COLUMNS, text_axis
 from trainer.debrief.charts import attainable_chart, ground_of, runs_beside
 from trainer.debrief.data import (
     DebriefData,
     ReferenceComparison,
     debrief_figures,
+    judge_as_changed,
     order_givers,
+    reference_from,
 )
 from trainer.debrief.episodes import read_backs
 from trainer.debrief.judgement import costs
 from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
 from trainer.debrief.reference import can_fly, join_runs
 from trainer.debrief.sections import OLDER_RULES
+from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.svg import RIGHT_EDGE_PX, draw_chart
@@ -88,18 +91,6 @@ def jammed(jam: Path) -> DebriefData:
     return debriefed(jam, reference_from=78.0)
 
 
-@pytest.fixture(scope="module")
-def mastered(idle: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the recording of a crew that gave the very orders of the reference crew."""
-    orders = beside(debriefed(idle)).reference.trajectory.orders
-    own = [
-        each for each in orders if each.giver == REFERENCE_GIVER and "planesman" not in each.text
-    ]
-    given = [(each.tick / 2.0, each.text) for each in own]
-    path = tmp_path_factory.mktemp("mastered") / "mastered.trainer"
-    return record(path, "depth-changes", given)
-
-
 @pytest.mark.slow
 def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
     debrief = debriefed(idle)
@@ -113,8 +104,15 @@ def test_the_reference_run_is_of_the_same_seed_and_wins(idle: Path) -> None:
 
 
 @pytest.mark.slow
-def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(mastered: Path) -> None:
-    debrief = debriefed_finely(mastered)
+def test_who_does_as_the_reference_crew_loses_nothing_at_any_minute(
+    idle: Path, tmp_path: Path
+) -> None:
+    orders = beside(debriefed(idle)).reference.trajectory.orders
+    own = [
+        each for each in orders if each.giver == REFERENCE_GIVER and "planesman" not in each.text
+    ]
+    given = [(each.tick / 2.0, each.text) for each in own]
+    debrief = debriefed_finely(record(tmp_path / "mastered.trainer", "depth-changes", given))
 
     assert curve_of(debrief).changes == ()
     assert debrief.total == pytest.approx(beside(debrief).reference.card.total, abs=3.0)
@@ -141,11 +139,10 @@ def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Pat
     assert not can_fly(replace(plan, duration=1e15))
 
 
-@pytest.mark.long
 def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     tmp_path: Path,
 ) -> None:
-    debrief = debriefed_finely(record(tmp_path / "back.trainer", "backing", {}))
+    debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
     (change, *_) = curve_of(debrief).changes
     assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern two-thirds")
     assert change.tick == 128
@@ -165,8 +162,8 @@ def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> No
     assert onset < change.tick <= onset + 24  # within 12 s
 
 
-def test_the_page_leads_to_each_change_in_the_charts(jam: Path) -> None:
-    told = render(debriefed(jam))
+def test_the_page_leads_to_each_change_in_the_charts(jammed: DebriefData) -> None:
+    told = render(jammed)
     assert '<a href="#change0-attainable">Go there</a>' in told
     assert 'id="change0-attainable"' in told
     assert "What could still be earned [marks]" in told
@@ -215,15 +212,16 @@ def test_the_values_of_an_axis_have_eighty_pixels(jammed: DebriefData) -> None:
     assert min(ends) >= 80.0
 
 
-def test_the_chart_has_the_figure_of_each_change_and_none_lies_on_another(jam: Path) -> None:
-    debrief = debriefed(jam)
-    changes, chart = curve_of(debrief).changes, attainable_chart(debrief)
+def test_the_chart_has_the_figure_of_each_change_and_none_lies_on_another(
+    jammed: DebriefData,
+) -> None:
+    changes, chart = curve_of(jammed).changes, attainable_chart(jammed)
     assert chart
     fall = f"{changes[0].marks:+.0f}"
     drawn = re.compile(r'class="figure" x="([\d.]+)" y="([\d.]+)">([^<]+)<')
-    assert [words for *_, words in drawn.findall(render(debrief))].count(fall) == 1
+    assert [words for *_, words in drawn.findall(render(jammed))].count(fall) == 1
     crowded = replace(chart, figures=((70.0, "-20"), (71.0, "-30"), (599.0, "-9"), (600.0, "-7")))
-    places = drawn.findall(draw_chart(crowded, ground_of(debrief)))
+    places = drawn.findall(draw_chart(crowded, ground_of(jammed)))
     assert [words for *_, words in places] == ["-20", "-30", "-9", "-7"]
     (_, first, _), (_, second, _), (_, third, _), (x, fourth, _) = places
     assert first != second
@@ -250,8 +248,8 @@ def test_the_axis_in_a_terminal_names_moments_where_they_are(
         assert axis.index("4:00") == round(240.0 / end * (TEXT_COLUMNS - 1))
 
 
-def test_the_text_for_a_terminal_fits_eighty_columns(jam: Path) -> None:
-    lines = as_text(debriefed(jam)).splitlines()
+def test_the_text_for_a_terminal_fits_eighty_columns(jammed: DebriefData) -> None:
+    lines = as_text(jammed).splitlines()
     assert max(map(len, lines)) < 80
     assert any(line.startswith(" 100 |#") for line in lines)
 
@@ -268,12 +266,11 @@ def test_without_keeping_lost_the_losses_are_all_that_lacks(idle: Path) -> None:
     assert debrief.costs[0].marks >= debrief.costs[1].marks >= debrief.costs[2].marks
 
 
-@pytest.mark.long
-def test_a_broken_limit_is_told_with_what_it_cost(mastered: Path) -> None:
-    debrief = debriefed(mastered)
-    verdict = debrief.card.verdict
+def test_a_broken_limit_is_told_with_what_it_cost(idle: Path) -> None:
+    card = beside(debriefed(idle)).reference.card
+    verdict = card.verdict
     assert verdict
-    gated = replace(debrief.card, verdict=replace(verdict, gate="depth above 105 m", cap=50.0))
+    gated = replace(card, verdict=replace(verdict, gate="depth above 105 m", cap=50.0))
     (worst, *_) = sorted(costs(gated, None), key=lambda each: -each.marks)
     assert worst.told.startswith("A limit was broken (depth above 105 m): it cost ")
     assert worst.told.endswith("since at most 50 are left.")
@@ -282,39 +279,41 @@ def test_a_broken_limit_is_told_with_what_it_cost(mastered: Path) -> None:
 # The reference from here
 
 
-def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jam: Path) -> None:
-    debrief = debriefed(jam, reference_from=78.0)
-    taken = beside(debrief).from_here
+def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jammed: DebriefData) -> None:
+    taken = beside(jammed).from_here
     assert taken
 
     orders = [each for each in taken.trajectory.orders if each.giver == REFERENCE_GIVER]
     assert (orders[0].text, orders[0].tick) == ("bell astern full", 156)  # overdue
     assert taken.trajectory.ticks[0] == 156
-    then = debrief.trajectory.columns["z"][156]
+    then = jammed.trajectory.columns["z"][156]
     assert taken.trajectory.columns["z"][0] == then  # from the recorded state, to the bit
     assert taken.card.verdict
     assert taken.card.verdict.outcome != "lost"
-    assert (taken.card.total or 0.0) > (debrief.total or 0.0) + 30.0
-    assert "reference from 1:18" in render(debrief)
+    assert (taken.card.total or 0.0) > (jammed.total or 0.0) + 30.0
+    assert "reference from 1:18" in render(jammed)
 
 
-def test_a_run_joined_with_what_follows_has_each_tick_once(jam: Path) -> None:
-    debrief = debriefed(jam, reference_from=300.0)
-    taken = beside(debrief).from_here
-    assert taken
-    whole = join_runs(debrief.trajectory, taken.trajectory)
+def taken_over(debrief: DebriefData, seconds: float) -> Trajectory:
+    """Return the run of the reference crew from a moment on, without a curve."""
+    run = RunExplorer(debrief.plan, debrief.trajectory, partial(judge_as_changed, debrief))
+    run.fly_again()
+    return reference_from(debrief, run, round(2 * seconds)).trajectory
+
+
+def test_a_run_joined_with_what_follows_has_each_tick_once(jammed: DebriefData) -> None:
+    whole = join_runs(jammed.trajectory, taken_over(jammed, 300.0))
     assert np.array_equal(whole.ticks, np.arange(1201))
-    own = debrief.trajectory.columns["z"]
+    own = jammed.trajectory.columns["z"]
     assert np.array_equal(whole.columns["z"][:601], own[:601])
     assert not np.array_equal(whole.columns["z"], own)
     given = [each.text for each in whole.orders if each.tick < 600 and each.place is None]
     assert given == list(JAM.values())
 
 
-def test_what_the_reference_crew_had_done_by_then_is_not_done_again(jam: Path) -> None:
-    taken = beside(debriefed(jam, reference_from=100.0)).from_here  # the planes are still jammed
-    assert taken
-    given = [each.text for each in taken.trajectory.orders if each.giver == REFERENCE_GIVER]
+def test_what_the_reference_crew_had_done_by_then_is_not_done_again(jammed: DebriefData) -> None:
+    orders = taken_over(jammed, 100.0).orders  # the planes are still jammed
+    given = [each.text for each in orders if each.giver == REFERENCE_GIVER]
     assert "bell astern full" not in given
     assert any(text.startswith("stern planes") for text in given)  # its planesman is at work
 
@@ -379,8 +378,8 @@ def entry(number: int, second: float, who: str, text: str, answer: str) -> Recor
 
 
 @pytest.mark.parametrize("repeat", ["stand by", "tell stand by"])  # the second in older files
-def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path, repeat: str) -> None:
-    trajectory = debriefed(mastered).trajectory
+def test_orders_to_the_crew_are_told_with_their_repeats(idle: Path, repeat: str) -> None:
+    trajectory = beside(debriefed(idle)).reference.trajectory
     said = (
         entry(1, 60, "schedule", "order depth 100 m", "ordered: depth 100 m"),
         entry(2, 62, PANEL, "depth 90 aye", "WRONG REPEAT: depth 90; ordered is depth 100 m"),
@@ -403,8 +402,8 @@ def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path, repeat: 
     assert words.repeated is said[5]
 
 
-def test_the_page_and_the_figures_tell_who_repeated(mastered: Path) -> None:
-    debrief = debriefed(mastered)
+def test_the_page_and_the_figures_tell_who_repeated(idle: Path) -> None:
+    debrief = debriefed(idle)
     told = debrief_figures(debrief)["orders_to_crew"]
     assert [each["order"] for each in told] == ["depth 100 m", "depth 40 m"]
     assert told[0]["repeated_by"] is None

@@ -19,7 +19,7 @@ from trainer.debrief.history import (
     list_recording,
     trainee_history,
 )
-from trainer.debrief.page import DebriefRequest, as_text, read_compared, render
+from trainer.debrief.page import DebriefRequest, as_text, read_compared, read_dossier, render
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
@@ -113,7 +113,7 @@ def test_marks_of_three_assessors_and_a_peer_are_laid_beside_the_program_s(
     files = [filled(tmp_path, by, "assessor", mark) for by, mark in MARKS.items()]
     peer = filled(tmp_path, "E. Green", "peer", 10, remark="He <b>never</b> looked up.")
     keep_forms(flown, [*files, peer], plan)
-    debrief = read_compared(flown, DebriefRequest())
+    debrief = read_dossier(flown, None)
     compared = {each["name"]: each for each in debrief_figures(debrief)["compared_marks"]}
     assert list(compared) == ["Quiet rudder", "Usual procedures", "The whole run"]
     assert compared["Usual procedures"]["program"] is None

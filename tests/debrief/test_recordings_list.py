@@ -4,7 +4,6 @@ import contextlib
 import json
 import shutil
 import sqlite3
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import platformdirs
 import pytest
 from helpers.recorded import record
 
+from trainer.cli.main import main
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.debrief import history as history_module
@@ -33,7 +33,14 @@ from trainer.debrief.history import (
     recordings_in,
     trainee_history,
 )
-from trainer.debrief.page import DebriefRequest, change_marks, debrief_file, read_compared, render
+from trainer.debrief.page import (
+    DebriefRequest,
+    change_marks,
+    debrief_file,
+    read_compared,
+    read_dossier,
+    render,
+)
 from trainer.io.paths import recordings_folder
 from trainer.io.recording.recording import Recording
 from trainer.session.header import names_of, open_whole_recording, plan_of, trainees_of
@@ -47,8 +54,8 @@ pytestmark = [
 ANN, MARKUP = "Ann O Briain", "<b>Bób<b> & sons"
 
 
-@pytest.fixture
-def kept(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a recording of two trainees, of whom one is remarked upon."""
     remarks = {
         20.0: f"mark {ANN} was slow",
@@ -56,15 +63,21 @@ def kept(tmp_path: Path) -> Path:
         30.0: f"mark {ANN}son was not",
     }
     names = (ANN, MARKUP)
-    path = tmp_path / "steady.trainer"
+    path = tmp_path_factory.mktemp("flown") / "steady.trainer"
     return record(path, "steady-course", remarks, "instructor at a desk", trainee=names)
+
+
+@pytest.fixture
+def kept(flown: Path, tmp_path: Path) -> Path:
+    """Return a copy of it for a test."""
+    return shutil.copy(flown, tmp_path / flown.name)
 
 
 # Names
 
 
 def test_names_are_kept_in_the_header_and_shown_as_text(kept: Path) -> None:
-    debrief = read_compared(kept, DebriefRequest())
+    debrief = read_dossier(kept, None)
     assert debrief.trainees == (ANN, MARKUP)
     assert debrief_figures(debrief)["trainees"] == [ANN, MARKUP]
     told = render(debrief)
@@ -318,13 +331,13 @@ def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
     change_marks(kept, DebriefRequest(), [f"outcome: won, {ANN} steered well"], [])
     debrief_file(kept, None, None, DebriefRequest())
     list_recording(kept)
-    before = read_compared(kept, DebriefRequest()).trajectory
+    before = read_dossier(kept, None).trajectory
     told = list(forget_trainee(ANN.upper(), [kept]))
 
     assert [Path(line.split(":")[0]).name for line in told] == ["steady.trainer", "steady.html"]
     for path in kept.parent.iterdir():
         assert ANN.encode() not in path.read_bytes().replace(ANN.encode() + b"son", b""), path
-    debrief = read_compared(kept, DebriefRequest())
+    debrief = read_dossier(kept, None)
     assert debrief.trainees == (MARKUP,)
     assert [each.text for each in debrief.of_kind("mark")] == [
         "(name removed) was slow",
@@ -373,7 +386,7 @@ def test_an_outcome_and_a_width_can_be_changed_and_taken_back(kept: Path) -> Non
     change_marks(
         kept, DebriefRequest(), ["outcome: won, seen by me", "width: basic, a beginner"], []
     )
-    debrief = read_compared(kept, DebriefRequest())
+    debrief = read_dossier(kept, None)
     assert debrief.final.verdict
     assert debrief.final.verdict.outcome == "won"
     assert debrief.final.scores[0].rule.score.zero != debrief.card.scores[0].rule.score.zero
@@ -451,19 +464,16 @@ def test_a_damaged_file_of_changes_is_told(kept: Path) -> None:
         read_compared(kept, DebriefRequest())
 
 
-@pytest.mark.process
-def test_the_commands_refuse_what_makes_no_sense(tmp_path: Path) -> None:
-    def ran(*words: str) -> tuple[int, str]:
-        command = [sys.executable, "-c", "from trainer.cli.main import main; main()", *words]
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=tmp_path,
-            env={"PATH": "", "XDG_STATE_HOME": str(tmp_path), "PYTHONPATH": ":".join(sys.path)},
-        )
-        return done.returncode, done.stderr
+def test_the_commands_refuse_what_makes_no_sense(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+    def ran(*words: str) -> tuple[object, str]:
+        monkeypatch.setattr(sys, "argv", ["trainer", *words])
+        with pytest.raises(SystemExit) as left:
+            main()
+        return left.value.code, capsys.readouterr().err
 
     folder = tmp_path / "submarine-trainer" / "recordings"
     todo = "trainer run EXERCISE makes one, or name a FILE"

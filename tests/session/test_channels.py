@@ -181,20 +181,29 @@ def places(boat: Boat, name: str) -> range:
     return range(STATE_PLACES[name], STATE_PLACES[name] + boat.records.state[name].size)
 
 
+@pytest.fixture(scope="module")
+def stuck(make_boat: Callable[..., Boat]) -> tuple[Boat, list[str]]:
+    """Return a BB2 of which all gauges are stuck, and what stations get of it."""
+    boat = make_boat("bb2")
+    boat.start(10.0 * KNOT, 60.0, 1.0)
+    stick_gauges(boat)
+    return boat, everything_stations_get(frame_of(boat))
+
+
 @given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
 def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
-    bb2: Boat, deeper: float, round_: float, faster: float, elsewhere: float
+    stuck: tuple[Boat, list[str]], deeper: float, round_: float, faster: float, elsewhere: float
 ) -> None:
-    bb2.start(10.0 * KNOT, 60.0, 1.0)
-    stick_gauges(bb2)
-    before = everything_stations_get(frame_of(bb2))
-    s = bb2.state
+    boat, before = stuck
+    untouched, s = boat.records.state.copy(), boat.state
 
     s.z, s.psi, s.u = s.z + deeper, s.psi + round_, s.u + faster
     s.zdot, s.psidot, s.udot = deeper / 10.0, round_ / 10.0, faster / 10.0
     s.x, s.y, s.weight = elsewhere, -elsewhere, s.weight + 100.0 * elsewhere
 
-    assert everything_stations_get(frame_of(bb2)) == before
+    after = everything_stations_get(frame_of(boat))
+    boat.records.state[:] = untouched
+    assert after == before
 
 
 def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None:

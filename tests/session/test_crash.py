@@ -24,7 +24,7 @@ from trainer.io.recording.recording import RecordedOrder, Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 
-SECONDS = 1800  # [s] of the exercise
+SECONDS = 900  # [s] of the exercise
 MAX = ("--headless", "--speed", "max")
 
 # Everything at work: a sea, tanks, casualties at set times and by a trigger, the autopilot.

@@ -211,17 +211,17 @@ def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_numbe
     post: Callable[..., Post],
 ) -> None:
     helm = post("helm")
-    for _ in range(1000):
+    for _ in range(100):
         helm.type("blah")
     assert len(helm.log) == 20
 
     helm.now = 10.0
     helm.type("rudder left 5")
 
-    assert helm.log[20:] == [("refused", "980 more of the same, not written one by one")]
+    assert helm.log[20:] == [("refused", "80 more of the same, not written one by one")]
     helm.type("blah")
     assert len(helm.log) == 22
-    assert helm.station.counts.bad == 1001
+    assert helm.station.counts.bad == 101
 
 
 def test_what_was_not_written_is_told_when_the_line_goes(post: Callable[..., Post]) -> None:
