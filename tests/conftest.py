@@ -25,7 +25,7 @@ FLEETS = ("test_fleet", "test_sweep", "test_python_")  # files of tests that fly
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = [
     *("helpers.browser", "helpers.crewed", "helpers.few_points", "helpers.once_more"),
-    "helpers.process_guard",
+    *("helpers.pilots", "helpers.process_guard"),
 ]
 # One commit, one verdict: the same examples each time, however slow the machine.
 hypothesis.settings.register_profile("steady", deadline=None, derandomize=True)
