@@ -18,6 +18,7 @@ from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
+from trainer.console.exercise import LessonStep
 from trainer.console.model import SessionModel
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
@@ -151,8 +152,8 @@ def test_who_does_nothing_is_told_and_is_never_stuck(
 def test_the_texts_of_a_lesson_fit_a_small_terminal(name: str) -> None:
     for step in planned(name).steps:
         model = SessionModel(Talk(), "trainee", ())
-        model.step = ("1", "6", "", step.row.text)
-        model.step_hint = step.row.hint or ""
+        hint = step.row.hint or ""
+        model.exercise.step = LessonStep("1", "6", "", step.row.text, hint)
         assert len(step_rows(model, 80)) <= 6, step.row.text
 
 

@@ -115,10 +115,10 @@ def test_the_ghosts_past_is_asked_for_once_when_it_comes() -> None:
         show(line, tick, ghost=GHOST if tick > 20 else dict.fromkeys(GHOST, ""))
     model.hear()
     assert line.orders.count("history ghost 60 min") == 1
-    before = [each and each.ghost for each in model.trace.series(0, 19.5, 40)]
+    before = [each and each.ghost for each in model.charts.trace.series(0, 19.5, 40)]
     assert before[:21] == [None] * 21
-    model.trace.recall_ghost([(0.0, [50.0, 1.0]), (5.0, [55.0, 2.0])])
-    after = [each and each.ghost for each in model.trace.series(0, 19.5, 40)]
+    model.charts.trace.recall_ghost([(0.0, [50.0, 1.0]), (5.0, [55.0, 2.0])])
+    after = [each and each.ghost for each in model.charts.trace.series(0, 19.5, 40)]
     assert after[0] == 50.0
     assert after[20] == 55.0
     assert after[21] == 62.0
@@ -157,5 +157,5 @@ def test_a_key_asks_for_a_hint_and_the_briefing_has_its_price() -> None:
     assert acts["f8"] == OrderAction("hint")
     model = seen()
     assert "hint" not in plain(briefing_rows(model))
-    model.exercise["hint"] = "5"
+    model.exercise.values["hint"] = "5"
     assert "a hint costs    5 marks" in plain(briefing_rows(model))

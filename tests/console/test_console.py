@@ -33,17 +33,19 @@ from textual.pilot import Pilot
 from textual.strip import Strip
 
 from trainer.console.app import Console
+from trainer.console.charts import Sample, Trace
 from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
 from trainer.console.entry import Entry, complete_word, hint, offer
-from trainer.console.journal import Sample, TimelineMoment, Trace
+from trainer.console.journal import TimelineMoment
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
-from trainer.console.model import CasualtyOffer, SessionModel
+from trainer.console.model import SessionModel
 from trainer.console.pane import GROUND_COLOUR, INKS, Pane, plain
 from trainer.console.readings import ChannelReadings
+from trainer.console.vessel import CasualtyOffer
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -473,7 +475,7 @@ def test_gauges_without_rates_move_from_one_reading_to_the_next() -> None:
 
 
 def test_a_chart_forgets_what_lies_after_a_moment_gone_back_to() -> None:
-    trace = Trace(1)
+    trace = Trace()
     for second in range(10):
         trace.add(float(second), [Sample(float(second), None)])
     trace.add(4.0, [Sample(40.0, None)])
@@ -499,6 +501,10 @@ def test_the_drawn_boat_pitches_her_bow_up() -> None:
 # The session's news
 
 
+def test_the_facts_that_a_screen_takes_are_those_of_the_line() -> None:
+    assert set(sight_of(tape()).facts) <= set(sentences.FACTS)
+
+
 def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undone() -> None:
     talk = tape()
     talk.answers["snapshots"] = []
@@ -506,12 +512,16 @@ def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undon
     talk.say(sentences.fact(100, 50.0, "mark", "good recovery"))
     model = sight_of(talk)
     model.hear()
-    assert [(kept.sign, kept.seconds) for kept in model.marks] == [("C", 20.0), ("M", 50.0)]
+    marks = model.timeline.marks
+    assert [(kept.sign, kept.seconds) for kept in marks] == [
+        ("C", 20.0),
+        ("M", 50.0),
+    ]
 
     talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
     model.hear()
-    assert [kept.sign for kept in model.marks] == ["C"]
-    assert model.furthest == 30.0
+    assert [kept.sign for kept in model.timeline.marks] == ["C"]
+    assert model.timeline.furthest == 30.0
 
 
 @pytest.mark.parametrize(
@@ -531,8 +541,8 @@ def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) 
     talk.say(sentences.event(110, 55.0, "order", f"helm: rudder left 5: {remark}"))
     model = sight_of(talk)
     model.hear()
-    assert [kept.text for kept in model.marks] == ["first", remark]
-    assert [kept.sign for kept in model.marks] == ["M", "M"]
+    assert [kept.text for kept in model.timeline.marks] == ["first", remark]
+    assert [kept.sign for kept in model.timeline.marks] == ["M", "M"]
     assert not model.over
 
 
@@ -540,11 +550,11 @@ def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
     talk = tape()
     model = sight_of(talk)
     model.hear()
-    model.marks.append(TimelineMoment(20.0, "M", "before"))
+    model.timeline.marks.append(TimelineMoment(20.0, "M", "before"))
     talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
     model.order("mark back from 60 s to 0 s")
     model.hear()
-    assert [kept.text for kept in model.marks] == ["before", "back from 60 s to 0 s"]
+    assert [kept.text for kept in model.timeline.marks] == ["before", "back from 60 s to 0 s"]
 
 
 WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
@@ -571,10 +581,10 @@ def test_what_can_break_is_asked_of_the_session() -> None:
     model = sight_of(tape())
     model.hear()
     model.hear()
-    assert model.casualties[0] == CasualtyOffer(
+    assert model.vessel.casualties[0] == CasualtyOffer(
         "stern-stuck", "", "The stern planes stay where they are"
     )
-    assert model.casualties[1].degree == "-1 ramp 0"
+    assert model.vessel.casualties[1].degree == "-1 ramp 0"
 
 
 # The line
@@ -881,7 +891,7 @@ def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time()
     assert text.count("█") > text.count("▁") > 0
     talk.say(sentences.fact(40, 20.0, "back", "backtrack 40"))
     seen.hear()
-    assert [each.seconds for each in seen.attainable] == [10.0]
+    assert [each.seconds for each in seen.timeline.attainable] == [10.0]
     (row,) = evaluation(seen, 80, 1)
     assert "50 s ago" in "".join(part for part, _ in row)
     talk.say(sentences.fact(60, 30.0, "no-attainable", "this exercise has no end"))

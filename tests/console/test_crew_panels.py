@@ -206,11 +206,13 @@ def test_only_who_is_ordered_repeats_and_is_shown_that_it_is_new() -> None:
 def test_charts_show_what_the_crew_is_ordered_in_place_of_the_autopilot_s() -> None:
     model = sight_of(ordered("planes", DEPTH | PITCH), "planes")
     model.hear()
-    depth, pitch = model.charts
-    assert (model.ordered(depth), model.ordered(pitch)) == (60.0, -5.0)
+    depth, pitch = model.quantities
+    number = model.picture.number
+    assert (depth.order(number), pitch.order(number)) == (60.0, -5.0)
     model = sight_of(ordered("planes", {}), "planes")
     model.hear()
-    assert (model.ordered(depth), model.ordered(pitch)) == (80.0, None)
+    number = model.picture.number
+    assert (depth.order(number), pitch.order(number)) == (80.0, None)
 
 
 def test_the_instructor_is_told_how_long_an_order_has_not_been_repeated() -> None:
@@ -230,7 +232,7 @@ def test_what_is_told_stands_on_the_panel() -> None:
 
 def test_who_has_given_an_order_does_not_repeat_it() -> None:
     talk = ordered("diving", DEPTH)
-    talk.facts["order depth 60"] = [("crew-order", "depth 60 m")]
+    talk.facts["order depth 60"] = [("crew-order", "depth 60 m"), ("own-order", "depth 60 m")]
 
     async def give(pilot: Pilot[Refused], app: Console) -> None:
         app.model.order("order depth 60")

@@ -5,9 +5,10 @@ import re
 import pytest
 from helpers.screens import CREW, Tape, sight_of, tape, values
 
+from trainer.console.charts import Sample, Trace
 from trainer.console.client import LineLoss, RoleTaken
 from trainer.console.drawing.event_log import log, time_at, time_line
-from trainer.console.journal import JournalEntry, Sample, Trace
+from trainer.console.journal import JournalEntry
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
@@ -70,8 +71,8 @@ def test_charts_show_what_was_before_and_the_present_stays() -> None:
     send(talk, "diving", 0, 400, 800, ordered_depth="9{}")
     send(talk, "orders", 0, 400, 800)
     model.hear()
-    assert model.trace.times == [0.0, 200.0, 400.0, 600.0]
-    depths = [samples[0] for samples in model.trace.samples]
+    assert model.charts.trace.times == [0.0, 200.0, 400.0, 600.0]
+    depths = [samples[0] for samples in model.charts.trace.samples]
     assert depths[:3] == [Sample(0.0, 90.0), Sample(400.0, 9400.0), Sample(800.0, 9800.0)]
     assert depths[3] == Sample(60.0, 80.0)
     assert model.picture.seconds == 600.0
@@ -90,8 +91,12 @@ def test_the_track_and_the_time_line_show_what_was_before() -> None:
     talk.say(sentences.fact(200, 100.0, "crew-order", "depth 60 m"))
     talk.say(sentences.fact(1200, 600.0, "past", "end,events"))
     model.hear()
-    assert [north for north, _ in model.track][:3] == [0.0, 400.0, 800.0]
-    assert [(kept.sign, kept.seconds) for kept in model.marks] == [("C", 50.0), ("M", 100.0)]
+    assert [north for north, _ in model.charts.track][:3] == [0.0, 400.0, 800.0]
+    marks = model.timeline.marks
+    assert [(kept.sign, kept.seconds) for kept in marks] == [
+        ("C", 50.0),
+        ("M", 100.0),
+    ]
     assert JournalEntry(50.0, "exercise", "casualty stern-stuck") in model.journal.entries
     assert model.crew.oldest is None  # what stands now is told by itself
     assert model.bells == 0
@@ -110,7 +115,7 @@ def test_the_past_of_the_log_comes_first_and_nothing_twice() -> None:
 
 
 def test_what_was_sampled_live_is_not_replaced() -> None:
-    trace = Trace(1)
+    trace = Trace()
     for second in (5.0, 6.0):
         trace.add(second, [Sample(second, None)])
     trace.recall([(second, [Sample(-1.0, None)]) for second in (1.0, 5.0, 9.0)])

@@ -486,7 +486,7 @@ async def typed(app: Console, keys: list[str]) -> list[JournalEntry]:
             app.post_message(events.Key(key, key if len(key) == 1 else None))
         await pilot.pause()
         app.model.order("who")
-        while app.model.waiting:
+        while app.model.asked:
             await pilot.pause(LOOK)
     return list(app.model.journal.entries)
 
@@ -496,13 +496,15 @@ def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None
     client.start()
     model = SessionModel(client, "instructor", ())
     waited = threading.Event()
-    while not model.casualties:
+    while not model.vessel.casualties:
         model.hear()
         waited.wait(LOOK)
     client.close(5.0)
 
-    assert {"stern-stuck", "flooding-aft", "propulsion-lost"} <= {c.name for c in model.casualties}
-    for each in model.casualties:
+    assert {"stern-stuck", "flooding-aft", "propulsion-lost"} <= {
+        c.name for c in model.vessel.casualties
+    }
+    for each in model.vessel.casualties:
         assert isinstance(parse(f"casualty {each.name} {each.degree}"), Order)
         assert each.says
 

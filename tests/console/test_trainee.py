@@ -11,6 +11,7 @@ from trainer.console.app import Console
 from trainer.console.client import Item, RoleTaken
 from trainer.console.drawing.panels import trainee
 from trainer.console.entry import Entry
+from trainer.console.exercise import LESSON_END
 from trainer.console.guide import EndView, briefing, steps_after
 from trainer.console.keys import KEYS
 from trainer.console.layouts import LAYOUTS
@@ -72,9 +73,9 @@ def test_a_step_stands_above_the_panel_with_its_hint_and_lights_up_its_instrumen
 
 def test_a_new_step_takes_the_hint_away_and_the_last_one_the_text() -> None:
     model, _ = told(STEP, ("20.0", "step-hint", "The Down key."), ("30.0", "step", "3,6,,Wait."))
-    assert model.step_hint == ""
+    assert model.exercise.step.hint == ""
     model, _ = told(STEP, ("40.0", "step", "0"))
-    assert model.lesson_done
+    assert model.exercise.step == LESSON_END
     assert "step" not in plain(trainee(model, 80, 17))
 
 

@@ -5,9 +5,9 @@ from trainer.console.crew import CrewOrders
 
 def test_an_order_that_is_sent_again_stays_behind_a_newer_one() -> None:
     orders = CrewOrders()
-    orders.take(0.0, "crew-order", "course 090")
-    orders.take(10.0, "crew-order", "depth 100 m")
-    orders.take(20.0, "crew-order", "course 090")  # nobody has repeated it
+    orders.give(0.0, "course 090")
+    orders.give(10.0, "depth 100 m")
+    orders.give(20.0, "course 090")  # nobody has repeated it
 
     oldest, newest = orders.oldest, orders.to_repeat("pilot")
     assert oldest is not None
@@ -19,7 +19,7 @@ def test_an_order_that_is_sent_again_stays_behind_a_newer_one() -> None:
 def test_an_order_in_place_of_another_is_the_newest() -> None:
     orders = CrewOrders()
     for seconds, order in enumerate(("course 090", "depth 100 m", "course 180")):
-        orders.take(float(seconds), "crew-order", order)
+        orders.give(float(seconds), order)
 
     newest = orders.to_repeat("pilot")
     assert newest is not None

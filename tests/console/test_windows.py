@@ -156,12 +156,12 @@ def test_who_comes_after_the_end_reads_the_marks_without_their_words() -> None:
     async def read(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press("f12")
         await seen(pilot, app, "won, 92 marks of 100")
-        endings = app.model.endings
+        endings = app.model.exercise.endings
         talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))  # `briefing` tells it again
         talk.say(sentences.fact(130, 65.0, "exercise", "wins=on 75 m"))
         await seen(pilot, app, "on 75 m")
-        assert app.model.endings == endings
-        assert app.model.marks_told == ["won, 92 marks of 100"]
+        assert app.model.exercise.endings == endings
+        assert app.model.exercise.marks == ["won, 92 marks of 100"]
 
     at_the_console(read, talk, "helm", (80, 24))
 
@@ -237,8 +237,8 @@ def test_another_exercise_at_the_same_stations_begins_with_an_empty_time_line() 
     talk.items += [LineLoss("the session has closed the line"), Greeting("Courses"), RoleTaken()]
     talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))
     model.hear()
-    assert (model.marks, model.furthest) == ([], 0.0)
-    assert model.briefing == ["Courses"]
+    assert (model.timeline.marks, model.timeline.furthest) == ([], 0.0)
+    assert model.exercise.briefing == ["Courses"]
 
 
 def test_an_exercise_that_is_flown_again_is_not_over() -> None:
@@ -247,10 +247,10 @@ def test_an_exercise_that_is_flown_again_is_not_over() -> None:
     talk.say(sentences.fact(1200, 600.0, "exercise-over", "lost"))
     talk.tick(1200)
     model.hear()
-    assert model.outcome == "lost"
+    assert model.exercise.outcome == "lost"
     talk.tick(2)
     model.hear()
-    assert model.outcome == ""
+    assert model.exercise.outcome == ""
 
 
 def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
@@ -279,7 +279,7 @@ def test_the_briefing_has_no_old_marks_once_the_exercise_is_flown_again(role: st
             talk.say(again)
         talk.tick(2)  # of the same exercise, or of the same one next
         model.hear()
-        assert (model.marks_told, model.outcome) == ([], "")
+        assert (model.exercise.marks, model.exercise.outcome) == ([], "")
         assert "92" not in plain(briefing_rows(model))
 
 
@@ -414,7 +414,7 @@ def test_ordered_and_actual_are_drawn_at_the_same_height_when_equal() -> None:
             plot._trace(actual, [value] * 60, down=down)  # noqa: SLF001
             for mine, theirs in zip(actual.cells, ordered.cells, strict=True):
                 assert all(not dash or dash & dot == dash for dot, dash in zip(mine, theirs))  # noqa: B905
-    assert model.charts[0].name == "depth"
+    assert model.quantities[0].name == "depth"
 
 
 def test_depth_grows_downwards_and_time_has_marks() -> None:
@@ -499,7 +499,7 @@ def test_the_track_forgets_what_lies_after_a_moment_gone_back_to() -> None:
         at = {"north": str(float(tick)), "east": "0.0"}
         talk.say(sentences.state("motion", tick, tick / 2.0, values("motion", **at)))
     model.hear()
-    assert [north for north, _ in model.track] == [20.0, 24.0, 24.0]  # the last is the boat
+    assert [north for north, _ in model.charts.track] == [20.0, 24.0, 24.0]  # the last is the boat
 
 
 def test_the_track_is_in_a_window_of_its_own_at_any_size() -> None:

@@ -14,8 +14,9 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.vessel import load_vessel
+from trainer.console.charts import Quantity
 from trainer.console.client import Item
-from trainer.console.model import Quantity, SessionModel
+from trainer.console.model import SessionModel
 from trainer.io import nmea
 from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders import sentences

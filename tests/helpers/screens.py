@@ -134,7 +134,7 @@ def at_the_console(
 
     async def run() -> None:
         async with app.run_test(size=size) as pilot:
-            while not app.model.joined or (app.model.instructs and not app.model.casualties):
+            while not app.model.joined or (app.model.instructs and not app.model.vessel.casualties):
                 await pilot.pause(0.02)
             await act(pilot, app)
 

@@ -13,7 +13,7 @@ from trainer.boat.casualties import instrument_readings
 from trainer.config.exercise import AIDS, load_exercise, parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
-from trainer.console.model import marks_in_words
+from trainer.console.exercise import marks_in_words
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.marks import Judgement

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Crewed, Typist
 
+from trainer.console.exercise import marks_in_words
 from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
-from trainer.console.model import marks_in_words
 from trainer.debrief.episodes import aids_used
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import Order, parse

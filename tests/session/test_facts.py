@@ -50,27 +50,27 @@ def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewordi
     sight = SessionModel(client, role, LAYOUTS[role].charts)
     client.start()
     try:
-        until(sight, lambda: sight.casualties)
-        names = {broken.name for broken in sight.casualties}
+        until(sight, lambda: sight.vessel.casualties)
+        names = {broken.name for broken in sight.vessel.casualties}
         assert {"stern-stuck", "flooding-aft"} <= names
-        assert all(broken.says for broken in sight.casualties)
+        assert all(broken.says for broken in sight.vessel.casualties)
 
         sight.order("snapshot before-jam")
-        until(sight, lambda: sight.snapshots)
-        assert [kept.text for kept in sight.snapshots] == ["before-jam"]
+        until(sight, lambda: sight.timeline.snapshots)
+        assert [kept.text for kept in sight.timeline.snapshots] == ["before-jam"]
 
         sight.order("casualty stern-stuck")
         sight.order("mark here we go")
-        until(sight, lambda: len(sight.marks) == 2)
-        assert [(kept.sign, kept.text) for kept in sight.marks] == [
+        until(sight, lambda: len(sight.timeline.marks) == 2)
+        assert [(kept.sign, kept.text) for kept in sight.timeline.marks] == [
             ("C", "casualty stern-stuck"),
             ("M", "here we go"),
         ]
         assert OTHER in {entry.text for entry in sight.journal.entries}
 
         sight.order("restore before-jam")
-        until(sight, lambda: not sight.marks)
-        assert sight.furthest == sight.snapshots[0].seconds
+        until(sight, lambda: not sight.timeline.marks)
+        assert sight.timeline.furthest == sight.timeline.snapshots[0].seconds
 
         sight.order("rudder left 80")  # beyond the boat's limit
         until(sight, lambda: sight.refused)

@@ -117,7 +117,7 @@ class Levers:
         if model.refused != self.refused:
             self.refused = model.refused
             self.asked.clear()
-        most = model.ranges.get(surface, math.inf)
+        most = model.vessel.ranges.get(surface, math.inf)
         wanted = min(max(round(self._last(surface, shown, model.clock())) + by, -most), most)
         self.asked[surface] = wanted, model.clock()
         return f"{SURFACE_WORDS[surface][wanted > 0]} {abs(wanted):g}"
@@ -173,7 +173,7 @@ class Console(App[Refused], inherit_bindings=False):
         self._rung = model.bells
         self._silent = self._mounted = False
         self._early: list[events.Key] = []  # typed before there is a line to type them into
-        self._ended, self._released = model.endings, model.releases
+        self._ended, self._released = model.exercise.endings, model.exercise.releases
         self._foot = footer(model.role)
         self._briefed = ""  # the exercise whose briefing was shown
 
@@ -390,27 +390,27 @@ class Console(App[Refused], inherit_bindings=False):
         due, self._rung = self.model.bells > self._rung, self.model.bells
         if due and not self._silent:
             self.bell()
-        if self.model.endings > self._ended and not self._typing:
-            self._ended = self.model.endings
+        if self.model.exercise.endings > self._ended and not self._typing:
+            self._ended = self.model.exercise.endings
             if self.model.instructs or self.model.trains:
-                self._open(EndView(self.model), lambda: not self.model.outcome)
+                self._open(EndView(self.model), lambda: not self.model.exercise.outcome)
         self._lead_in()
-        releases, self._released = self.model.releases - self._released, self.model.releases
-        if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
-            self._open(briefing(self.model), lambda: not self.model.outcome)
+        before, self._released = self._released, self.model.exercise.releases
+        if self._released > before and not self.model.instructs and len(self.screen_stack) == 1:
+            self._open(briefing(self.model), lambda: not self.model.exercise.outcome)
         while self.model.answers and len(self.screen_stack) == 1:
             self._open(answer(*self.model.answers.pop(0)))
 
     def _lead_in(self) -> None:
         """Show who trains the briefing before time runs; give what comes and goes its room."""
-        model = self.model
-        evaluated = bool(model.attainable or model.unevaluated) and not model.outcome
+        model, exercise, timeline = self.model, self.model.exercise, self.model.timeline
+        evaluated = bool(timeline.attainable or timeline.unevaluated) and not exercise.outcome
         self.screen_stack[0].set_class(evaluated, "evaluated")
         if not model.trains:
             return
-        self.screen_stack[0].set_class(bool(model.step[0]), "lesson")
-        self.screen_stack[0].set_class("ballast" in model.by_hand, "tanks")
-        title = model.exercise.get("title", "") if model.joined else ""
+        self.screen_stack[0].set_class(bool(exercise.step.text), "lesson")
+        self.screen_stack[0].set_class("ballast" in exercise.by_hand, "tanks")
+        title = exercise.values.get("title", "") if model.joined else ""
         begins = model.picture.frozen and not model.picture.seconds and len(self.screen_stack) == 1
         if title and title != self._briefed and begins:
             self._briefed = title

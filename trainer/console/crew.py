@@ -5,7 +5,7 @@ fills this from the session's facts; ``drawing/crew_orders`` shows it.
 """
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Final, NamedTuple
+from typing import Final, NamedTuple
 
 # the roles that repeat an order, by its axis; one in words is for the whole crew
 AXIS_ROLES: Final = {
@@ -30,7 +30,6 @@ class CrewOrder(NamedTuple):
 class CrewOrders:
     """The orders that wait to be repeated, oldest first, one of each axis."""
 
-    FACTS: ClassVar = frozenset({"crew-order", "repeated", "wrong-repeat", "belayed"})
     waiting: dict[str, CrewOrder] = field(default_factory=dict)
     wrong: str = ""
     told: str = ""  # the last order in words
@@ -40,15 +39,6 @@ class CrewOrders:
     def oldest(self) -> CrewOrder | None:
         """Return the order that waits longest, None without."""
         return next(iter(self.waiting.values()), None)
-
-    def take(self, seconds: float, what: str, subject: str) -> None:
-        """Take a fact about orders to the crew, one of ``FACTS``."""
-        if what == "crew-order":
-            self.give(seconds, subject)
-        elif what == "wrong-repeat":
-            self.mishear(subject)
-        else:
-            self.settle(subject)
 
     def give(self, seconds: float, subject: str) -> None:
         """Take an order to the crew, which replaces an earlier one on its axis.
@@ -68,19 +58,19 @@ class CrewOrders:
         self.wrong = ""
         self.rings += 1
 
-    def settle(self, subject: str) -> None:
-        """Remove an order that was repeated or belayed."""
+    def settle(self, _seconds: float, subject: str) -> None:
+        """Remove an order that was repeated or belayed, or that this screen has given."""
         self.waiting.pop(subject.partition(" ")[0], None)
         self.wrong = ""
 
-    def mishear(self, subject: str) -> None:
+    def mishear(self, _seconds: float, subject: str) -> None:
         """Note a wrong repeat, and ring."""
         said, _, order = subject.partition("; ")
         self.wrong = f"{said}; ordered {order}"
         self.rings += 1
 
-    def go_back(self) -> None:
-        """Forget the waiting orders after a jump in time. The session sends them again."""
+    def forget_waiting(self) -> None:
+        """Forget the waiting orders, because the session sends them again."""
         self.waiting.clear()
         self.wrong = ""
 

@@ -191,7 +191,7 @@ def casualty_choice(model: SessionModel) -> Choice:
             casualty.says,
             casualty.name in active,
         )
-        for casualty in model.casualties
+        for casualty in model.vessel.casualties
     ]
     rows.sort(key=lambda row: not row.active)
     return Choice(

@@ -195,9 +195,9 @@ class OrderNames(Mapping[str, Sequence[str]]):
 
     def __getitem__(self, says: str) -> Sequence[str]:
         if says == CASUALTY_HINT:
-            return [each.name for each in self._sight.casualties]
+            return [each.name for each in self._sight.vessel.casualties]
         if says == MOMENT_HINT:
-            return [kept.text for kept in self._sight.snapshots]
+            return [kept.text for kept in self._sight.timeline.snapshots]
         raise KeyError(says)
 
     def __iter__(self) -> Iterator[str]:

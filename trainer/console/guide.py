@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
+from trainer.console.exercise import LESSON_END
 from trainer.console.journal import clock
 from trainer.console.keys import KEYS
 from trainer.console.model import SessionModel
@@ -238,12 +239,13 @@ def plain_rows(texts: Sequence[str]) -> list[Line]:
 def briefing_rows(model: SessionModel) -> list[Line]:
     """Return the exercise: its state, its conditions, its limits, and the crew's orders."""
     rows = [labelled_line(label, says) for label, says in exercise_lines(model) if says]
-    if model.marks_told:
-        rows += titled_rows("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
-    task_lines = model.told.get("line", [])
-    known = (*task_lines, model.exercise.get("title"))
+    exercise = model.exercise
+    if exercise.marks:
+        rows += titled_rows("Marks", [line((f"   {text}", "value")) for text in exercise.marks])
+    task_lines = exercise.lists.get("line", [])
+    known = (*task_lines, exercise.values.get("title"))
     said = [
-        text for text in model.briefing if text not in known and not PASSING_PATTERN.search(text)
+        text for text in exercise.briefing if text not in known and not PASSING_PATTERN.search(text)
     ]
     rows += [line()] * bool(rows)
     rows += [line((f"   {text}", "plain")) for text in paragraphs(task_lines)]
@@ -266,16 +268,17 @@ def paragraphs(lines: Sequence[str]) -> list[str]:
 
 def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
     """Return what an exercise asks for and how much time is left, label by label."""
-    exercise = model.exercise
-    time_left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
+    exercise, lists = model.exercise.values, model.exercise.lists
+    left = model.exercise.left_at(model.picture.seconds)
+    time_left = "" if left is None else f"{clock(left)[3:]} (minutes:seconds)"
     return [
         ("exercise", exercise.get("title", "")),
         ("its file", exercise.get("name", "")),
-        ("it is over", model.outcome),
+        ("it is over", model.exercise.outcome),
         ("time left", time_left),
-        ("what wins", "; ".join(model.told.get("wins", []))),
+        ("what wins", "; ".join(lists.get("wins", []))),
         ("limits", limits_said(exercise.get("limits", ""))),
-        ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
+        ("it is lost at", " or ".join(map(loss_said, lists.get("lost", [])))),
         ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
         ("a hint costs", f"{exercise['hint']} marks" if "hint" in exercise else ""),
@@ -336,8 +339,8 @@ def guide(model: SessionModel) -> TextView:
 
 def briefing(model: SessionModel) -> TextView:
     """Return the window with the briefing; the time left goes on in it."""
-    keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
-    if model.trains and model.picture.frozen and not model.outcome:
+    keys = {} if model.instructs or not model.exercise.values else {"r": ("ready", "R says ready")}
+    if model.trains and model.picture.frozen and not model.exercise.outcome:
         keys = {"enter": ("run", "Enter begins"), "r": ("run", "")}
     return TextView("Briefing", lambda: briefing_rows(model), keys)
 
@@ -373,11 +376,11 @@ WRONG_LEAD_S: Final = 15.0  # [s] before a moment that went wrong, from where it
 def steps_after(model: SessionModel) -> dict[str, NextStep]:
     """Return what may follow an exercise at this screen, by its key."""
     if not model.trains:
-        told = len(model.marks_told) > 1  # with reasons; else there are none to release
+        told = len(model.exercise.marks) > 1  # with reasons; else there are none to release
         return {key: step for key, step in NEXT_STEPS.items() if key != "r" or told}
     steps = {"n": NextStep("next", "the next lesson or exercise"), "a": NEXT_STEPS["a"]}
-    if model.wrong_at is not None:
-        begin = max(model.wrong_at - WRONG_LEAD_S, 0.0)
+    if model.exercise.wrong_at is not None:
+        begin = max(model.exercise.wrong_at - WRONG_LEAD_S, 0.0)
         back = max(model.picture.seconds - begin, 1.0)
         does = f"again, from where it went wrong ({clock(begin)[3:]})"
         steps["w"] = NextStep(f"again from {back:.0f} s", does, asked=True)
@@ -412,12 +415,12 @@ class EndView(TextView):
         steps = steps_after(self._model)
         self.keys = {key: (each.order, "") for key, each in steps.items()}
         rows = [labelled_line(key.upper(), self._says(key)) for key in steps]
-        marks = self._model.marks_told or ["the marks are being calculated"]
-        if self._model.lesson_done:
+        marks = self._model.exercise.marks or ["the marks are being calculated"]
+        if self._model.exercise.step == LESSON_END:
             marks = ["the lesson is done, to its last step; lessons have no marks"]
-        if self._model.debriefing:
-            marks = [*marks, f"the debrief is being written: {self._model.debriefing}"]
-        rows += [line(), line((f" {self._model.outcome}", "title")), line()]
+        if self._model.exercise.debriefing:
+            marks = [*marks, f"the debrief is being written: {self._model.exercise.debriefing}"]
+        rows += [line(), line((f" {self._model.exercise.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 
     def _says(self, key: str) -> str:

@@ -1,18 +1,19 @@
-"""The entries of a screen's log, and the samples of its strip charts.
+"""The entries of a screen's log, and the moments of its time line.
 
 ``model`` keeps them, and drawings read them. A screen keeps its own copy of both, so that it can
 scroll back without asking the session.
 """
 
-import bisect
+import contextlib
 import math
 import re
 import textwrap
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.sentences import Sentence
 
@@ -40,7 +41,6 @@ KIND_SIGNS: Final = {
     "briefing": (" ", "plain"),
 }
 OTHER_SIGN: Final = ("-", "plain")
-MAX_TRACE_TICKS: Final = 4800  # ticks: 40 minutes at half a second
 
 
 class JournalEntry(NamedTuple):
@@ -59,21 +59,77 @@ class TimelineMoment(NamedTuple):
     text: str
 
 
-def plan_of(subject: str) -> list[TimelineMoment]:
-    """Return a planned order for the time line, none where its time is not known."""
-    _, when, text = (*subject.split(",", 2), "", "")[:3]
-    try:
-        seconds = float(when)
-    except ValueError:
-        return []
-    sign = "c" if name_of(text) == "casualty" else "o"
-    return [TimelineMoment(seconds, sign, text)] if math.isfinite(seconds) else []
-
-
 def entry_of(event: Sentence) -> JournalEntry:
     """Return an event as an entry of the journal."""
     _, seconds, kind, text = event.fields
     return JournalEntry(float(seconds), kind, text)
+
+
+class AttainablePoint(NamedTuple):
+    """What a careful crew could still earn at a moment."""
+
+    seconds: float
+    marks: float  # [%]
+    so_far: float  # [%] of a run that ended there
+    outcome: Outcome  # WON, LOST or OPEN
+
+    @classmethod
+    def of(cls, fields: str) -> "AttainablePoint":
+        """Return the point that a fact tells."""
+        seconds, marks, so_far, outcome = fields.split(",")[:4]
+        return cls(float(seconds), float(marks), float(so_far), Outcome(outcome))
+
+
+@dataclass
+class Timeline:
+    """The moments to return to, the orders planned, the marks still to be had."""
+
+    snapshots: list[TimelineMoment] = field(default_factory=list)
+    marks: list[TimelineMoment] = field(default_factory=list)  # remarks, and casualties
+    plans: list[TimelineMoment] = field(default_factory=list)  # orders that are to come at a time
+    attainable: list[AttainablePoint] = field(default_factory=list)  # for the instructor alone
+    unevaluated: str = ""  # why there are none
+    furthest: float = 0.0  # [s] that time has reached on this branch
+    coming: list[TimelineMoment] = field(default_factory=list)  # snapshots, until all have come
+
+    def take_mark(self, seconds: float, remark: str) -> None:
+        """Take a mark."""
+        self.marks.append(TimelineMoment(seconds, "M", remark or "marked"))
+
+    def take_casualty(self, seconds: float, words: str) -> None:
+        """Take an order by which something breaks."""
+        self.marks.append(TimelineMoment(seconds, "C", words))
+
+    def take_plan(self, _seconds: float, subject: str) -> None:
+        """Take a planned order, unless its time is not known."""
+        _, when, text = (*subject.split(",", 2), "", "")[:3]
+        sign = "c" if name_of(text) == "casualty" else "o"
+        with contextlib.suppress(ValueError):
+            if math.isfinite(seconds := float(when)):
+                self.plans.append(TimelineMoment(seconds, sign, text))
+
+    def take_unevaluated(self, _seconds: float, reason: str) -> None:
+        """Take why no marks still to be had are told."""
+        self.unevaluated = reason
+
+    def recall(self, facts: Iterable[Sequence[str]]) -> None:
+        """Take marks and casualties from before this screen came, in the fields of their facts."""
+        for _, seconds, what, subject in facts:
+            if what == "mark":
+                self.take_mark(float(seconds), subject)
+            elif what == "order" and name_of(subject) == "casualty":
+                self.take_casualty(float(seconds), subject)
+        self.marks = list(dict.fromkeys(self.marks))
+
+    def go_back(self, seconds: float) -> None:
+        """Forget what lies after a moment gone back to."""
+        self.marks = [each for each in self.marks if each.seconds <= seconds]
+        self.attainable = [each for each in self.attainable if each.seconds <= seconds]
+        self.furthest = seconds
+
+    def forget(self) -> None:
+        """Forget an exercise, because another one begins."""
+        self.marks, self.attainable, self.unevaluated, self.furthest = [], [], "", 0.0
 
 
 @dataclass
@@ -132,58 +188,3 @@ def wrap_entry(entry: JournalEntry, width: int) -> list[tuple[str, str, str]]:
     texts = textwrap.wrap(entry.text, room) or [""]
     first, *rest = texts
     return [(when, f"{sign} {first}", ink), *((" " * 8, f"  {text}", ink) for text in rest)]
-
-
-class Sample(NamedTuple):
-    """A quantity at one time; None where nothing is ordered, or the boat lacks it."""
-
-    actual: float | None
-    ordered: float | None
-    ghost: float | None = None  # of the reference crew's run
-
-
-@dataclass
-class Trace:
-    """Samples of some quantities, by time."""
-
-    quantities: int
-    times: list[float] = field(default_factory=list)  # [s]
-    samples: list[Sequence[Sample]] = field(default_factory=list)
-
-    def add(self, seconds: float, samples: Sequence[Sample]) -> None:
-        """Add the samples of a time. Later ones are dropped, because time has gone back."""
-        place = bisect.bisect_left(self.times, seconds)
-        del self.times[place:], self.samples[place:]
-        self.times.append(seconds)
-        self.samples.append(tuple(samples))
-        # a quarter more may gather, so that the lists are not cut at every tick
-        if len(self.times) > MAX_TRACE_TICKS + MAX_TRACE_TICKS // 4:
-            del self.times[:-MAX_TRACE_TICKS], self.samples[:-MAX_TRACE_TICKS]
-
-    def recall(self, rows: Sequence[tuple[float, Sequence[Sample]]]) -> None:
-        """Put samples of earlier times among the present ones, which stay."""
-        traced = dict(zip(self.times, self.samples, strict=True))
-        latest = self.times[-1] if self.times else math.inf
-        whole = {seconds: samples for seconds, samples in rows if seconds < latest} | traced
-        self.times = sorted(whole)[-MAX_TRACE_TICKS:]
-        self.samples = [whole[seconds] for seconds in self.times]
-
-    def recall_ghost(self, rows: Sequence[tuple[float, Sequence[float | None]]]) -> None:
-        """Put the ghost's values of earlier times beside the samples."""
-        times = [seconds for seconds, _ in rows]
-        for place, (seconds, samples) in enumerate(zip(self.times, self.samples, strict=True)):
-            row = bisect.bisect_right(times, seconds) - 1
-            if row >= 0 and samples and samples[0].ghost is None:
-                pairs = zip(samples, rows[row][1], strict=True)
-                self.samples[place] = tuple(each._replace(ghost=value) for each, value in pairs)
-
-    def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
-        """Return a quantity at times over the last ``span`` [s], None before the first."""
-        if not self.times:
-            return [None] * columns
-        end, values = self.times[-1], []
-        for column in range(columns):
-            when = end - span * (columns - 1 - column) / max(columns - 1, 1)
-            place = bisect.bisect_right(self.times, when + 1e-9) - 1
-            values.append(self.samples[place][quantity] if place >= 0 else None)
-        return values

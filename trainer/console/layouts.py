@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.console.charts import Quantity
 from trainer.console.drawing import event_log, gauges, panels, tanks
 from trainer.console.drawing.attitude import hull
 from trainer.console.drawing.chart import plan
-from trainer.console.model import Quantity, SessionModel
+from trainer.console.model import SessionModel
 from trainer.console.pane import Lines
 
 Drawing = Callable[[SessionModel, int, int], Lines]

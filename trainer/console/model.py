@@ -1,87 +1,33 @@
-"""All that a screen knows of its session: values, news, its unanswered orders.
+"""All that a screen knows of its session, by subject, and its unanswered orders.
 
 ``app`` calls ``hear`` several times a second. It takes the sentences that have come since
-(``io/orders/sentences`` has their kinds), and puts each into its place here. Drawings only read.
+(``io/orders/sentences`` has their kinds). The table ``facts`` says which subject takes which fact;
+the other facts are for pages and programs. Drawings only read.
 """
 
-# long: one screen's whole knowledge of a session, sentence by sentence
-import contextlib
 import math
 import time
-from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
-from trainer.config.outcome import Outcome
+from trainer.console.charts import Charts, Quantity
 from trainer.console.client import Greeting, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.crew import CrewOrders
-from trainer.console.journal import Journal, Sample, TimelineMoment, Trace, entry_of, plan_of
-from trainer.console.past import EVENTS_CHANNEL, LATE_TIME_S, PastAnswers
-from trainer.console.readings import ChannelReading, ChannelReadings
-from trainer.io.orders.grammar import Order, name_of, parse
+from trainer.console.exercise import Exercise
+from trainer.console.journal import AttainablePoint, Journal, Timeline, TimelineMoment, entry_of
+from trainer.console.past import EVENTS_CHANNEL, PAST_FACT, PastAnswers
+from trainer.console.readings import ChannelReadings
+from trainer.console.vessel import CasualtyOffer, Vessel
+from trainer.io.orders.grammar import name_of
 from trainer.io.orders.help import NO_ROLE_TEXT
 from trainer.io.orders.sentences import Sentence
 
 BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
-REPEATED_KEYS: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
 LONG_ANSWER_LINES: Final = 4  # [lines] from which an answer is read in a window of its own
-MAX_TRACK_PLACES: Final = 4000  # places of the track
-TRACK_PERIOD_S: Final = 2.0  # [s] between them
 NEXT_TIMEOUT_S: Final = 60.0  # [s] for the next exercise to be there
 MAKING_READY: Final = "the next exercise is being made ready"
-GHOST_CHANNEL: Final = "ghost"  # of an aid
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
-
-
-def marks_in_words(fields: str) -> str:
-    """Return outcome and total in words, as the session announced them."""
-    outcome, total, *aids = (*fields.split(","), "")[: max(fields.count(",") + 1, 2)]
-    with contextlib.suppress(ValueError):
-        total = f"{float(total):.0f} marks of 100"
-    told = (outcome, total or "no marks", *(f"with {aid}" for aid in aids))
-    return ", ".join(filter(None, told))
-
-
-def gives_crew(words: str) -> bool:
-    """Return whether words give an order to the crew."""
-    order = parse(words)
-    return isinstance(order, Order) and order.name in ("order", "tell")
-
-
-class Quantity(NamedTuple):
-    """A quantity of a chart: name, unit, and the fields of value and order."""
-
-    name: str
-    unit: str
-    actual: tuple[str, str]  # channel, field
-    ordered: tuple[str, str] | None
-    least: float  # shown range at least
-    signs: tuple[str, str] = ("", "")  # before a positive and a negative value
-    crew: str = ""  # the order to the crew that is shown in place of the autopilot's
-
-
-class CasualtyOffer(NamedTuple):
-    """A casualty that can be ordered: its usual order, and its meaning."""
-
-    name: str
-    degree: str
-    says: str
-
-
-class AttainablePoint(NamedTuple):
-    """What a careful crew could still earn at a moment."""
-
-    seconds: float
-    marks: float  # [%]
-    so_far: float  # [%] of a run that ended there
-    outcome: Outcome  # WON, LOST or OPEN
-
-    @classmethod
-    def of(cls, fields: str) -> "AttainablePoint":
-        """Return the point that a fact tells."""
-        seconds, marks, so_far, outcome = fields.split(",")[:4]
-        return cls(float(seconds), float(marks), float(so_far), Outcome(outcome))
 
 
 class Talk(Protocol):
@@ -109,58 +55,65 @@ class SessionModel:
 
     talk: Talk
     role: str
-    charts: tuple[Quantity, ...]
+    quantities: tuple[Quantity, ...]  # of its charts
     clock: Callable[[], float] = time.monotonic
-    picture: ChannelReadings = field(default_factory=ChannelReadings)
-    journal: Journal = field(default_factory=Journal)
+    unread: list[Item] = field(default_factory=list)  # what came for this role before its model
+    # the line, and its orders
     greeted: bool = False  # the session has taken the role once
     joined: bool = False
     trouble: str = ""  # with the line
     barred: RoleRefusal | None = None
+    chair: str = ""  # the role that this line has taken in place of ``role``
     over: bool = False
     ended: bool = False  # by an order of this screen
-    briefing: list[str] = field(default_factory=list)
-    casualties: list[CasualtyOffer] = field(default_factory=list)
-    snapshots: list[TimelineMoment] = field(default_factory=list)
-    marks: list[TimelineMoment] = field(default_factory=list)
-    plans: list[TimelineMoment] = field(default_factory=list)  # orders that are to come at a time
-    furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
-    crew: CrewOrders = field(default_factory=CrewOrders)
-    ranges: dict[str, float] = field(default_factory=dict)  # of the vessel, and its bells [kn]
-    exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
-    told: dict[str, list[str]] = field(default_factory=dict)  # its repeated keys
-    outcome: str = ""  # of an exercise that is over
-    endings: int = 0  # of exercises
-    marks_told: list[str] = field(default_factory=list)  # the marks and their reasons
-    releases: int = 0  # of marks to the crew
-    debriefing: str = ""  # how much of a debrief is written, while it is
-    wrong_at: float | None = None  # [s] of the reason that cost most
-    attainable: list[AttainablePoint] = field(default_factory=list)  # for the instructor alone
-    unevaluated: str = ""  # why there are none
-    step: tuple[str, str, str, str] = ("", "", "", "")  # number, how many, instrument, text
-    step_hint: str = ""
-    lesson_done: bool = False  # its last step is over
-    rings: int = 0  # how often the bell has been due
-    past: PastAnswers = field(default_factory=PastAnswers)
+    asked: dict[str, SentOrder] = field(default_factory=dict)  # without an answer yet, by tag
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
-    chair: str = ""  # the role that this line has taken in place of ``role``
-    unread: list[Item] = field(default_factory=list)  # what came since, for that role's model
-    trace: Trace = field(init=False)
+    rings: int = 0  # how often the bell has been due for an alert or a casualty
+    # what the session tells, by subject
+    picture: ChannelReadings = field(default_factory=ChannelReadings)
+    journal: Journal = field(default_factory=Journal)
+    timeline: Timeline = field(default_factory=Timeline)
+    past: PastAnswers = field(default_factory=PastAnswers)
+    vessel: Vessel = field(default_factory=Vessel)
+    crew: CrewOrders = field(default_factory=CrewOrders)
+    exercise: Exercise = field(default_factory=Exercise)
+    charts: Charts = field(init=False)
 
     def __post_init__(self) -> None:
-        self.trace = Trace(len(self.charts))
-        self._asked: dict[str, SentOrder] = {}
-        self._track: deque[tuple[float, float, float]] = deque(maxlen=MAX_TRACK_PLACES)  # [s, m, m]
+        self.charts = Charts(self.quantities, self.gauges, self.picture, self.past, self.ask)
         self._awaited = -math.inf  # [s] on the clock, until which the next exercise may take
-        self._caught_up = False  # with what was shown before the line was there
-        self._greeted = 0  # lines of the briefing that came before the line was lost last
-        self._over_at = 0.0  # [s] when the exercise was over
         self._early: list[str] = []  # orders that wait for the first line
-        self._own = 0  # orders to the crew that were given here and have not come back as facts yet
-        self._snapshots: list[TimelineMoment] = []  # facts so far of an answer that is still coming
-        self._casualties: list[CasualtyOffer] = []
-        self._ghost = False  # it is shown
+        timeline, vessel, crew, exercise = self.timeline, self.vessel, self.crew, self.exercise
+        # each fact that a screen shows, and what takes its time [s] and its subject
+        self.facts: dict[str, Callable[[float, str], None]] = {
+            "over": self._take_end,
+            "next": self._await_next,
+            "chair": self._change_chair,
+            PAST_FACT: self._take_past,
+            "back": self._go_back,
+            "order": self._take_order,
+            "mark": timeline.take_mark,
+            "snapshot": lambda s, name: timeline.coming.append(TimelineMoment(s, "S", name)),
+            "plans": lambda *_: timeline.plans.clear(),  # the whole list comes anew
+            "planned": timeline.take_plan,
+            "attainable": lambda _, text: timeline.attainable.append(AttainablePoint.of(text)),
+            "no-attainable": timeline.take_unevaluated,
+            "range": vessel.take_range,
+            "casualty": lambda _, text: vessel.coming.append(CasualtyOffer(*text.split(",", 2))),
+            "crew-order": crew.give,
+            "own-order": self._take_own_order,
+            "repeated": crew.settle,
+            "belayed": crew.settle,
+            "wrong-repeat": crew.mishear,
+            "exercise": self._take_exercise,
+            "step": exercise.take_step,
+            "step-hint": exercise.take_hint,
+            "exercise-over": exercise.take_end,
+            "marks": exercise.take_marks,
+            "reason": exercise.take_reason,
+            "debriefing": exercise.take_debriefing,
+        }
 
     @property
     def instructs(self) -> bool:
@@ -173,16 +126,6 @@ class SessionModel:
         return self.role == "trainee"
 
     @property
-    def by_hand(self) -> list[str]:
-        """Return what the exercise has worked by hand."""
-        return list(filter(None, self.exercise.get("hand", "").split(",")))
-
-    @property
-    def waiting(self) -> int:
-        """Return how many orders have not been answered yet."""
-        return len(self._asked)
-
-    @property
     def follows(self) -> bool:
         """Return whether the line is missing because the next exercise is being made ready."""
         return not self.joined and self.clock() < self._awaited
@@ -193,25 +136,9 @@ class SessionModel:
         return "motion" if self.instructs else "gauges"
 
     @property
-    def track(self) -> list[tuple[float, float]]:
-        """Return where the boat has been [m] north and east, oldest first."""
-        reading = self.picture.reading("motion")
-        north, east = reading.number("north"), reading.number("east")
-        now = [] if north is None or east is None else [(north, east)]
-        return [(n, e) for _, n, e in self._track] + now
-
-    @property
     def bells(self) -> int:
-        """Return how often the bell was due, for alerts and orders to the crew."""
-        return self.rings + self.crew.rings
-
-    @property
-    def left(self) -> float | None:
-        """Return how much of the exercise is left [s], None where it has no end."""
-        try:
-            return max(float(self.exercise["duration"]) - self.picture.seconds, 0.0)
-        except (KeyError, ValueError):
-            return None
+        """Return how often the bell was due."""
+        return self.rings + self.crew.rings + self.exercise.rings
 
     def order(self, words: str) -> None:
         """Send an order and show it. It waits where no line has been there yet."""
@@ -234,8 +161,8 @@ class SessionModel:
                 self._read(item)
             elif isinstance(item, Greeting) and item.text != NO_ROLE_TEXT:
                 # the session sends its briefing again after each new connection
-                if item.text not in self.briefing:
-                    self.briefing.append(item.text)
+                if item.text not in self.exercise.briefing:
+                    self.exercise.briefing.append(item.text)
                     self.journal.add(None, "briefing", item.text)
             elif isinstance(item, RoleTaken):
                 self._join()
@@ -244,19 +171,18 @@ class SessionModel:
             elif isinstance(item, RoleRefusal):
                 self.joined, self.barred, self.trouble = False, item, item.reason
 
+    # the line
+
     def _send(self, words: str, *, quiet: bool) -> bool:
         if not quiet:
             self.journal.add(self.picture.seconds, "sent", words)
         tag = self.talk.order(words)
         if tag:
-            self._asked[tag] = SentOrder(words, quiet)
-            self._own += gives_crew(words) and not self.instructs
+            self.asked[tag] = SentOrder(words, quiet)
         elif not quiet:
             why = MAKING_READY if self.follows else self.trouble or "no connection"
             self.journal.add(None, "refused", f"not sent: {why}")
         return bool(tag)
-
-    # the line
 
     def _join(self) -> None:
         if self.greeted:
@@ -264,7 +190,7 @@ class SessionModel:
             self.journal.add(None, "station", back)
         self._awaited = -math.inf
         self.joined, self.trouble, self.over, self.greeted = True, "", False, True
-        self._caught_up = False
+        self.charts.caught_up = False
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
         while self._early:
@@ -275,245 +201,37 @@ class SessionModel:
         if not (self.over or self.follows) and (was or why != self.trouble):
             self.journal.add(None, "lost", f"no connection: {why}")
         self.trouble = "" if self.follows else why
-        self._asked.clear()
-        self.crew = CrewOrders(rings=self.crew.rings)  # the session sends those that stand again
-        self.told.clear()
-        self._greeted = len(self.briefing)
+        self.asked.clear()
+        self.crew.forget_waiting()
+        self.exercise.lose_line()
         self.picture.forget()
 
     # what the session says
 
     def _read(self, sentence: Sentence) -> None:
-        if sentence.kind == "TRF" and sentence.fields[2] == "past":
-            self._recall(self.past.mark(sentence.fields[3]))
-        elif self.past.takes(sentence, self.picture.names.get(sentence.fields[0], ())):
+        if self.past.takes(sentence, self.picture.names.get(sentence.fields[0], ())):
             return
-        elif sentence.kind == "TRA":
+        if sentence.kind == "TRA":
             self._answered(sentence)
         elif sentence.kind == "TRE":
             _, seconds, kind, text = sentence.fields
             self.journal.add(float(seconds), kind, text)
             self.rings += kind in BELL_KINDS
-            self.releases += kind == "marks"
+            self.exercise.releases += kind == "marks"
         elif sentence.kind == "TRF":
-            self._note(sentence)
+            _, seconds, what, subject = sentence.fields
+            if what in self.facts:
+                self.facts[what](float(seconds), subject)
         elif self.picture.take(sentence, self.clock()) == self.gauges:
-            self._sample()
-
-    def _sample(self) -> None:
-        """Add the present values to the charts."""
-        reading = self.picture.reading(self.gauges)
-        if reading.seconds < self._over_at:  # it is flown again, or another is
-            self._go_on()
-        self._catch_up(reading.seconds)
-        self._follow(reading)
-        ghost = self.picture.number(GHOST_CHANNEL, "depth") is not None
-        if ghost and not self._ghost:  # its past was not shown while it was off
-            self.ask(f"history {GHOST_CHANNEL} 60 min")
-        self._ghost = ghost
-        if self.trace.times[-1:] != [reading.seconds]:
-            number = self.picture.number
-            samples = [
-                Sample(number(*each.actual), self.ordered(each), number(GHOST_CHANNEL, each.name))
-                for each in self.charts
-            ]
-            self.trace.add(reading.seconds, samples)
-        self.furthest = max(self.furthest, reading.seconds)
-
-    def _catch_up(self, seconds: float) -> None:
-        """Ask for the past that a late or returning screen has not seen."""
-        missed, self._caught_up = not self._caught_up, True
-        seen = self.trace.times[-1] if self.trace.times else 0.0
-        if missed and seconds - seen > LATE_TIME_S:
-            self.past.ask(self._charted(), self.ask)
-
-    def _charted(self) -> set[str]:
-        """Return the channels from which the charts are drawn."""
-        channels = {self.gauges}
-        for quantity in self.charts:
-            channels |= {quantity.actual[0], *([quantity.ordered[0]] if quantity.ordered else [])}
-            channels |= {"orders"} if quantity.crew else set()
-        return channels & set(self.picture.names)  # those that this role is shown
-
-    def _recall(self, channel: str) -> None:
-        """Put a past that has come whole before the present."""
-        past = self.past
-        if channel == EVENTS_CHANNEL:
-            entries = [entry_of(each) for each in past.events if each.kind == "TRE"]
-            self.journal.recall(entries)
-            for sentence in past.events:
-                self._remember_past(sentence)
-        elif channel == GHOST_CHANNEL:
-            names = [each.name for each in self.charts]
-            ghosts = sorted(past.rows.get(GHOST_CHANNEL, {}).items())
-            self.trace.recall_ghost([(s, [row.number(n) for n in names]) for s, row in ghosts])
-        elif channel and not past.wanted - {EVENTS_CHANNEL}:
-            rows = past.rows.get(self.gauges, {})
-            self.trace.recall([(s, self._sampled(s)) for s in sorted(rows)])
-            self._recall_track(rows)
-
-    def _sampled(self, seconds: float) -> list[Sample]:
-        """Return the samples of the charts at a past time [s]."""
-        number, samples = self.past.number, []
-        for quantity in self.charts:
-            ordered = number("orders", quantity.crew, seconds) if quantity.crew else None
-            if ordered is None and quantity.ordered:
-                ordered = number(*quantity.ordered, seconds)
-            samples.append(Sample(number(*quantity.actual, seconds), ordered))
-        return samples
-
-    def _recall_track(self, rows: Mapping[float, ChannelReading]) -> None:
-        first = self._track[0][0] if self._track else math.inf
-        places = [(s, r.number("north"), r.number("east")) for s, r in rows.items() if s < first]
-        earlier = [(s, n, e) for s, n, e in sorted(places) if n is not None and e is not None]
-        self._track.extendleft(reversed(earlier[-(MAX_TRACK_PLACES - len(self._track)) :]))
-
-    def _remember_past(self, sentence: Sentence) -> None:
-        """Put marks and casualties from before this screen came on the time line."""
-        if sentence.kind != "TRF":
-            return
-        _, time_text, what, subject = sentence.fields
-        moment = TimelineMoment(float(time_text), "M", subject or "marked")
-        if what == "order" and subject.startswith("casualty "):
-            moment = TimelineMoment(float(time_text), "C", subject)
-        elif what != "mark":
-            return
-        self.marks += [moment] if moment not in self.marks else []
-
-    def ordered(self, drawn: Quantity) -> float | None:
-        """Return the order to the crew for a quantity, else the autopilot's."""
-        value = self.picture.number("orders", drawn.crew) if drawn.crew else None
-        if value is None and drawn.ordered:
-            return self.picture.number(*drawn.ordered)
-        return value
-
-    def _follow(self, reading: ChannelReading) -> None:
-        """Add the boat's place to its track. Later places are dropped: time has gone back."""
-        north, east = reading.number("north"), reading.number("east")
-        if north is None or east is None:
-            return
-        while self._track and self._track[-1][0] > reading.seconds:
-            self._track.pop()
-        if not self._track or reading.seconds - self._track[-1][0] >= TRACK_PERIOD_S:
-            self._track.append((reading.seconds, north, east))
-
-    def _note(self, sentence: Sentence) -> None:
-        """Take a fact: an event, or an entry of a list, in fields."""
-        _, time_text, what, subject = sentence.fields
-        seconds = float(time_text)
-        if what in ("over", "next"):
-            self.over = what == "over"
-            self._awaited = -math.inf if self.over else self.clock() + NEXT_TIMEOUT_S
-        elif what == "back":
-            # forget what lies after a moment gone back to
-            self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
-            self.crew.go_back()
-            self.attainable = [each for each in self.attainable if each.seconds <= seconds]
-            self._go_on()
-            self.furthest = seconds
-            if self.instructs:
-                self.ask("snapshots")
-        elif what == "chair":
-            self.chair = subject
-        elif what == "mark":
-            self.marks.append(TimelineMoment(seconds, "M", subject or "marked"))
-        elif what == "order":
-            self._remember(seconds, subject)
-        elif what in CrewOrders.FACTS:
-            self._order_crew(seconds, what, subject)
-        elif what in ("step", "step-hint"):
-            self._lead(what, subject)
-        elif what in ("exercise", "exercise-over", "marks", "reason", "debriefing"):
-            self._brief(seconds, what, subject)
-        else:
-            self._list(seconds, what, subject)
-
-    def _lead(self, what: str, subject: str) -> None:
-        """Take a step of a lesson, or its hint."""
-        self.rings += 1
-        if what == "step-hint":
-            self.step_hint = subject
-            return
-        number, count, light, text = (*subject.split(",", 3), "", "", "")[:4]
-        self.lesson_done = number == "0"
-        self.step, self.step_hint = ("" if self.lesson_done else number, count, light, text), ""
-
-    def _list(self, seconds: float, what: str, subject: str) -> None:
-        """Take an entry of a list: ranges, snapshots, casualties on offer, plans, evaluations."""
-        if what == "range":
-            # keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"
-            key, _, value = subject.partition("=")
-            name, colon, size = value.rpartition(":")
-            with contextlib.suppress(ValueError):
-                self.ranges[name if colon else key] = float(size)
-        elif what == "snapshot":
-            self._snapshots.append(TimelineMoment(seconds, "S", subject))
-        elif what == "casualty":
-            name, degree, says = (*subject.split(",", 2), "", "")[:3]
-            self._casualties.append(CasualtyOffer(name, degree, says))
-        elif what == "plans":  # the whole list comes anew
-            self.plans.clear()
-        elif what == "planned":
-            self.plans += plan_of(subject)
-        elif what == "attainable":
-            self.attainable.append(AttainablePoint.of(subject))
-        elif what == "no-attainable":
-            self.unevaluated = subject
-
-    def _order_crew(self, seconds: float, what: str, subject: str) -> None:
-        """Take an order to the crew, or its repeat. The giver of an order does not repeat it."""
-        self.crew.take(seconds, what, subject)
-        if what == "crew-order" and self._own:
-            self._own -= 1
-            self.crew.settle(subject)
-
-    def _brief(self, seconds: float, what: str, subject: str) -> None:
-        """Keep the briefing of the exercise, its end, and the marks."""
-        key, equals, value = subject.partition("=")
-        if what == "exercise-over":
-            if self.outcome:
-                return  # sent again, because the line was lost meanwhile
-            self.outcome, self._over_at = subject or Outcome.ENDED, seconds
-            self.marks_told.clear()
-            self.rings += 1
-            self.endings += 1
-        elif what == "marks":
-            self.marks_told, self.wrong_at = [marks_in_words(subject)], None
-        elif what == "reason":  # its time [s] comes first
-            time_text, _, reason = subject.partition(",")
-            if time_text and self.wrong_at is None:
-                self.wrong_at = float(time_text)
-            self.marks_told += [reason] if reason not in self.marks_told else []
-        elif what == "debriefing":
-            self.debriefing = f"{float(subject):.0%}" if subject else ""
-        elif equals:
-            if key == "title" and value != self.exercise.get("title"):
-                self._forget_exercise()
-            if key in REPEATED_KEYS:
-                lines = self.told.setdefault(key, [])
-                lines.extend([value] if value not in lines else [])
-            else:
-                self.exercise[key] = value
-
-    def _forget_exercise(self) -> None:
-        """Forget an exercise but its file's name, which comes before the other facts."""
-        name = self.exercise.get("name")
-        self.exercise.clear()
-        self.step, self.step_hint, self.lesson_done = ("", "", "", ""), "", False
-        self.attainable.clear()
-        self.unevaluated = ""
-        self.marks.clear()
-        self.furthest = 0.0
-        del self.briefing[: self._greeted]
-        self.told.clear()
-        self.marks_told.clear()
-        self.outcome = ""
-        if name:
-            self.exercise["name"] = name
+            seconds_shown = self.picture.reading(self.gauges).seconds
+            if seconds_shown < self.exercise.over_at:  # it is flown again, or another is
+                self.exercise.go_on()
+            self.charts.sample()
+            self.timeline.furthest = max(self.timeline.furthest, seconds_shown)
 
     def _answered(self, sentence: Sentence) -> None:
         kind, text = sentence.fields
-        order = self._asked.get(sentence.tag)
+        order = self.asked.get(sentence.tag)
         if order is None:
             if kind == "no":
                 self.journal.add(None, "refused", text)
@@ -521,19 +239,17 @@ class SessionModel:
         if kind == "say":
             order.lines.append(text)
             return
-        del self._asked[sentence.tag]
+        del self.asked[sentence.tag]
         if not order.quiet:
             self._show_answer(order, kind, text)
-        if kind == "ok":
-            self.ended = self.ended or order.words == "quit"
-            # the facts before this answer are the whole list
-            if order.words == "snapshots":
-                self.snapshots, self._snapshots = self._snapshots, []
-            elif order.words == "casualties":
-                self.casualties, self._casualties = self._casualties, []
-        else:
+        if kind != "ok":
             self.refused += 1
-            self._own -= min(self._own, gives_crew(order.words))
+        elif order.words == "quit":
+            self.ended = True
+        elif order.words == "snapshots":
+            self.timeline.snapshots, self.timeline.coming = self.timeline.coming, []
+        elif order.words == "casualties":
+            self.vessel.casualties, self.vessel.coming = self.vessel.coming, []
 
     def _show_answer(self, asked: SentOrder, kind: str, text: str) -> None:
         for answer_line in asked.lines:
@@ -543,16 +259,52 @@ class SessionModel:
         if text:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
 
-    def _remember(self, seconds: float, words: str) -> None:
-        """Put an event to which one may want to return on the time line."""
+    # facts about more than one subject
+
+    def _take_end(self, _seconds: float, _nothing: str) -> None:
+        self.over, self._awaited = True, -math.inf
+
+    def _await_next(self, _seconds: float, _file: str) -> None:
+        self.over, self._awaited = False, self.clock() + NEXT_TIMEOUT_S
+
+    def _change_chair(self, _seconds: float, role: str) -> None:
+        self.chair = role
+
+    def _take_order(self, seconds: float, words: str) -> None:
+        """Show an event to which one may want to return on the time line."""
         name = name_of(words)
         if name == "snapshot" and self.instructs:
             self.ask("snapshots")
         elif name == "casualty":
-            self.marks.append(TimelineMoment(seconds, "C", words))
+            self.timeline.take_casualty(seconds, words)
             self.rings += 1
 
-    def _go_on(self) -> None:
-        """Forget the end of an exercise, because it or another one is flown now."""
-        self.outcome, self._over_at = "", 0.0
-        self.marks_told.clear()
+    def _take_own_order(self, seconds: float, subject: str) -> None:
+        """Settle an order to the crew, because its giver does not repeat it."""
+        if not self.instructs:  # who waits for the crew to repeat it
+            self.crew.settle(seconds, subject)
+
+    def _go_back(self, seconds: float, _order: str) -> None:
+        self.timeline.go_back(seconds)
+        self.crew.forget_waiting()
+        self.exercise.go_on()
+        if self.instructs:
+            self.ask("snapshots")
+
+    def _take_past(self, _seconds: float, subject: str) -> None:
+        """Put a past that has come whole before the present."""
+        channel = self.past.mark(subject)
+        if channel == EVENTS_CHANNEL:
+            events = self.past.events
+            self.journal.recall([entry_of(each) for each in events if each.kind == "TRE"])
+            self.timeline.recall(each.fields for each in events if each.kind == "TRF")
+        elif channel:
+            self.charts.recall(channel)
+
+    def _take_exercise(self, seconds: float, subject: str) -> None:
+        """Take a key of the exercise. The title of another one ends what is known of the last."""
+        key, _, value = subject.partition("=")
+        if key == "title" and value != self.exercise.values.get(key):
+            self.exercise.forget()
+            self.timeline.forget()
+        self.exercise.take_value(seconds, subject)

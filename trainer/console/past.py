@@ -12,15 +12,9 @@ from trainer.console.readings import ChannelReading
 from trainer.io.orders.sentences import Sentence
 
 EVENTS_CHANNEL: Final = "events"
-
-
-HISTORY_ORDER: Final = "history {}"
-
-
+PAST_FACT: Final = "past"  # which marks where the past of a channel begins or ends
 # [s] of the boat's time; a screen that missed less does not ask for its past
 LATE_TIME_S: Final = 15.0
-
-
 Rows = dict[str, dict[float, ChannelReading]]  # by channel and time [s]
 
 
@@ -40,7 +34,7 @@ class PastAnswers:
         self._open.clear()
         self.wanted = {*channels, EVENTS_CHANNEL}
         for channel in sorted(self.wanted):
-            send(HISTORY_ORDER.format(channel))
+            send(f"history {channel}")
 
     def mark(self, subject: str) -> str:
         """Take a mark where the past of a channel begins or ends. Return a channel that ended."""
@@ -61,12 +55,13 @@ class PastAnswers:
             )
             self.rows.setdefault(channel, {})[reading.seconds] = reading
             return True
-        if sentence.kind in ("TRE", "TRF") and EVENTS_CHANNEL in self._open:
+        happened = sentence.kind in ("TRE", "TRF") and sentence.fields[2] != PAST_FACT
+        if happened and EVENTS_CHANNEL in self._open:
             self.events.append(sentence)
             return True
         return False
 
-    def number(self, channel: str, name: str, seconds: float) -> float | None:
+    def number(self, seconds: float, channel: str, name: str) -> float | None:
         """Return the value of a field at a time [s], None before its first."""
         reading = self.rows.get(channel, {}).get(seconds)
         return reading.number(name) if reading else None

@@ -37,8 +37,9 @@ class TimelineView:
     @property
     def snapshot(self) -> str:
         """Return the snapshot at that time, "" for none."""
-        snapshots = [s for s in self.model.snapshots if abs(s.seconds - self.there) < NEAR_MOMENT_S]
-        return snapshots[-1].text if snapshots else ""
+        kept = self.model.timeline.snapshots
+        near = [each.text for each in kept if abs(each.seconds - self.there) < NEAR_MOMENT_S]
+        return near[-1] if near else ""
 
     def order(self, *, replay: bool) -> str:
         """Return the order that goes to the chosen place."""

@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Final
 
+from trainer.console.charts import Quantity
 from trainer.console.drawing.aids import interpolated_way, way_ahead
 from trainer.console.drawing.crew_orders import in_feet
 from trainer.console.drawing.values import NO_VALUE, course, number
-from trainer.console.model import Quantity, SessionModel
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, beside, fit, line
 from trainer.console.readings import CIRCULAR_FIELDS
 from trainer.units import FOOT
@@ -87,7 +88,7 @@ class Sheet:
 
 def strip(quantity: int, model: SessionModel, span: float, width: int, height: int) -> Lines:
     """Return the chart of a quantity over the last ``span`` [s], its title above it."""
-    drawn = model.charts[quantity]
+    drawn = model.quantities[quantity]
     title = headline(drawn, model, span, width)
     columns, rows = width - SCALE_COLUMNS - 1, height - 1
     if rows < 1 or columns < MIN_CHART_COLUMNS:
@@ -95,7 +96,7 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     way, size = way_ahead(model, drawn.name), unit_of(drawn, model)[1]
     reach = way[-1][0] if way else 0.0
     past = round(columns * span / (span + reach))  # the columns up to now
-    series = model.trace.series(quantity, span, past * DOTS_ACROSS)
+    series = model.charts.trace.series(quantity, span, past * DOTS_ACROSS)
     actual = [scaled_value(each.actual, size) if each else None for each in series]
     ordered = [scaled_value(each.ordered, size) if each else None for each in series]
     ghost = [scaled_value(each.ghost, size) if each else None for each in series]
@@ -156,7 +157,7 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     says = format_quantity(drawn)
     unit, size = unit_of(drawn, model)
     actual = says(scaled_value(model.picture.number(*drawn.actual), size))
-    ordered = says(scaled_value(model.ordered(drawn), size))
+    ordered = says(scaled_value(drawn.order(model.picture.number), size))
     ordered_text = "" if ordered == NO_VALUE else f" {DASH_SIGN}{DASH_SIGN} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     ghost = says(scaled_value(model.picture.number("ghost", drawn.name), size))
@@ -356,7 +357,7 @@ def merge(*layers: Run) -> tuple[Run, ...]:
 
 def plan(model: SessionModel, width: int, height: int) -> Lines:
     """Return the track with the boat as an arrow, and a rule of its scale."""
-    track = model.track
+    track = model.charts.track
     heading = fit(line((" track", "heading"), ("  north up", "heading-dim")), width, "heading")
     if height < 4 or not track:
         return [heading][:height]

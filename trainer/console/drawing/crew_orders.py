@@ -171,7 +171,7 @@ def order_line(model: SessionModel, width: int) -> Line:
     if new:
         says = new[0].says
         return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT_HINT}", "key")), width, "bar")
-    words = "" if model.step[0] else told_words(model)
+    words = "" if model.exercise.step.text else told_words(model)
     return fit(line((f" told: {words}" if words else "", "ordered")), width)
 
 

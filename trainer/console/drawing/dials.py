@@ -128,10 +128,10 @@ def depth_gauge(model: SessionModel) -> Gauge:
 
 def depth_rate(model: SessionModel) -> str:
     """Return how fast the depth gauge sinks or rises, by its chart."""
-    names = [each.name for each in model.charts]
+    names = [each.name for each in model.quantities]
     if "depth" not in names:
         return ""
-    shown = model.trace.series(names.index("depth"), RATE_SPAN, 2)
+    shown = model.charts.trace.series(names.index("depth"), RATE_SPAN, 2)
     first, last = (None if each is None else each.actual for each in shown)
     if first is None or last is None:
         return ""
@@ -245,8 +245,8 @@ def telegraph(model: SessionModel, width: int) -> Lines:
 
 def bells_in_knots(model: SessionModel) -> str:
     """Return the turns of the bells [kn], which the session has sent."""
-    texts = []
+    ranges, texts = model.vessel.ranges, []
     for way, bells in (("ahead", AHEAD_BELLS), ("astern", ASTERN_BELLS[::-1])):
-        turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]
+        turns = [ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in ranges]
         texts += [f"{way} {'/'.join(f'{abs(each):g}' for each in turns)}"] * bool(turns)
     return f"kn: {', '.join(texts)}" if texts else ""

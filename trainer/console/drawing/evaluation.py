@@ -17,9 +17,10 @@ OLD_AGE_S: Final = 15.0  # [s] of exercise time from which the age is told
 
 def evaluation(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the marks still to be had, how they fell, and those so far."""
-    if model.unevaluated or not model.attainable:
-        return [fit(line((f" no evaluation: {model.unevaluated}", "dim")), width)]
-    last = model.attainable[-1]
+    points, reason = model.timeline.attainable, model.timeline.unevaluated
+    if reason or not points:
+        return [fit(line((f" no evaluation: {reason}", "dim")), width)]
+    last = points[-1]
     ink = "value" if last.outcome is Outcome.WON else "warning"
     left = line((f"earn{last.marks:3.0f}", ink))
     age = model.picture.seconds - last.seconds
@@ -33,7 +34,7 @@ def evaluation(model: SessionModel, width: int, _height: int) -> Lines:
 
 def columns(model: SessionModel, room: int) -> tuple[Run, ...]:
     """Return a column for each time, up to the last evaluation."""
-    points, end = model.attainable, end_of(model)
+    points, end = model.timeline.attainable, end_of(model)
     runs: list[Run] = []
     for at in range(room):
         until = (at + 0.5) / max(room - 1, 1) * end

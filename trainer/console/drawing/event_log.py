@@ -67,13 +67,13 @@ def time_at(model: SessionModel, width: int, column: int) -> float:
 
 def end_of(model: SessionModel) -> float:
     """Return how long the line of time is [s]: flown, and planned."""
-    ahead = (each.seconds for each in model.plans)
-    return max(model.picture.seconds, model.furthest, 1.0, *ahead)
+    ahead = (each.seconds for each in model.timeline.plans)
+    return max(model.picture.seconds, model.timeline.furthest, 1.0, *ahead)
 
 
 def moments(model: SessionModel) -> list[TimelineMoment]:
     """Return the snapshots, marks and casualties on the time line, oldest first."""
-    return sorted([*model.snapshots, *model.marks], key=lambda kept: kept.seconds)
+    return sorted([*model.timeline.snapshots, *model.timeline.marks], key=lambda kept: kept.seconds)
 
 
 def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, ...]:
@@ -83,7 +83,7 @@ def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
         return min(max(round(seconds / end * (room - 1)), 0), room - 1)
 
     signs: list[Run] = [("━" if at <= column(now) else "╌", "dim") for at in range(room)]
-    for plan in model.plans:
+    for plan in model.timeline.plans:
         signs[column(plan.seconds)] = (plan.sign, "ordered")
     for moment in moments(model):
         signs[column(moment.seconds)] = (moment.sign, "warning")

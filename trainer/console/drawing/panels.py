@@ -94,10 +94,12 @@ def pace(model: SessionModel) -> Line:
 
 def title(model: SessionModel) -> str:
     """Return the session's name, and the rest of the exercise or how it went."""
-    named = model.exercise.get("title") or (model.briefing[0] if model.briefing else "")
-    if model.outcome:
-        return f" {named}  EXERCISE OVER: {model.outcome} "
-    time_text = "" if model.left is None else f"  {clock(model.left)[3:]} left"
+    exercise = model.exercise
+    named = exercise.values.get("title") or next(iter(exercise.briefing), "")
+    if exercise.outcome:
+        return f" {named}  EXERCISE OVER: {exercise.outcome} "
+    left = exercise.left_at(model.picture.seconds)
+    time_text = "" if left is None else f"  {clock(left)[3:]} left"
     return f" {named}{time_text} " if named or time_text else ""
 
 
@@ -188,34 +190,34 @@ def pilot(model: SessionModel, width: int, height: int) -> Lines:
 def trainee(model: SessionModel, width: int, height: int) -> Lines:
     """Return a lesson's step, and below it the panel of what is in hand."""
     steps = step_rows(model, width)
-    if "ballast" in model.by_hand:  # small, because the tanks below need the room
+    if "ballast" in model.exercise.by_hand:  # small, because the tanks below need the room
         drawn = [*instruments(model, width, large=False), *surfaces(model, width)]
         drawn.append(angles(model, width))
     else:
         drawn = pilot(model, width, height)
-    drawn = [*steps, *lit(drawn, LIT_LABELS.get(model.step[2], ()))]
+    drawn = [*steps, *lit(drawn, LIT_LABELS.get(model.exercise.step.instrument, ()))]
     return [fit(each, width) for each in drawn[:height]]
 
 
 def trainee_levels(model: SessionModel, width: int, height: int) -> Lines:
     """Return the tanks, their heading lit up where a step asks to look there."""
     lines = levels(model, width, height)
-    if model.step[2] == "tanks" and lines:
+    if model.exercise.step.instrument == "tanks" and lines:
         lines[0] = tuple((text, "new") for text, _ in lines[0])
     return lines
 
 
 def step_rows(model: SessionModel, width: int) -> Lines:
     """Return the present step of a lesson and its hint, nothing without one."""
-    number, count, _, text = model.step
-    if not number:
+    number, count, _, text, hint = model.exercise.step
+    if not text:
         return []
     head = f" step {number} of {count} "
     first, *more = textwrap.wrap(text, max(width - 2, 20), initial_indent=" " * len(head))
     rows = [line((head, "new"), (f" {first.strip()}", "value"))]
     rows += [line((f" {each}", "value")) for each in more]
-    hint = textwrap.wrap(f"hint: {model.step_hint}", max(width - 2, 20)) if model.step_hint else []
-    return [*rows, *(line((f" {each}", "warning")) for each in hint), line()]
+    hints = textwrap.wrap(f"hint: {hint}", max(width - 2, 20)) if hint else []
+    return [*rows, *(line((f" {each}", "warning")) for each in hints), line()]
 
 
 def lit(lines: Sequence[Line], labels: Sequence[str]) -> Lines:
