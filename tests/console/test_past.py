@@ -8,7 +8,7 @@ from helpers.screens import CREW, Tape, sight_of, tape, values
 from trainer.console.charts import Sample, Trace
 from trainer.console.client import LineLoss, RoleTaken
 from trainer.console.drawing.event_log import log, time_at, time_line
-from trainer.console.journal import JournalEntry
+from trainer.console.journal import MAX_ENTRIES, JournalEntry
 from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
@@ -112,6 +112,15 @@ def test_the_past_of_the_log_comes_first_and_nothing_twice() -> None:
         )
     assert [entry.text for entry in model.journal.entries if entry.seconds] == ["then", "now"]
     assert next(iter(model.journal.entries)).text == "then"
+
+
+def test_a_full_log_keeps_its_newest_lines_when_the_past_is_told() -> None:
+    _, model = late()
+    for second in range(MAX_ENTRIES):
+        model.journal.add(600.0 + second, "time", f"now {second}")
+    model.journal.recall([JournalEntry(1.0, "time", "then")])
+    assert model.journal.entries[-1].text == f"now {MAX_ENTRIES - 1}"
+    assert len(model.journal.entries) == MAX_ENTRIES
 
 
 def test_what_was_sampled_live_is_not_replaced() -> None:

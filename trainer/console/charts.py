@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
 from typing import Final, NamedTuple
 
 from trainer.console.past import EVENTS_CHANNEL, LATE_TIME_S, PastAnswers
@@ -172,4 +173,5 @@ class Charts:
             first = self._track[0][0] if self._track else math.inf
             places = [(s, r.number("north"), r.number("east")) for s, r in rows if s < first]
             earlier = [(s, n, e) for s, n, e in places if n is not None and e is not None]
-            self._track.extendleft(reversed(earlier[-(MAX_TRACK_PLACES - len(self._track)) :]))
+            room = MAX_TRACK_PLACES - len(self._track)
+            self._track.extendleft(islice(reversed(earlier), room))

@@ -11,6 +11,7 @@ import textwrap
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Final, NamedTuple
 
 from trainer.config.outcome import Outcome
@@ -156,7 +157,7 @@ class Journal:
         """Put earlier entries before the present ones, without those that are there already."""
         known = set(self.entries)
         missed = [entry for entry in entries if entry not in known]
-        self.entries.extendleft(reversed(missed[-(MAX_ENTRIES - len(self.entries)) :]))
+        self.entries.extendleft(islice(reversed(missed), MAX_ENTRIES - len(self.entries)))
         self.changes += 1
 
     def look_back(self, lines: int) -> None:
