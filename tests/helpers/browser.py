@@ -1,7 +1,7 @@
 """A browser and sessions with pages, for the tests of the pages."""
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 
 import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
@@ -54,7 +54,14 @@ def instructor(shared: Served) -> Caller:
 
 @pytest.fixture
 def look(browser: Browser) -> Iterator[Look]:
-    """Return a function that opens a page: ``look(session, "helm", size="phone")``.
+    """Return a function that opens a page: ``look(session, "helm", size="phone")``."""
+    with looking(browser) as open_page:
+        yield open_page
+
+
+@contextmanager
+def looking(browser: Browser) -> Iterator[Look]:
+    """Yield a function that opens pages, which stay open while the block lasts.
 
     It draws each reading once, as for who wants no motion, because pictures between the ticks
     would cost a third of a processor; ``reduced_motion="no-preference"`` draws them. At the end the

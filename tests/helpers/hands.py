@@ -51,6 +51,10 @@ UNWORKED: Final = """() => [...document.querySelectorAll(
   .map((each) => each.outerHTML.slice(0, 120))"""
 
 
+# Whether a control has the focus, which it is given: what is hidden, disabled or inert takes none.
+FOCUSED: Final = "(each) => { each.focus(); return each.matches(':focus'); }"
+
+
 def work(page: Page, control: Locator, way: str, part: tuple[float, float] = (0.5, 0.5)) -> None:
     """Work a control with the mouse, a finger, or the keyboard.
 
@@ -58,7 +62,7 @@ def work(page: Page, control: Locator, way: str, part: tuple[float, float] = (0.
     """
     control.evaluate("(each) => (each.dataset.worked = '')")
     if way == "keyboard":
-        control.focus()
+        await_that(lambda: control.evaluate(FOCUSED), lambda: f"{control} takes no focus")
         page.keyboard.press("Enter")
         return
     if part == (0.5, 0.5):

@@ -1,5 +1,6 @@
 """Levers that are held, not hit: fingers on glass, one scale with the dial, words that are read."""
 
+import functools
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,16 +8,18 @@ from itertools import pairwise
 from typing import Any, Final
 
 import pytest
+from helpers.browser import looking
 from helpers.hands import await_truth, on_groove
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from helpers.waiting import await_that
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 from soak.session_process import Caller
 
 from trainer.web.pages import PAGES
 
 Look = Callable[..., Page]
+Opened = Callable[..., Page]
 Serve = Callable[..., Served]
 PHONE: Final = (390, 844)
 # Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
@@ -31,22 +34,47 @@ each_lever = pytest.mark.parametrize(("name", "lever"), LEVERS, ids=[each[1] for
 
 FOUR: Final = sample_cases([PHONE, (768, 1024), (1366, 768), (1920, 1080)], PHONE, (1366, 768))
 
-SENT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
+SENT: Final = """() => { const send = WebSocket.prototype.send;
 WebSocket.prototype.send = function (line) {
     if (/TRO,\\d+,(rudder|stern|bow)/.test(line)) window.sent.push(line);
     send.call(this, line);
 }; }"""
 
 
-def opened(look: Look, session: Served, name: str, size: tuple[int, int] = PHONE) -> Page:
-    """Return a station's page under fingers, that shows readings."""
-    page = look(session, name, has_touch=True)
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    expect(page.locator("#state")).to_have_text("FROZEN")
-    expect(page.locator("order-lever .knob").first).not_to_be_empty()
-    page.wait_for_timeout(300)  # until all is laid out, and the last readings have moved it
-    page.evaluate(SENT)
-    return page
+@pytest.fixture(scope="module")
+def kept(browser: Browser, shared: Served) -> Iterator[Callable[[str], Page]]:
+    """Return the page of a station under fingers, which stays open for the tests of this module."""
+    with looking(browser) as look:
+
+        @functools.cache
+        def page_of(name: str) -> Page:
+            page = look(shared, name, has_touch=True)
+            page.evaluate(SENT)
+            return page
+
+        yield page_of
+
+
+@pytest.fixture
+def opened(
+    kept: Callable[[str], Page],
+    instructor: Caller,  # noqa: ARG001  who takes the boat to its start
+) -> Opened:
+    """Return a function that shows the page of a station, whose boat is as at its start."""
+
+    def show(name: str, size: tuple[int, int] = PHONE) -> Page:
+        page = kept(name)
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        for lever in page.locator("order-lever").all():
+            mode = page.locator(f"[data-mode={lever.get_attribute('name')}]")
+            expect(mode).not_to_have_text("by hand")
+        expect(page.locator("order-lever .knob").first).not_to_be_empty()
+        page.wait_for_timeout(300)  # until all is laid out, and the last readings have moved it
+        page.evaluate("window.sent = []")
+        return page
+
+    return show
 
 
 class Finger:
@@ -92,9 +120,9 @@ def travel(page: Page, lever: str) -> float:
 
 @each_lever
 def test_a_finger_at_the_knobs_edge_orders_nothing_and_keeps_its_place(
-    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+    instructor: Caller, opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     before, finger = standing(page, lever), Finger(page)
     knob, a_degree = box_of(knob_of(page, lever)), travel(page, lever) / 60.0
     x, y = knob["x"] + knob["width"] - 3.0, knob["y"] + 3.0
@@ -116,11 +144,10 @@ def test_a_finger_at_the_knobs_edge_orders_nothing_and_keeps_its_place(
 
 
 @each_lever
-@pytest.mark.usefixtures("instructor")
 def test_a_touch_that_leaves_the_knob_where_it_was_takes_no_surface_by_hand(
-    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+    instructor: Caller, opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     knob = box_of(knob_of(page, lever))
     page.touchscreen.tap(knob["x"] + knob["width"] - 2.0, knob["y"] + knob["height"] / 2.0)
     page.wait_for_timeout(300)
@@ -130,9 +157,9 @@ def test_a_touch_that_leaves_the_knob_where_it_was_takes_no_surface_by_hand(
 
 @each_lever
 def test_a_tap_on_the_groove_steps_towards_it(
-    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+    instructor: Caller, opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     knob_of(page, lever).press("Home")
     for share, wanted in ((0.95, STEP), (0.95, 2 * STEP), (0.05, STEP)):
         page.touchscreen.tap(*on_groove(page, lever, share))
@@ -143,9 +170,9 @@ def test_a_tap_on_the_groove_steps_towards_it(
 
 @each_lever
 def test_a_hold_on_the_groove_makes_the_lever_go_to_the_finger(
-    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+    instructor: Caller, opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     knob_of(page, lever).press("Home")
     x, y = on_groove(page, lever, 0.8)
     with Finger(page).down(x, y):
@@ -165,9 +192,9 @@ def test_a_hold_on_the_groove_makes_the_lever_go_to_the_finger(
 
 @each_lever
 def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
-    shared: Served, instructor: Caller, look: Look, name: str, lever: str
+    instructor: Caller, opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     knob_of(page, lever).press("Home")
     place = f"{CHANNELS[lever]}.ordered_{lever}"
     for end, share, way in (("high", 1.0, 1), ("low", 0.0, -1)):
@@ -191,11 +218,10 @@ def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
 
 
 @each_lever
-@pytest.mark.usefixtures("instructor")
 def test_the_figure_stands_above_the_thumb_while_it_holds(
-    shared: Served, look: Look, name: str, lever: str
+    opened: Opened, name: str, lever: str
 ) -> None:
-    page = opened(look, shared, name)
+    page = opened(name)
     figure = page.locator(f"order-lever[name={lever}] .figure")
     expect(figure).to_be_hidden()
     knob = box_of(knob_of(page, lever))
@@ -252,9 +278,9 @@ def test_each_groove_is_three_hundred_pixels_long_on_a_phone(
 
 @pytest.mark.parametrize("lever", ["stern", "bow"])
 def test_a_phone_on_its_side_has_the_planes_levers_across_and_rise_to_the_right(
-    shared: Served, instructor: Caller, look: Look, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(look, shared, "planes", (844, 390))
+    page = opened("planes", (844, 390))
     knob = knob_of(page, lever)
     expect(knob).to_have_attribute("aria-orientation", "horizontal")
     knob.press("Home")
@@ -281,9 +307,8 @@ ARROWS: Final = """() => [...document.querySelectorAll("order-lever .fine")]
   }).map((each) => each.className)"""
 
 
-@pytest.mark.usefixtures("instructor")
-def test_each_fine_key_has_its_arrow_inside_it(shared: Served, look: Look) -> None:
-    page = opened(look, shared, "pilot")
+def test_each_fine_key_has_its_arrow_inside_it(opened: Opened) -> None:
+    page = opened("pilot")
     for width, height in LOOKED_AT:
         page.set_viewport_size({"width": width, "height": height})
         for part in range(parts_of(page)):
@@ -317,12 +342,11 @@ SCALE: Final = """(name) => {
 }"""
 
 
-@pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize("size", FOUR)
 def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_scale(
-    shared: Served, look: Look, size: tuple[int, int]
+    opened: Opened, size: tuple[int, int]
 ) -> None:
-    seen = opened(look, shared, "helm", size).evaluate(SCALE, "rudder")
+    seen = opened("helm", size).evaluate(SCALE, "rudder")
     found, (wide, _) = seen["found"], seen["panel"]
     for each in found:
         assert each["knob"][0] == pytest.approx(each["tick"][0], abs=1.0)
@@ -336,13 +360,12 @@ def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_sc
     assert max(steps) - min(steps) < 1.0
 
 
-@pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize("lever", ["stern", "bow"])
 @pytest.mark.parametrize("size", FOUR)
 def test_the_planes_lever_lies_on_the_chord_of_its_dial_twice_as_large_as_it_was(
-    shared: Served, look: Look, lever: str, size: tuple[int, int]
+    opened: Opened, lever: str, size: tuple[int, int]
 ) -> None:
-    seen = opened(look, shared, "planes", size).evaluate(SCALE, lever)
+    seen = opened("planes", size).evaluate(SCALE, lever)
     found, (_, high) = seen["found"], seen["panel"]
     for each in found:
         assert each["knob"][1] == pytest.approx(each["tick"][1], abs=1.0)
@@ -370,16 +393,12 @@ LARGEST: Final = """() => {
 }"""
 
 
-@pytest.mark.usefixtures("instructor")
 @pytest.mark.parametrize("name", sample_cases(["helm", "planes"], "helm"))
-def test_the_own_control_is_the_biggest_instrument_of_its_page(
-    shared: Served, look: Look, name: str
-) -> None:
+def test_the_own_control_is_the_biggest_instrument_of_its_page(opened: Opened, name: str) -> None:
     for size in (*SIX, (768, 1024)):
-        page = opened(look, shared, name, size)
+        page = opened(name, size)
         own, other = page.evaluate(LARGEST)
         assert own > other, f"{name} at {size}: {own:.0f} px, another {other:.0f} px"
-        page.context.close()
 
 
 # Each text that is seen, with its size on the glass: the scale of an SVG counts.

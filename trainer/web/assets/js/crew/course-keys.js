@@ -38,7 +38,7 @@ export function furnishCourse(session) {
   const showDone = () => {
     const words = { done: say("done"), begun: say("begun") }; // a lesson has no marks
     for (const each of (session.exercise.done ?? "").split(",").filter(Boolean)) {
-      const [name, how] = /** @type {[string, keyof words]} */ (each.split(":"));
+      const [name, how] = /** @type {[string, keyof typeof words]} */ (each.split(":"));
       write(one(`[data-name="${name}"] [data-done]`, lessons), `, ${words[how]}`);
     }
   };
