@@ -70,7 +70,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def kept(flown: Path, tmp_path: Path) -> Path:
     """Return a copy of it for a test."""
-    return shutil.copy(flown, tmp_path / flown.name)
+    return Path(shutil.copy(flown, tmp_path / flown.name))
 
 
 # Names
