@@ -185,11 +185,17 @@ class Stage:
             lambda: session.done or machine.deaths or self.docket.breaches,
         )
         if life.ending is not Ending.SIGNAL:  # the very turn is drawn, too
-            last, answered = machine.turns + life.turns, len(self.docket.promises)
+            last, promises, answered = machine.turns + life.turns, self.docket.promises, 0
 
             def strikes() -> bool:
-                due = machine.turns >= last
-                return due and (not life.at_answer or len(self.docket.promises) > answered)
+                nonlocal answered
+                if machine.turns < last:
+                    answered = len(promises)
+                    return False
+                awaited = (
+                    not life.at_mark or each.kind == "mark" for each, _ in promises[answered:]
+                )
+                return not life.at_answer or any(awaited)
 
             machine.run(
                 machine.now + KILL_TIMEOUT_NS,
