@@ -148,13 +148,17 @@ class Life:
     players: tuple[Player, ...]
     mishaps: tuple[Mishap, ...] = ()
     at_answer: bool = False  # then it waits for the next answer, and strikes before all else
-    at_mark: bool = False  # then the answer has to be that to a mark
     interleaving: float = 0.05  # [-] the chance that a thread comes in between
     frozen: bool = False
     slow_disk: bool = False
     instruments: bool = False  # NMEA goes out by a cable and by datagrams
     rest: float = 0.0  # before the next process begins
     aged: bool = False  # the recording that it goes on with is of format 1
+
+    @property
+    def at_mark(self) -> bool:
+        """Return whether the answer that a kill waits for has to be that to a mark."""
+        return self.seed % 4 == 0  # not drawn: each draw more changes all that come after it
 
 
 @dataclass(frozen=True)
@@ -244,7 +248,6 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         ending=dice.choices(tuple(Ending), (0.4, 0.2, 0.4))[0],
         turns=dice.randrange(1, 300),
         at_answer=dice.random() < 0.5,
-        at_mark=dice.random() < 0.25,
         players=tuple(
             _draw_player(dice, role, rate, seconds, wait, way)
             for role, way in zip(reversed(roles), ways, strict=False)

@@ -63,7 +63,7 @@ def _smaller_lives(life: Life) -> Iterator[Life]:
                 life, players=(*players[:i], Player(player.role, visits), *players[i + 1 :])
             )
     plain = {"interleaving": 0.0, "slow_disk": False, "rest": 0.0, "turns": 1}
-    plain |= {"at_answer": False, "at_mark": False, "instruments": False, "aged": False}
+    plain |= {"at_answer": False, "instruments": False, "aged": False}
     for name, value in plain.items():
         if getattr(life, name) != value:
             yield replace(life, **{name: value})  # type: ignore[arg-type]
