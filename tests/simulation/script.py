@@ -157,7 +157,7 @@ class Life:
 
     @property
     def at_mark(self) -> bool:
-        """Return whether the answer that a kill waits for has to be that to a mark."""
+        """Return whether the answer that a kill waits for is that to a mark."""
         return self.seed % 4 == 0  # not drawn: each draw more changes all that come after it
 
 
