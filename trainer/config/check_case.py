@@ -189,8 +189,8 @@ class CheckCase:
 
     def problem(self, text: str) -> ConfigError:
         """Return an error about the case's file, with its line where that can be told."""
-        place = Position(self.path.name, "").problem(text)
-        return ConfigError(*number_problems([place], read_text(self.path), self.path.name))
+        problem = Position(self.path.name, "").problem(text)
+        return ConfigError(*number_problems([problem], read_text(self.path), self.path.name))
 
 
 def case_schema() -> dict[str, Any]:

@@ -65,10 +65,10 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
     text = text_if_there(path)
     if text is None:
         return ()
-    table, place = parse_toml(text, path.name), Position(path.name, "")
+    table, position = parse_toml(text, path.name), Position(path.name, "")
     rows = table.pop("changes", [])
-    read_record(ChangesHead, table, place, ())
-    changes: tuple[Change, ...] = CHANGE_ROWS.read("changes", rows, place)
+    read_record(ChangesHead, table, position, ())
+    changes: tuple[Change, ...] = CHANGE_ROWS.read("changes", rows, position)
     for change in changes:
         _what(change.name, change.what, f"{path.name}: {change.name}: {change.what}")
     return changes

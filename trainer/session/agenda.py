@@ -25,7 +25,7 @@ from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
-WHEN_PLACE: Final = Position("when", "")
+WHEN_POSITION: Final = Position("when", "")
 SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
 
 
@@ -180,7 +180,7 @@ class Agenda:
             return PlannedOrder(number, inner, order.value + (now if order.word == "in" else 0.0))
         words = condition_words(order, inner)
         try:
-            return PlannedOrder(number, inner, condition=compile_condition(words, WHEN_PLACE))
+            return PlannedOrder(number, inner, condition=compile_condition(words, WHEN_POSITION))
         except ConfigError as error:
             return Refused(str(error))
 

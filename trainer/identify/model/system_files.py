@@ -212,10 +212,10 @@ def load_system(path: Path) -> System:
 
 def _load_file(path: Path) -> System:
     """Return the system of a TOML file, its expressions parsed; ConfigError with all faults."""
-    table, place = parse_toml(read_text(path), path.name), Position(path.name, "")
+    table, position = parse_toml(read_text(path), path.name), Position(path.name, "")
     heading_values = {key: value for key, value in table.items() if key != "parameters"}
-    file = read_record(SystemFile, heading_values, place, ("note",))
-    rows = SYSTEM_PARAMETERS.read("parameters", table.get("parameters", []), place)
+    file = read_record(SystemFile, heading_values, position, ("note",))
+    rows = SYSTEM_PARAMETERS.read("parameters", table.get("parameters", []), position)
     names = tuple(row.name for row in rows)
     check_names(path, names)
     for name in names:
@@ -230,7 +230,7 @@ def _load_file(path: Path) -> System:
         try:
             parsed[key] = [[_entry(one, names) for one in row] for row in entries]
         except ConfigError as wrong:
-            problems.append(place.problem(f"{key}: {wrong}"))
+            problems.append(position.problem(f"{key}: {wrong}"))
     if problems:
         raise ConfigError(*problems)
     return System(
