@@ -19,7 +19,7 @@ from trainer.core.bottom import bottom_forces
 from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.envelope import validity
 from trainer.core.integrators import advance
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.propulsion import kept_lag_share, turn_propeller
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
@@ -71,6 +71,10 @@ WRITTEN_COUNT: Final = place_of("crew_order")
 LATE_PLACES: Final = np.array(
     [place_of(name) for name in ("through_north", "through_east", "bottom_load", "aground")]
 )
+# of them, those that only waves write, so that a tick in a calm need not save them
+MEMORY_BEGIN, MEMORY_END = place_of("sea_memory"), place_of("water")
+FILTER_BEGIN, FILTER_END = place_of("sea_modes"), place_of("speed_followed")
+SEA_HEIGHT, SEA_RAMP = place_of("sea_height"), place_of("sea_ramp")
 MAX_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
 MAX_SPEED = 1e3  # [m/s] or [rad/s]
 MAX_DISTANCE = 1e9  # [rad] or [m]
@@ -95,21 +99,27 @@ def lost(state: Record) -> int:
 
 
 @part
-def save(state: Record, scratch: Record) -> None:
-    """Save what a tick may write, in case that it fails."""
-    for i in range(WRITTEN_COUNT):
-        scratch[0].before[i] = state[0].whole[i]
+def copy_written(source: Numbers, target: Numbers) -> None:
+    """Copy what a tick may write from one state to another."""
+    for i in range(MEMORY_BEGIN):
+        target[i] = source[i]
+    for i in range(MEMORY_END, FILTER_BEGIN):
+        target[i] = source[i]
+    for i in range(FILTER_END, WRITTEN_COUNT):
+        target[i] = source[i]
+    if source[SEA_HEIGHT] != 0.0 or source[SEA_RAMP] > 0.0:
+        for i in range(MEMORY_BEGIN, MEMORY_END):
+            target[i] = source[i]
+        for i in range(FILTER_BEGIN, FILTER_END):
+            target[i] = source[i]
     for i in range(LATE_PLACES.size):
-        scratch[0].before[LATE_PLACES[i]] = state[0].whole[LATE_PLACES[i]]
+        target[LATE_PLACES[i]] = source[LATE_PLACES[i]]
 
 
 @kernel
 def put_back(state: Record, scratch: Record) -> None:
     """Put the state back to where it was saved."""
-    for i in range(WRITTEN_COUNT):
-        state[0].whole[i] = scratch[0].before[i]
-    for i in range(LATE_PLACES.size):
-        state[0].whole[LATE_PLACES[i]] = scratch[0].before[LATE_PLACES[i]]
+    copy_written(scratch[0].before, state[0].whole)
 
 
 @part
@@ -166,7 +176,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     """
     h = scheme[0].h
     s = state[0]
-    save(state, scratch)
+    copy_written(s.whole, scratch[0].before)  # in case that the tick fails
     fire_triggers(scheme, state)
     advance_casualties(state)
     autopilot(vessel, h, state, scratch)
