@@ -380,7 +380,11 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 @compiled
 @pytest.mark.parametrize(
     ("name", "first"),
-    [("compute_rates", int64), ("deflect_surfaces", float64), ("advance_command_speed", float64)],
+    [
+        ("compute_rates", int64),
+        pytest.param("deflect_surfaces", float64, marks=pytest.mark.slow),
+        pytest.param("advance_command_speed", float64, marks=pytest.mark.slow),
+    ],
 )
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into
