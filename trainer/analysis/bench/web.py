@@ -1,8 +1,8 @@
 """The cost of stations in a browser, to people and to the session.
 
 ``trainer dev bench --web`` measures it. A session sails twice for as long: alone, and with many
-stations attached at its pages' server. At the second a real Chromium opens the helm's page, gives orders
-over the page's own line and counts pictures.
+stations attached at its pages' server. At the second a real Chromium opens the helm's page, gives
+orders over the page's own line and counts pictures.
 """
 
 import asyncio
