@@ -174,7 +174,7 @@ def _sights(
     for row in rows:
         mast = scope.at(int(trajectory.ticks[row]))
         mast = scope.raised(mast) if up else mast
-        eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
+        eye = scope.eye(state_of(trajectory, row), mast, float(heights[row]))
         yield from ((row, name) for name in scope.names_in_sight(eye, mast))
 
 

@@ -62,7 +62,7 @@ CREW_ORDERS: Final = {
 NEWER_COLUMNS: Final = (*(place for both in CREW_ORDERS.values() for place in both), *STATE_NAMES)
 NEEDED_COLUMNS: Final = tuple(
     dict.fromkeys(
-        (*(q.place for q in STATE_QUANTITIES.values() if q.place != "tick"), *PASSAGE_PLACES)
+        (*(q.field for q in STATE_QUANTITIES.values() if q.field != "tick"), *PASSAGE_PLACES)
     )
 )
 PASSAGE_COLUMNS: Final = tuple(dict.fromkeys((*NEEDED_COLUMNS, *NEWER_COLUMNS)))
@@ -94,7 +94,7 @@ class Trajectory:
         """Return a quantity that the boat has [SI]; a course is not wrapped."""
         if quantity in DERIVED_QUANTITIES:
             return QUANTITY_FUNCTIONS[quantity](self)
-        place = STATE_QUANTITIES[quantity].place
+        place = STATE_QUANTITIES[quantity].field
         column = self.ticks.astype(np.float64) if place == "tick" else self.columns[place]
         return column / scale_of(self.boat, quantity)
 

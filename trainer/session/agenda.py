@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
@@ -26,7 +26,7 @@ from trainer.session.stations.station import Fact
 
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
 WHEN_POSITION: Final = Position("when", "")
-SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
+SPENT_TRIGGERS: Final = STATE_OFFSETS["triggers_spent"]
 
 
 class ComingOrder(NamedTuple):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from trainer.analysis.fleet.member import Fleet, FlightTrack, Schedule, fly_one_by_one
 from trainer.analysis.fleet.shipped import new_solo
-from trainer.boat.boat import STATE_PLACES
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
 
@@ -32,7 +32,7 @@ def orders(tick: ArrayLike, place: ArrayLike, value: ArrayLike) -> Schedule:
     """Return a schedule from arrays [order], alike for all, or [member, order].
 
     ``tick`` counts from the start of the flight: 0 acts before the first tick. ``place`` is that of
-    a number in the state, see ``boat.STATE_PLACES``. Of two orders at one tick the one given later
+    a number in the state, see ``boat.STATE_OFFSETS``. Of two orders at one tick the one given later
     acts later.
     """
     ticks, places, values = np.broadcast_arrays(
@@ -61,7 +61,7 @@ def fly_members(
     count = fleet.states.size
     track = FlightTrack(
         every,
-        np.array([STATE_PLACES[name] for name in columns], np.int64),
+        np.array([STATE_OFFSETS[name] for name in columns], np.int64),
         np.full((count, ticks // every + 1, len(columns)), np.nan),
         np.full(count, -1, np.int64),
     )

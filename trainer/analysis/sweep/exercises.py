@@ -16,7 +16,7 @@ from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
@@ -30,7 +30,7 @@ from trainer.session.plan import Plan, into_hand
 
 CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
 MOTION_PLACES: Final = np.array(
-    [STATE_PLACES["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
+    [STATE_OFFSETS["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
 )
 SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 

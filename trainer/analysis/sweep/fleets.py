@@ -31,7 +31,7 @@ from trainer.boat.assemble import (
     scheme_record,
     thrust_rows,
 )
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
@@ -266,13 +266,13 @@ def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -
             for surface in DEPTH_SURFACES:
                 states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
-            order_rows.append((line.tick, STATE_PLACES["speed_by_hand"], by_hand))
-            order_rows.append((line.tick, STATE_PLACES["ordered_u_c"], numbers))
+            order_rows.append((line.tick, STATE_OFFSETS["speed_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_OFFSETS["ordered_u_c"], numbers))
         else:
             surface, letter = CONTROL_SURFACES[line.what]
             angle = neutral[line.what] + made.toward[surface] * numbers
-            order_rows.append((line.tick, STATE_PLACES[f"{surface}_by_hand"], by_hand))
-            order_rows.append((line.tick, STATE_PLACES[f"ordered_{letter}"], angle))
+            order_rows.append((line.tick, STATE_OFFSETS[f"{surface}_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_OFFSETS[f"ordered_{letter}"], angle))
     if not order_rows:
         return NO_ORDERS
     ticks, places, values = zip(*order_rows, strict=True)

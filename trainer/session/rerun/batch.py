@@ -22,7 +22,7 @@ from trainer.session.stations.view import Pace
 
 IntArray = NDArray[np.int64]
 
-STATE_PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
+STATE_OFFSETS: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +71,11 @@ class Block:
 
     def __getitem__(self, name: str) -> Numbers:
         """Return a number of the state [SI], by its name in the layout, for each row."""
-        return self.whole[:, STATE_PLACES[name]]
+        return self.whole[:, STATE_OFFSETS[name]]
 
     def several(self, *names: str) -> Numbers:
         """Return numbers of the state [SI], with a row for each tick."""
-        return self.whole[:, [STATE_PLACES[name] for name in names]]
+        return self.whole[:, [STATE_OFFSETS[name] for name in names]]
 
 
 class TickTimings(NamedTuple):
@@ -112,8 +112,8 @@ def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
         return read
     whole = np.zeros((len(parts), len(LAYOUT)))
     for i, name in enumerate(layout):
-        if name in STATE_PLACES:
-            whole[:, STATE_PLACES[name]] = read[:, i]
+        if name in STATE_OFFSETS:
+            whole[:, STATE_OFFSETS[name]] = read[:, i]
     return whole
 
 

@@ -11,12 +11,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
 
 PREDICTED_POINTS: Final = 12  # of the way ahead, evenly spaced
 FLOWN_AT_ONCE: Final = 60  # [ticks] before other threads have their turn
-PITCH_PLACE: Final = np.array([STATE_PLACES["theta"]], np.int64)
+PITCH_PLACE: Final = np.array([STATE_OFFSETS["theta"]], np.int64)
 READ_DEPTH, READ_HEADING = (1 + InstrumentReadings._fields.index(x) for x in ("depth", "heading"))
 
 

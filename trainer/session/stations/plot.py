@@ -127,7 +127,7 @@ def sights(frame: Frame) -> list[Sight]:
     if scope is None or stands is None:
         return []
     if "sights" not in frame.kept:
-        place = scope.place(frame, stands, frame.height(*scope.head(stands)))
+        place = scope.eye(frame, stands, frame.height(*scope.head(stands)))
         frame.kept["sights"] = scope.sights(place, stands)
     in_sight: list[Sight] = frame.kept["sights"]
     return in_sight
