@@ -229,7 +229,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "scheduled": [
                 (number, each.tick, plain(each.text))
                 for number, each in accepted
-                if each.place is not None and breaks_or_clears(each, plan)
+                if each.entry is not None and breaks_or_clears(each, plan)
             ],
             "kept": task_of(plan.limits),
         }

@@ -26,7 +26,7 @@ from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE, Role
 from trainer.session.stations.station import Fact, Request
 
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
-PHI_PLACE, THETA_PLACE = STATE_OFFSETS["phi"], STATE_OFFSETS["theta"]
+PHI_OFFSET, THETA_OFFSET = STATE_OFFSETS["phi"], STATE_OFFSETS["theta"]
 # after the end of the exercise, by role
 WAYS_ON: Final = {
     TRAINEE: "again, again from 2 min, next or quit",
@@ -164,5 +164,5 @@ class ExerciseEnd:
         # A list, not the first match: each monitor has to count its ticks at every tick.
         lost = [each.loss.text for each in self.lost if each.look(boat)]
         heel, pitch = CAPSIZE_ANGLES_RAD
-        turned = abs(boat.plain[PHI_PLACE]) > heel or abs(boat.plain[THETA_PLACE]) > pitch
+        turned = abs(boat.plain[PHI_OFFSET]) > heel or abs(boat.plain[THETA_OFFSET]) > pitch
         return lost[0] if lost else ("turned over" if turned else "")

@@ -77,7 +77,7 @@ class Fittings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One tick. ``frame[name]`` is a place of the state [SI], by its name in the core.
+    """One tick. ``frame[name]`` is a field of the state [SI], by its name in the core.
 
     Readers use ``boat`` for its constants alone, because its state may be of a later tick already.
     """
@@ -93,9 +93,9 @@ class Frame:
     def __getitem__(self, name: str) -> float:
         return self.numbers[STATE_OFFSETS[name]]
 
-    def at(self, block: str, place: int) -> float:
-        """Return the number at a place of a block of the state [SI]."""
-        return self.numbers[STATE_OFFSETS[block] + place]
+    def at(self, block: str, index: int) -> float:
+        """Return the number at an index of a block of the state [SI]."""
+        return self.numbers[STATE_OFFSETS[block] + index]
 
     @cached_property
     def ledger(self) -> Summary:
