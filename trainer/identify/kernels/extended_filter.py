@@ -87,10 +87,10 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
     """Return scratch for ``n`` states and ``count`` parameters."""
     # without parameters the Jacobian needs slopes by u, v, r only (4), and the states values (1)
     wide, narrow = (SECOND_COLUMNS, FIRST_COLUMNS) if count > 0 else (4, 1)
-    rows, indices = rows_of(terms), 3 if n <= ROLL_INDEX else PART_COUNT
+    rows, parts = rows_of(terms), 3 if n <= ROLL_INDEX else PART_COUNT
     return FilterRoom(
-        Accelerations(np.empty((rows, wide)), np.empty((indices, wide))),
-        Accelerations(np.empty((rows, narrow)), np.empty((indices, narrow))),
+        Accelerations(np.empty((rows, wide)), np.empty((parts, wide))),
+        Accelerations(np.empty((rows, narrow)), np.empty((parts, narrow))),
         MatrixRoom(
             np.empty((n, n)),
             np.empty((n, n, count)),
