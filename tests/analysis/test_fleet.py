@@ -110,7 +110,7 @@ def flown_alone(
         for tick in range(ticks):
             for i, due in enumerate(schedule.tick[row].tolist()):
                 if due == tick:
-                    state[0].whole[schedule.place[row, i]] = schedule.value[row, i]
+                    state[0].whole[schedule.offset[row, i]] = schedule.value[row, i]
             if update(vessel, compact, fleet.scheme, state, scratch) != 0:
                 break
             rows[member, tick + 1] = [state[0][name] for name in columns]

@@ -141,8 +141,8 @@ def start_fleet(
     """
     scheme = fleet.scheme
     for member in range(fleet.states.size):
-        place = min(member, fleet.compacts.size - 1)  # one may serve them all
-        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[place : place + 1]
+        index = min(member, fleet.compacts.size - 1)  # one may serve them all
+        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[index : index + 1]
         state = fleet.states[member : member + 1]
         c, s = vessel[0], state[0]
         for i in range(s.whole.size):
@@ -275,5 +275,5 @@ def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -
             order_rows.append((line.tick, STATE_OFFSETS[f"ordered_{letter}"], angle))
     if not order_rows:
         return NO_ORDERS
-    ticks, places, values = zip(*order_rows, strict=True)
-    return orders(ticks, places, np.array(values).T)
+    ticks, offsets, values = zip(*order_rows, strict=True)
+    return orders(ticks, offsets, np.array(values).T)
