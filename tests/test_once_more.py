@@ -70,7 +70,7 @@ def run_tests(
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("name", sample_cases(CASES, "one of two fails twice", "too many"))
+@pytest.mark.parametrize("name", sample_cases(CASES, "too many"))
 def test_only_what_waits_for_the_clock_is_tried_again(name: str, tmp_path: Path) -> None:
     texts, code, told = CASES[name]
     done = run_tests(tmp_path, texts)

@@ -70,7 +70,7 @@ def test_a_figure_beyond_ten_times_its_goal_is_named() -> None:
 
 
 def test_a_long_run_measures_more() -> None:
-    assert web.Effort.of(60.0) == web.Effort(5, 60, 100, 2000)
+    assert web.Effort.of(60.0) == web.Effort(5, 200, 100, 2000)
     assert web.Effort.of(2.0).orders < 60
 
 

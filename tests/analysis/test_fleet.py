@@ -27,7 +27,7 @@ from trainer.analysis.fleet.ensemble import (
 from trainer.analysis.fleet.lanes import BLOCK_TYPE, LANE_COUNT, relay_kernel
 from trainer.analysis.fleet.side_by_side import new_work
 from trainer.boat import compilation, machine_code
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.core import kernel
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import inlined
@@ -110,7 +110,7 @@ def flown_alone(
         for tick in range(ticks):
             for i, due in enumerate(schedule.tick[row].tolist()):
                 if due == tick:
-                    state[0].whole[schedule.place[row, i]] = schedule.value[row, i]
+                    state[0].whole[schedule.offset[row, i]] = schedule.value[row, i]
             if update(vessel, compact, fleet.scheme, state, scratch) != 0:
                 break
             rows[member, tick + 1] = [state[0][name] for name in columns]
@@ -125,7 +125,7 @@ def digest(states: np.ndarray) -> str:
 def names_at(difference: np.ndarray) -> set[str]:
     """Return the fields that have places where there is a difference."""
     places = set(np.nonzero(difference.any(axis=0))[0].tolist())
-    return {name for name in STATE.names or () if STATE_PLACES[name] in places}
+    return {name for name in STATE.names or () if STATE_OFFSETS[name] in places}
 
 
 @pytest.mark.parametrize(
@@ -168,14 +168,14 @@ def test_ordinary_members_are_not_flown_alone(boat: Boat, monkeypatch: pytest.Mo
 
     assert works[0].alone.tolist() == [0] * LANE_COUNT
     numbers = works[0].block.reshape(-1, LANE_COUNT)
-    assert numbers[STATE_PLACES["tick"]].tolist() == [10.0] * LANE_COUNT
+    assert numbers[STATE_OFFSETS["tick"]].tolist() == [10.0] * LANE_COUNT
 
 
 def test_members_obey_at_ticks_of_their_own(boat: Boat) -> None:
     random = np.random.default_rng(5)
     fleet = random_fleet(boat, 8)
     names = ("ordered_depth", "ordered_psi", "rudder_by_hand", "x", "sea_height", "held_depth")
-    place = random.choice([STATE_PLACES[name] for name in names], (MEMBERS, 4))
+    place = random.choice([STATE_OFFSETS[name] for name in names], (MEMBERS, 4))
     schedule = orders(
         random.integers(0, TICKS, (MEMBERS, 4)), place, random.uniform(0.0, 3.0, place.shape)
     )
@@ -223,7 +223,7 @@ def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(
 ) -> None:
     fleet = fleet_of(boat, 3)
     fleet.states["sea_omega"] = 0.6
-    fleet.states[1].whole[STATE_PLACES[name]] = value
+    fleet.states[1].whole[STATE_OFFSETS[name]] = value
     alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
     assert [supports_boat(fleet.vessels, fleet.states[i : i + 1]) for i in range(3)] == [1, 0, 1]
@@ -289,7 +289,7 @@ def test_other_ways_to_compute_a_fleet_are_flown_alone(
 
 def test_armed_triggers_fire_in_a_fleet(boat: Boat) -> None:
     boat.records.scheme["trigger_kind"][0, 0] = 1.0
-    boat.records.scheme["trigger_place"][0, 0] = STATE_PLACES["tick"]
+    boat.records.scheme["trigger_place"][0, 0] = STATE_OFFSETS["tick"]
     boat.records.scheme["trigger_sense"][0, 0] = 1.0
     boat.records.scheme["trigger_threshold"][0, 0] = 5.0
     fleet = fleet_of(boat, 2)
@@ -326,7 +326,7 @@ def test_a_boat_without_autopilot_may_follow_one_that_has_it(boat: Boat) -> None
 
 def test_an_order_acts_before_its_tick(boat: Boat) -> None:
     fleet = fleet_of(boat, 2)
-    places = [STATE_PLACES["ordered_r"], STATE_PLACES["rudder_by_hand"]]
+    places = [STATE_OFFSETS["ordered_r"], STATE_OFFSETS["rudder_by_hand"]]
     schedule = orders([3, 3], places, [[0.1, 1.0], [0.2, 1.0]])
 
     flown = fly_members(fleet, schedule, 5, 1, ("command_r", "ordered_r"))
@@ -337,7 +337,7 @@ def test_an_order_acts_before_its_tick(boat: Boat) -> None:
 
 def test_a_member_whose_numbers_are_lost_stays_and_the_others_go_on(boat: Boat) -> None:
     fleet = fleet_of(boat, 3)
-    schedule = orders(4, STATE_PLACES["q"], [[0.0], [np.inf], [0.0]])
+    schedule = orders(4, STATE_OFFSETS["q"], [[0.0], [np.inf], [0.0]])
 
     flown = fly_members(fleet, schedule, 10, 2, ("tick",))
 
@@ -380,7 +380,11 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 @compiled
 @pytest.mark.parametrize(
     ("name", "first"),
-    [("compute_rates", int64), ("deflect_surfaces", float64), ("advance_command_speed", float64)],
+    [
+        ("compute_rates", int64),
+        pytest.param("deflect_surfaces", float64, marks=pytest.mark.slow),
+        pytest.param("advance_command_speed", float64, marks=pytest.mark.slow),
+    ],
 )
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into
@@ -413,7 +417,7 @@ def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
     fleets = [random_fleet(boat, 11) for _ in range(2)]
     schedule = orders(
         [3, 40, 40],
-        [STATE_PLACES["ordered_depth"], STATE_PLACES["ordered_r"], STATE_PLACES["ordered_psi"]],
+        [STATE_OFFSETS["ordered_depth"], STATE_OFFSETS["ordered_r"], STATE_OFFSETS["ordered_psi"]],
         [90.0, 0.2, 0.0],
     )
     first = fly_members(fleets[0], schedule, TICKS, 2, ("u", "z", "psi"))

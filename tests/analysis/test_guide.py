@@ -579,7 +579,6 @@ def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
     assert "LOST: pitch is" in done.output
 
 
-@pytest.mark.long
 def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     book: GuideContents, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

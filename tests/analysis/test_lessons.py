@@ -278,10 +278,10 @@ def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed,
     fly(ship, 10)
     assert ship.say(trainee, "rudder right 10")[0] == "ok"
     fly(ship, 20)
-    assert ship.conduct.guide.place == 1
+    assert ship.conduct.guide.index == 1
 
     assert ship.say(trainee, "backtrack 14 s")[0] == "ok"
-    assert ship.conduct.guide.place == 0
+    assert ship.conduct.guide.index == 0
     assert ship.facts(trainee, "step")[-1].startswith("1,2,")
 
 

@@ -52,7 +52,7 @@ def flown_by(skill: Skill, name: str = DRILL, seed: int = 2) -> Rehearsal:
 def given(flight: Rehearsal) -> list[tuple[int, str]]:
     """Return the ticks and orders of the crew."""
     orders = flight.trajectory.orders
-    return [(each.tick, each.text) for each in orders if each.place is None]
+    return [(each.tick, each.text) for each in orders if each.entry is None]
 
 
 def found(

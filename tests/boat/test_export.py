@@ -23,7 +23,7 @@ from helpers.places import ROOT
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer import __version__
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.export.header import PUBLISHED_NAMES, record_members
 from trainer.boat.export.library import (
     HEADER_FILE,
@@ -144,7 +144,7 @@ def test_every_processor_and_method_gives_the_trainers_bits(
     for tick in range(600):
         if tick == 20:
             boat.state.ordered_depth += 4.0
-            core.state[STATE_PLACES["ordered_depth"]] += 4.0
+            core.state[STATE_OFFSETS["ordered_depth"]] += 4.0
         assert boat.tick() == core.tick() == 0
 
     assert bytes(core.state) == boat.records.state.tobytes()
@@ -286,7 +286,7 @@ def test_the_header_says_what_the_numbers_are(folder: Path) -> None:
     header = (folder / HEADER_FILE).read_text()
 
     assert "double ordered_depth;  /* 99 [m] */" in header.replace(
-        f"/* {STATE_PLACES['ordered_depth']} ", "/* 99 "
+        f"/* {STATE_OFFSETS['ordered_depth']} ", "/* 99 "
     )
     assert "double diameter;" in header
     assert "#define TRAINER_STEP_S 0.5" in header
@@ -327,11 +327,11 @@ def test_the_card_says_what_the_library_is_of_and_where_its_columns_are(core: Co
     assert (core.card["version"], core.card["core"]) == (__version__, core_digest())
     assert core.card["boat"].startswith("Joubert BB2")
     assert float.fromhex(core.card["step"]) == 0.5
-    assert columns["z"] == str(STATE_PLACES["z"])
+    assert columns["z"] == str(STATE_OFFSETS["z"])
 
 
 def test_a_tick_that_fails_says_which_number_and_leaves_the_state(core: Core) -> None:
-    core.state[STATE_PLACES["u"]] = 1e5
+    core.state[STATE_OFFSETS["u"]] = 1e5
     before = bytes(core.state)
 
     status = core.tick()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trainer.boat import casualties
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
 from trainer.core.state import STATE_FIELDS
@@ -263,4 +263,4 @@ def test_the_status_says_what_is_frozen(make_boat: Callable[..., Boat]) -> None:
 
 
 def test_the_places_that_a_hold_may_change_are_places_of_the_state() -> None:
-    assert set(STATE_PLACES) >= PLACE
+    assert set(STATE_OFFSETS) >= PLACE

@@ -270,33 +270,39 @@ main()
 """
 
 
+def recorded(folder: Path, speed: str, **more: str) -> bytes:
+    """Return the CSV of a headless run with sea, tanks and orders, in a process of its own."""
+    (folder / "orders.txt").write_text(TIMELINE)
+    words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
+    files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, *words, *files],
+        cwd=folder,
+        env=environment(**more),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return (folder / "out.csv").read_bytes()
+
+
 @pytest.mark.process
-@pytest.mark.long
-def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_without_jit(
-    tmp_path: Path,
+@pytest.mark.parametrize(
+    ("speed", "more"),
+    [
+        *(("50", {}), ("max", {})),
+        pytest.param("max", {"NUMBA_DISABLE_JIT": "1"}, marks=pytest.mark.slow),
+    ],
+    ids=("at another pace", "again", "without JIT"),
+)
+def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits(
+    speed: str, more: dict[str, str], tmp_path: Path
 ) -> None:
-    (tmp_path / "orders.txt").write_text(TIMELINE)
-
-    def recorded(speed: str, **more: str) -> bytes:
-        words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
-        files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM, *words, *files],
-            cwd=tmp_path,
-            env=environment(**more),
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        return (tmp_path / "out.csv").read_bytes()
-
-    reference = recorded("max")
+    reference = recorded(tmp_path, "max")
     assert reference.count(b"\n") == 62
-    assert recorded("50") == reference
-    assert recorded("max") == reference
-    assert recorded("max", NUMBA_DISABLE_JIT="1") == reference
+    assert recorded(tmp_path, speed, **more) == reference
 
 
 # What is called out

@@ -233,7 +233,7 @@ def put_anywhere(boat: Boat, rng: np.random.Generator) -> None:
     in_hand(boat, float(rng.uniform(c.u_c_astern, c.u_c_ahead)))
 
 
-@pytest.mark.parametrize("kind", FELT_KINDS)
+@pytest.mark.parametrize("kind", sample_cases(FELT_KINDS, *FELT_KINDS[::4]))
 def test_bb2_at_work_suffers_every_casualty(kind: str, in_c: TickRunner) -> None:
     sound, boat = bb2_at_work(), bb2_at_work()
     in_a_loop(sound.records, SUFFERED)

@@ -66,7 +66,7 @@ def voyage(seed: int) -> Voyage:
         {c: lane_at(slave, at) + LANES * stream.standard_normal() for c, slave in CHAIN.items()}
         for at in places
     ]
-    found_east, found_north = np.array([fix.place for fix in track(CHAIN, lanes, START)]).T
+    found_east, found_north = np.array([fix.location for fix in track(CHAIN, lanes, START)]).T
     return Voyage(
         found_east,
         found_north,

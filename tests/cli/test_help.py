@@ -119,7 +119,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
         "trainer boat guide",
         "trainer boat reduce",
     ),
-    "trainer boat sweep",
+    *("trainer boat sweep", "trainer boat check-cases", "trainer report-1969 tanks"),
     *("trainer identify", "trainer ship prbs", "trainer dev bench"),
     *(
         "trainer boat export-core",

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from helpers.lanes import sample_cases
 from helpers.nursery import run_trainer
 from helpers.places import CHECKOUT, environment
 
@@ -33,7 +34,7 @@ NEW = sorted({word for now in MOVED_COMMANDS.values() for word in re.findall(r"t
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("module", NEW)
+@pytest.mark.parametrize("module", sample_cases(NEW, "tests.cases"))
 def test_what_is_typed_now_is_there_from_a_checkout(module: str) -> None:
     done = subprocess.run(
         [sys.executable, "-m", module, "--help"],

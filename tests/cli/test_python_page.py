@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from helpers import notebooks, python_reference
+from helpers.lanes import sample_cases
 from helpers.places import ROOT, TESTS, environment
 
 PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
@@ -48,8 +49,13 @@ def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None
     )
 
 
+QUICK_NOTEBOOKS = [path for path in notebooks.NOTEBOOKS if path.stem != "identification"]
+
+
 @pytest.mark.process
-@pytest.mark.parametrize("path", notebooks.NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sample_cases(notebooks.NOTEBOOKS, *QUICK_NOTEBOOKS), ids=lambda path: path.stem
+)
 def test_the_notebook_s_code_prints_what_the_notebook_shows(tmp_path: Path, path: Path) -> None:
     shown = [notebooks.outputs_of(cell) for cell in notebooks.cells(path)]
     assert path.stat().st_size < MOST

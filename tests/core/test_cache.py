@@ -60,6 +60,7 @@ def copied(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_number_changed_in_another_file_of_the_core_changes_what_a_kernel_returns(
     copied: Path,
 ) -> None:

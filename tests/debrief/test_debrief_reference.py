@@ -307,7 +307,7 @@ def test_a_run_joined_with_what_follows_has_each_tick_once(jammed: DebriefData) 
     own = jammed.trajectory.columns["z"]
     assert np.array_equal(whole.columns["z"][:601], own[:601])
     assert not np.array_equal(whole.columns["z"], own)
-    given = [each.text for each in whole.orders if each.tick < 600 and each.place is None]
+    given = [each.text for each in whole.orders if each.tick < 600 and each.entry is None]
     assert given == list(JAM.values())
 
 

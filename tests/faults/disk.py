@@ -134,7 +134,7 @@ def _come_back(bench: Bench, tried: Tried, session: Session, by: Caller) -> None
 def is_kept_to_the_end(recording: Recording, session: Session) -> bool:
     """Return whether the file has what was answered, until the disk was full."""
     orders = recording.orders(recording.branch)
-    written = [order.text for order in orders if order.place is None and order.accepted]
+    written = [order.text for order in orders if order.entry is None and order.accepted]
     wanted = [order.text for order in session.answered if not order.mark]
     rest = iter(wanted)
     return all(text in rest for text in written if text != ENDS_A_SWING)

@@ -161,7 +161,7 @@ def test_sign_changes_of_white_noise_are_half_of_the_pairs() -> None:
     assert abs(found.sign_changes - 1000.0) < 4.0 * found.sign_changes_deviation
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.skipif(not HAKUSAN.is_file(), reason="the Hakusan record is not on this machine")
 def test_hakusans_record_asks_for_a_high_order_and_shows_its_autopilot() -> None:
     with HAKUSAN.open() as file:

@@ -19,13 +19,17 @@ from cases.ships import (
     sway_alone,
     two_logs,
 )
+from helpers.lanes import sample_cases
 
 RECORDS = int(os.environ.get("TRAINER_RECORDS", "15"))
 
 pytestmark = pytest.mark.long
 
 
-@pytest.mark.parametrize("proof", [heading_only, rate_only, two_logs, one_log])
+QUICK = (heading_only, rate_only, one_log)
+
+
+@pytest.mark.parametrize("proof", sample_cases([*QUICK, two_logs], *QUICK))
 def test_a_ship_of_the_report_is_found_again(proof: Any) -> None:
     for figure in proof(RECORDS):
         assert figure.low <= figure.value <= figure.high, figure

@@ -77,7 +77,7 @@ def test_a_track_takes_the_nearer_of_two_places_and_the_colours_that_cross_best(
     ]
     found = track(CHAIN, readings, near)
     for i, fix in enumerate(found):
-        assert math.dist(fix.place, (near.x + 50.0 * i, near.y)) < 1e-3
+        assert math.dist(fix.location, (near.x + 50.0 * i, near.y)) < 1e-3
     # red and green cross at a small angle there: another pair is taken
     assert set(found[0].colours) != {"red", "green"}
 
@@ -86,7 +86,7 @@ def test_a_missing_colour_leaves_the_other_two_and_one_alone_leaves_no_fix() -> 
     ship = Point(20000.0, 15000.0)
     lanes = {c: lane_at(s, ship) for c, s in CHAIN.items()}
     found = track(CHAIN, [lanes | {"red": math.nan}, {"green": lanes["green"]}], ship)
-    assert math.dist(found[0].place, ship) < 1e-6
+    assert math.dist(found[0].location, ship) < 1e-6
     assert not found[1].colours
 
 

@@ -112,7 +112,6 @@ def found() -> ShipFit:
     return fit_ship(problem, begin, lambda *_: None)
 
 
-@pytest.mark.long
 def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     free = found.problem.model.free
     truth = np.array([HEELED[name] for name in free])

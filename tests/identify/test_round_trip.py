@@ -20,7 +20,7 @@ from trainer.config.vessel import load_vessel
 from trainer.identify.model.steering import find_steering
 from trainer.units import KNOT
 
-pytestmark = pytest.mark.process
+pytestmark = [pytest.mark.process, pytest.mark.slow]
 
 pytest.importorskip("scipy")
 
@@ -61,7 +61,6 @@ def found(trial: Any) -> Any:
     return reports
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("model", ["1", "nomoto2"])
 def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> None:
     ship = {one["name"]: (one["value"], one["deviation"]) for one in found[model]["ship"]}
@@ -74,7 +73,6 @@ def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> N
         assert abs(value - 1.0 / rate) < 3.0 * deviation + BENT / rate
 
 
-@pytest.mark.long
 def test_the_boat_written_steers_like_the_boat_flown(found: Any, trial: Any) -> None:
     speed = found["1"]["speed_kn"] * KNOT
     deviations = {one["name"]: one["deviation"] for one in found["1"]["ship"]}
@@ -122,7 +120,6 @@ def shown(angle: str) -> list[float]:
     return [float(number) for number in re.findall(r"\d+(?:\.\d+)?", row)]
 
 
-@pytest.mark.long
 @pytest.mark.usefixtures("found")
 @pytest.mark.parametrize("angle", ["5", "10", "20"])
 def test_the_boat_and_the_ship_written_zigzag_as_the_page_says(trial: Any, angle: str) -> None:
@@ -132,7 +129,6 @@ def test_the_boat_and_the_ship_written_zigzag_as_the_page_says(trial: Any, angle
     assert measured[3:] == pytest.approx(told[3:], rel=0.5, abs=0.3)
 
 
-@pytest.mark.long
 @pytest.mark.usefixtures("found")
 def test_the_boat_written_zigzags_like_the_boat_flown(trial: Any) -> None:
     true, boat, ship, early, late, ship_early, _ = zigzags(trial, "5")

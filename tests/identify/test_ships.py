@@ -191,7 +191,6 @@ def found() -> ShipFit:
     return fit_ship(problem, begin, lambda *_: None)
 
 
-@pytest.mark.long
 def test_a_fit_settles_where_all_its_starts_do(found: ShipFit) -> None:
     assert found.found.settled
     assert max(found.others) - min(found.others) < 0.1

@@ -82,7 +82,7 @@ def fill(recording: Recording) -> None:
     for tick in (1, 2, 3):
         recording.state(tick, state_of(tick))
         recording.timing(tick, 100 * tick, 1000 * tick)
-    second = recording.order(2, giver_at("ballast"), "blow all", place=4)
+    second = recording.order(2, giver_at("ballast"), "blow all", entry=4)
     recording.snapshot("off Bute", Moment(1, 3, b"as it stood", second, 5))
     recording.answered(second, "no air", accepted=False)
     recording.event(3, "attached", "planes", "a line, «quoted»")
@@ -209,9 +209,9 @@ class Model:
     def order(self, place: int | None) -> None:
         self.given += 1
         self.track.orders.append(self.given)
-        here = self.now.place if place is None else place + 1
+        here = self.now.entry if place is None else place + 1
         state = b"%s+%d" % (self.now.state, self.given)
-        self.now = replace(self.now, state=state, after=self.given, place=here)
+        self.now = replace(self.now, state=state, after=self.given, entry=here)
 
     def tick(self) -> None:
         tick = self.now.tick + 1
@@ -258,7 +258,7 @@ def take(step: tuple[object, ...], model: Model, recording: Recording) -> None:
             model.tick()
             recording.state(model.now.tick, model.now.state)
         case ("order", bool(scheduled)):
-            place = model.now.place if scheduled else None
+            place = model.now.entry if scheduled else None
             model.order(place)
             assert recording.order(model.now.tick, giver_at("a"), "b", place) == model.given
         case ("keep", str(name)):
@@ -289,9 +289,9 @@ def test_every_branch_has_the_past_that_led_to_it(steps: list[tuple[object, ...]
         branches = recording.branches()
         for number, track in enumerate(model.tracks, start=1):
             begun = branches[number - 1]
-            assert (begun.tick, begun.after, begun.place, begun.state) == (
+            assert (begun.tick, begun.after, begun.entry, begun.state) == (
                 *(track.begun.tick, track.begun.after),
-                *(track.begun.place, track.begun.state),
+                *(track.begun.entry, track.begun.state),
             )
             assert [recording.moment(number, tick) for tick in range(-1, 45)] == [
                 track.moments.get(tick) for tick in range(-1, 45)

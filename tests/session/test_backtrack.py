@@ -306,9 +306,9 @@ def test_a_branch_that_cannot_begin_leaves_the_boat_where_she_is(
         for words in ("restore here", "branch 1"):
             with monkeypatch.context() as broken:
                 broken.setattr(ship.recording, "fork", unreadable)
-                before = ship.state, ship.history.after, ship.history.place
+                before = ship.state, ship.history.after, ship.history.entry
                 yield words
-                assert (ship.state, ship.history.after, ship.history.place) == before
+                assert (ship.state, ship.history.after, ship.history.entry) == before
         yield from onward(ship, LAST)
 
     ship.sail(back())
@@ -498,7 +498,7 @@ def test_every_way_leads_to_the_bits_of_the_plain_run(
     assert all("the same to the last bit" in line for line in told)
     # what the schedule says has been given once, in what led to the present
     orders = ship.recording.orders(ship.recording.branch)
-    assert [each.place for each in orders if each.place is not None] == list(range(ENTRIES))
+    assert [each.entry for each in orders if each.entry is not None] == list(range(ENTRIES))
 
 
 # What is kept of it
@@ -688,11 +688,11 @@ def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
         flights = replay_anyway(ship.recording)
         assert [each for each in flights if not each.same] == []
         assert not [line for line in ship.bridge.heard if "left its recording" in line]
-        places = [each.place for each in ship.recording.orders(ship.recording.branch)]
+        places = [each.entry for each in ship.recording.orders(ship.recording.branch)]
         assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
         end = ship.history.flown.end().state if ship.history.flown.replaying else ship.state
         boat = ship.new_boat()
         header = ship.recording.header()
         history = bring_up(ship.recording, ship.plan, boat, layout_of(header))
         assert boat.records.state.tobytes() == end
-        assert (history.after, history.place) >= (0, 0)
+        assert (history.after, history.entry) >= (0, 0)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat import casualties
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.helm import obey_order
 from trainer.core.sea.free_surface import sail_height
@@ -165,7 +165,7 @@ def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat:
     showing = []
 
     for place in hidden:
-        first = STATE_PLACES[place]
+        first = STATE_OFFSETS[place]
         for i in range(first, first + boat.records.state[place].size):
             if i not in spared:
                 whole[i] += 0.77
@@ -178,7 +178,7 @@ def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat:
 
 
 def places(boat: Boat, name: str) -> range:
-    return range(STATE_PLACES[name], STATE_PLACES[name] + boat.records.state[name].size)
+    return range(STATE_OFFSETS[name], STATE_OFFSETS[name] + boat.records.state[name].size)
 
 
 @pytest.fixture(scope="module")

@@ -214,7 +214,7 @@ def story(path: Path) -> Told:
     with contextlib.closing(Recording.look(path)) as recording:
         assert recording.branch == 1
         orders = [
-            (each.tick, each.who, each.text, each.place, each.accepted, each.answer)
+            (each.tick, each.who, each.text, each.entry, each.accepted, each.answer)
             for each in recording.orders(1)
         ]
         return list(recording.states(1)), orders

@@ -41,7 +41,7 @@ def test_a_schedule_goes_on_past_what_has_no_place_in_it(
     assert ship.session.dispatch.refused == [
         f"1 s: {words}: refused: {words} has no place in a schedule"
     ]
-    assert ship.session.history.place == 2
+    assert ship.session.history.entry == 2
 
 
 def test_no_schedule_is_read_that_holds_what_nobody_may_schedule() -> None:

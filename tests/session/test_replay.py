@@ -82,7 +82,7 @@ class Run:
         self.path = folder / "run.trainer"
         header = header_of(options, texts, self.boat)
         self.recording = Recording.create(self.path, header, self.state)
-        self.after = self.place = 0
+        self.after = self.entry = 0
 
     @property
     def state(self) -> bytes:
@@ -92,11 +92,11 @@ class Run:
     def tick(self) -> int:
         return int(self.boat.state.tick)
 
-    def give(self, order: Order, place: int | None = None) -> None:
-        number = self.recording.order(self.tick, giver_at("instructor"), order.text, place)
+    def give(self, order: Order, entry: int | None = None) -> None:
+        number = self.recording.order(self.tick, giver_at("instructor"), order.text, entry)
         self.after = number
-        if place is not None:
-            self.place = place + 1
+        if entry is not None:
+            self.entry = entry + 1
         if order.name in BOAT_ORDERS:
             answer = obey_order(self.boat, order)
             refused = isinstance(answer, Refused)
@@ -106,7 +106,7 @@ class Run:
         """Take ticks until that one, giving what is due, also at the last."""
         while True:
             for place, entry in enumerate(self.plan.schedule):
-                due = entry.seconds <= self.boat.time and place >= self.place
+                due = entry.seconds <= self.boat.time and place >= self.entry
                 if due:
                     self.give(entry.order, place)
             for text in orders.get(self.tick, []):
@@ -120,11 +120,11 @@ class Run:
             self.recording.state(self.tick, self.state)
 
     def now(self) -> Moment:
-        return Moment(self.recording.branch, self.tick, self.state, self.after, self.place)
+        return Moment(self.recording.branch, self.tick, self.state, self.after, self.entry)
 
     def go_back(self, moment: Moment, why: str) -> None:
         self.boat.restore(np.frombuffer(moment.state, self.boat.records.state.dtype))
-        self.after, self.place = moment.after, moment.place
+        self.after, self.entry = moment.after, moment.entry
         self.recording.fork(moment, why)
 
 

@@ -31,7 +31,7 @@ from trainer.session.rerun.batch import (
 )
 from trainer.session.rerun.charts import casualty_lanes, charts_of, lanes_of, ledger_columns
 from trainer.session.rerun.feed import CHUNK_STATES, MAX_WAITING_STATES, Feed, Log
-from trainer.session.rerun.request import VIEWER_PORT, open_log, parse_place
+from trainer.session.rerun.request import VIEWER_PORT, open_log, parse_address
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.stations.station import News
 from trainer.session.stations.subscriptions import PromptSender, Roster
@@ -525,10 +525,10 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
 def test_a_viewer_is_at_its_customary_place_unless_told_otherwise(
     text: str, place: tuple[str, int]
 ) -> None:
-    assert parse_place(text) == place
+    assert parse_address(text) == place
 
 
 @pytest.mark.parametrize("text", ["room:door", "room:", "room:0", "room:70000"])
 def test_a_place_that_is_none_is_refused_with_an_example(text: str) -> None:
     with pytest.raises(ConfigError, match=r"say HOST:PORT, such as 127\.0\.0\.1:9876"):
-        parse_place(text)
+        parse_address(text)

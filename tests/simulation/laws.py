@@ -211,7 +211,7 @@ class Posture(NamedTuple):
     state: bytes
     branch: int
     frozen: bool
-    place: int  # of the schedule: what was due comes before an order, also before a refusal
+    entry: int  # of the schedule: what was due comes before an order, also before a refusal
     tick: int
     over: str
 
@@ -223,7 +223,7 @@ class Posture(NamedTuple):
             session.boat.plain.tobytes(),
             history.recording.branch,
             session.time.frozen,
-            history.place,
+            history.entry,
             history.tick,
             session.conduct.ending.over,
         )
@@ -235,7 +235,7 @@ class Posture(NamedTuple):
         if self.frozen != after.frozen:
             return "stopped time or let it go on"
         return (
-            "changed the state" if self.state != after.state and self.place == after.place else ""
+            "changed the state" if self.state != after.state and self.entry == after.entry else ""
         )
 
 

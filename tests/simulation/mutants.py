@@ -45,11 +45,11 @@ def gather_journal(patch: pytest.MonkeyPatch) -> None:
     order = Recording.order
 
     def gather(
-        self: Recording, tick: int, giver: Giver, text: str, place: int | None = None
+        self: Recording, tick: int, giver: Giver, text: str, entry: int | None = None
     ) -> int:
         with pytest.MonkeyPatch.context() as quiet:
             quiet.setattr(Recording, "flush", lambda *_: None)
-            return order(self, tick, giver, text, place)
+            return order(self, tick, giver, text, entry)
 
     patch.setattr(Recording, "order", gather)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from soak.operators import Orders
 from trainer.boat.assemble import Method
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey_order
 from trainer.config.files import shipped_names
@@ -32,7 +32,7 @@ SETS: Final = (
     ("basic", "lagged"),
     ("longitudinal", "exact"),
 )
-THETA: Final = STATE_PLACES["theta"]
+THETA: Final = STATE_OFFSETS["theta"]
 RIGHTS: Final = ("clear all", "release all", "blow stop")
 SURVEY: Final = 20  # ticks between two looks at the energy
 FEEDS: Final = 2e-3  # [-] of rho/2 l^2 U^3, allowed inside the range (docs/envelope.md)

@@ -532,14 +532,14 @@ def test_another_machine_has_so_many_lines_and_no_more() -> None:
     bridge = Bridge(socket.socket, Refusals(print))
     with contextlib.ExitStack() as stack:
         for _ in range(100):
-            stack.enter_context(bridge.place("127.0.0.1"))
+            stack.enter_context(bridge.count_page("127.0.0.1"))
         for _ in range(MAX_PAGES_OF_MACHINE):
-            stack.enter_context(bridge.place("192.0.2.1"))
-        with pytest.raises(RefusedError, match="close one"), bridge.place("192.0.2.1"):
+            stack.enter_context(bridge.count_page("192.0.2.1"))
+        with pytest.raises(RefusedError, match="close one"), bridge.count_page("192.0.2.1"):
             pass
         for number in range(MAX_REMOTE_PAGES - MAX_PAGES_OF_MACHINE):
-            stack.enter_context(bridge.place(f"192.0.2.{10 + number}"))
-        with pytest.raises(RefusedError, match="no room"), bridge.place("192.0.2.99"):
+            stack.enter_context(bridge.count_page(f"192.0.2.{10 + number}"))
+        with pytest.raises(RefusedError, match="no room"), bridge.count_page("192.0.2.99"):
             pass
     assert not bridge.machines
 

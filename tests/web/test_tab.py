@@ -274,7 +274,7 @@ def test_taking_over_ends_in_the_bits_of_a_resumed_run(moment: float, drill: Pat
     tick = round(moment / boat.method.step)
     state = recording.state_at(1, tick)
     end = recording.last_tick(1)
-    scheduled = {each.tick: each.text for each in recording.orders(1) if each.place is not None}
+    scheduled = {each.tick: each.text for each in recording.orders(1) if each.entry is not None}
     recording.close()
     breaks = {at: text for at, text in scheduled.items() if text.startswith(("casualty", "clear"))}
     assert breaks

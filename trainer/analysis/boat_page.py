@@ -25,7 +25,7 @@ from trainer.boat.depths import (
     LEVEL_PITCH,
     RELEASE_MARGIN_M,
 )
-from trainer.boat.export.header import places_of
+from trainer.boat.export.header import fields_of
 from trainer.boat.export.wasm import numbers_of, shipped_module
 from trainer.boat.helm import LEVER_SHARES, obey_order
 from trainer.boat.sea_orders import fully_developed, standing_sea
@@ -80,7 +80,7 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
     return {
         **numbers_of(boat),
         "title": boat.file.name,
-        "gauges_at": places_of(SCRATCH)["reading"][0],
+        "gauges_at": fields_of(SCRATCH)["reading"][0],
         "channels": {  # name, unit and decimals of every field
             name: [(field.name, field.unit, field.decimals) for field in channel.fields]
             for name, channel in CHANNELS.items()
@@ -229,7 +229,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "scheduled": [
                 (number, each.tick, plain(each.text))
                 for number, each in accepted
-                if each.place is not None and breaks_or_clears(each, plan)
+                if each.entry is not None and breaks_or_clears(each, plan)
             ],
             "kept": task_of(plan.limits),
         }

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.boat.assemble import Method
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.world.world import world_of
 from trainer.config.check_case import (
@@ -171,7 +171,7 @@ def boat_of_run(case: CheckCase, run: CaseRun) -> Boat:
 def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
     """Return a run flown; ConfigError if an order is refused, or the boat lost."""
     boat, step = boat_of_run(case, run), run.step_s or 0.0
-    places = np.array([STATE_PLACES[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
+    places = np.array([STATE_OFFSETS[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
     due: dict[int, list[int]] = defaultdict(list)
     for i, entry in enumerate(case.orders):
         due[math.ceil(entry.seconds / step - 1e-9)].append(i)

@@ -269,7 +269,7 @@ def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
     """Yield the orders that a run would refuse, and the reasons why marks would be worthless."""
     plan = checked.plan
     for each in checked.flights["nobody"].refused:
-        entry = plan.schedule[each.place or 0]
+        entry = plan.schedule[each.entry or 0]
         broken = entry.order.name in ("casualty", "clear")
         inside = position.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
         at = inside if entry.line_number else position

@@ -1,4 +1,4 @@
-"""A vessel file becomes the core's records: units become SI, rows and tables become places.
+"""A vessel file becomes the core's records: units become SI, rows and tables become fields.
 
 ``boat.Boat`` calls ``fit_out`` once, when it is made. The core reads its records by name at each
 tick, and knows neither files nor units. What a file leaves out gets its usual value here.
@@ -26,7 +26,7 @@ ZERO_CELSIUS: Final = 273.15  # [K]
 
 # Stations along the hull in lengths from the centre of buoyancy, and their shares of the buoyancy:
 # a full middle and finer ends, project's own. Their radius of gyration is 0.235 lengths.
-STATION_PLACES: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
+STATIONS: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
 STATION_SHARES: Final = (0.11, 0.25, 0.28, 0.25, 0.11)
 PRISMATIC_COEFFICIENT: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
 
@@ -45,7 +45,7 @@ def ballast_record(file: VesselFile) -> Record:
         axis = keel - 0.5 * diameter
     record["hull_diameter"], record["hull_axis"] = diameter, axis
     for i in range(HULL_STATIONS):
-        record["station_x"][0, i] = hull.cb[0] + STATION_PLACES[i] * hull.length
+        record["station_x"][0, i] = hull.cb[0] + STATIONS[i] * hull.length
         record["station_share"][0, i] = STATION_SHARES[i]
     if file.ballast is None:
         return record
@@ -66,19 +66,19 @@ def _write_tanks(ballast: Ballast, rho: float, record: Record) -> None:
     """Write capacities [kg], centres [m] and start fillings [kg] of all tanks there are."""
     rows: list[BlownTank | PumpedTank | Compartment] = [*ballast.blown, *ballast.pumped]
     for row in [*rows, *ballast.compartments]:
-        place = TANKS.index(row.name)
+        index = TANKS.index(row.name)
         capacity = row.capacity_m3 * rho
-        record["capacity"][0, place] = capacity
+        record["capacity"][0, index] = capacity
         for axis, centre in zip("xyz", row.centre_m, strict=True):
-            record[axis][0, place] = centre
-        record["start"][0, place] = capacity * getattr(row, "start_fill", 0.0)
+            record[axis][0, index] = centre
+        record["start"][0, index] = capacity * getattr(row, "start_fill", 0.0)
     for row in ballast.blown:
-        place = BLOWN_TANKS.index(row.name)
-        record["height"][0, place] = row.height_m
-        record["port"][0, place] = row.flood_port_m2
-        record["vent_area"][0, place] = row.vent_cm2 * 1e-4
-        record["blow_area"][0, place] = row.blow_mm2 * 1e-6
-        record["emergency_area"][0, place] = row.emergency_blow_mm2 * 1e-6
+        index = BLOWN_TANKS.index(row.name)
+        record["height"][0, index] = row.height_m
+        record["port"][0, index] = row.flood_port_m2
+        record["vent_area"][0, index] = row.vent_cm2 * 1e-4
+        record["blow_area"][0, index] = row.blow_mm2 * 1e-6
+        record["emergency_area"][0, index] = row.emergency_blow_mm2 * 1e-6
 
 
 def _write_air(ballast: Ballast, record: Record) -> None:
@@ -92,9 +92,9 @@ def _write_air(ballast: Ballast, record: Record) -> None:
     )
     record["compressor_rate"] = ballast.air.compressor_kg_s
     for row in ballast.banks:
-        place = BANKS.index(row.name)
-        record["bank_volume"][0, place] = row.volume_m3
-        record["bank_full"][0, place] = row.pressure_mpa * 1e6 * row.volume_m3 / gas
+        index = BANKS.index(row.name)
+        record["bank_volume"][0, index] = row.volume_m3
+        record["bank_full"][0, index] = row.pressure_mpa * 1e6 * row.volume_m3 / gas
 
 
 def _write_sea(sea: HullBuoyancy, record: Record) -> None:
@@ -214,9 +214,9 @@ def _write_gains(file: VesselFile, record: Record) -> None:
         "course_rate": ("course_rate_deg_s", math.radians(1.0)),
         "course_acceleration": ("course_acceleration_deg_s2", math.radians(1.0)),
     }
-    for place, name in enumerate(vessel.GAINS):
+    for index, name in enumerate(vessel.GAINS):
         key, factor = units.get(name, (name, 1.0))
-        record["gain"][0, :count, place] = np.array(getattr(gains, key)) * factor
+        record["gain"][0, :count, index] = np.array(getattr(gains, key)) * factor
 
 
 def _geometry(file: VesselFile) -> dict[str, float]:
@@ -259,9 +259,9 @@ def _write_strips(file: VesselFile, record: Record) -> None:
     """Write the strips that waves push on; without them they stay those of a usual hull."""
     table = file.wave_strips
     if table:
-        places = np.array(table.x_m) / file.hull.length
+        along = np.array(table.x_m) / file.hull.length
         masses = (table.displaced_kg, table.added_down_kg, table.added_side_kg)
-        record["strips"][0] = vessel.strips(places, *masses)
+        record["strips"][0] = vessel.strips(along, *masses)
 
 
 def read_integrator(text: str) -> scheme.Multistep | scheme.PredictorCorrector:

@@ -130,9 +130,9 @@ def _move(boat: Boat, order: Order, sign: float) -> Reply:
 
 def _waits_for(boat: Boat, tank: str, sign: float) -> str:
     """Return what an order to a pump waits for, "" where it works at once."""
-    place = int(boat.state.drained) - 1
-    if tank == "auxiliary" and place >= 0:
-        return f"waits, its pump drains the {SPACE_NAMES[place]} compartment; drain stop frees it"
+    index = int(boat.state.drained) - 1
+    if tank == "auxiliary" and index >= 0:
+        return f"waits, its pump drains the {SPACE_NAMES[index]} compartment; drain stop frees it"
     if sign < 0.0 and boat.state.z >= boat.vessel.shutoff_depth:
         return f"waits, the pump delivers nothing below {boat.vessel.shutoff_depth:g} m"
     return ""
@@ -143,9 +143,9 @@ def _drain(boat: Boat, order: Order) -> Reply:
     if order.word == "stop":
         s.drained = 0.0
         return "draining stopped"
-    place = SPACE_NAMES.index(order.word)
-    s.drained = 1.0 + place
-    tonnes = float(s.water[FIRST_DRY + place]) / 1000.0
+    index = SPACE_NAMES.index(order.word)
+    s.drained = 1.0 + index
+    tonnes = float(s.water[FIRST_DRY + index]) / 1000.0
     return f"draining the {order.word} compartment, {tonnes:.1f} t in it"
 
 
@@ -271,9 +271,9 @@ class PumpMonitor:
 
 def _at_an_end(boat: Boat, tank: str) -> str:
     """Return whether a tank is full or empty, "" for neither."""
-    place = TANKS.index(tank)
-    water = float(boat.state.water[place])
-    if water >= boat.vessel.capacity[place]:
+    index = TANKS.index(tank)
+    water = float(boat.state.water[index])
+    if water >= boat.vessel.capacity[index]:
         return "full"
     return "empty" if water <= 0.0 else ""
 
@@ -286,11 +286,11 @@ def put_out_of_trim(boat: Boat, heavy: float, forward: float) -> str:
     """
     wanted = {"depth_control": heavy, "trim_forward": forward, "trim_aft": -forward}
     for name, more in wanted.items():
-        place = TANKS.index(name)
-        trimmed_water = float(boat.state.water[place]) - more
-        if more and not 0.0 <= trimmed_water <= boat.vessel.capacity[place]:
-            tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
+        index = TANKS.index(name)
+        trimmed_water = float(boat.state.water[index]) - more
+        if more and not 0.0 <= trimmed_water <= boat.vessel.capacity[index]:
+            tank, held = name.replace("_", " "), boat.vessel.capacity[index] / 1000.0
             return f"in trim the {tank} tank would hold {trimmed_water / 1000.0:g} t of {held:g}"
-        boat.vessel.start[place] = trimmed_water
+        boat.vessel.start[index] = trimmed_water
     balance(boat.records.vessel, boat.records.state)
     return ""

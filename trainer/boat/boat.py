@@ -34,23 +34,23 @@ from trainer.core.surfaces import SURFACES
 from trainer.core.update import WATCHED_NAMES
 from trainer.units import KNOT
 
-STATE_PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
-TICK_PLACE = STATE_PLACES["tick"]
+STATE_OFFSETS = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
+TICK_OFFSET = STATE_OFFSETS["tick"]
 
 
 @functools.cache
-def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
-    """Return a getter of the named places of plain numbers; ``t`` gets the tick.
+def _getter(names: tuple[str, ...]) -> "itemgetter[Any]":
+    """Return a getter of the named fields of plain numbers; ``t`` gets the tick.
 
     One getter takes all numbers of a row at once, which recordings ask for at each tick.
     """
-    return itemgetter(*(TICK_PLACE if name == "t" else STATE_PLACES[name] for name in names))
+    return itemgetter(*(TICK_OFFSET if name == "t" else STATE_OFFSETS[name] for name in names))
 
 
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
 
-    ``plain`` is a view of the same numbers by their STATE_PLACES, because reading one there takes a
+    ``plain`` is a view of the same numbers by their STATE_OFFSETS, as reading one there takes a
     twentieth of the time.
     """
 
@@ -87,12 +87,12 @@ class Boat:
     @property
     def time(self) -> float:
         """Return the time [s] since the start."""
-        return self.plain[TICK_PLACE] * self.method.step
+        return self.plain[TICK_OFFSET] * self.method.step
 
     @property
     def ticks(self) -> int:
         """Return the number of ticks done."""
-        return int(self.plain[TICK_PLACE])
+        return int(self.plain[TICK_OFFSET])
 
     def ticks_in(self, seconds: float) -> int:
         """Return a time [s] as whole ticks, at least its length.
@@ -232,29 +232,29 @@ class Boat:
         """Advance by one step, the world as the state has it."""
         return bind_tick(self.records, self.chart)
 
-    def fly(self, places: NDArray[np.int64], rows: Numbers) -> int:
+    def fly(self, offsets: NDArray[np.int64], rows: Numbers) -> int:
         """Advance by a step for each of ``rows``.
 
         Return 0, or the status of the tick that failed, which writes no row. A row gets the numbers
-        of the state at ``places``, then what the gauges read, if it is longer.
+        of the state at ``offsets``, then what the gauges read, if it is longer.
         """
         if self.world.stands(self.ticks):
             self.world.write(self.state)  # once for all
             chart = EMPTY_CHART if self.chart is None else self.chart
-            return int(fly(self.records, chart, places.astype(np.float64), rows))
+            return int(fly(self.records, chart, offsets.astype(np.float64), rows))
         # A current, the pull of ships or a raised periscope is written by Python, before each tick.
         numbers = self.records.state.view(np.float64)
         for row in rows:
             if status := self.tick():
                 return status
-            row[: places.size] = numbers[places]
-            if row.size > places.size:
+            row[: offsets.size] = numbers[offsets]
+            if row.size > offsets.size:
                 instruments(self.records.state, self.records.scratch)
-                row[places.size :] = self.records.scratch["reading"][0]
+                row[offsets.size :] = self.records.scratch["reading"][0]
         return 0
 
     def fly_and_keep(
-        self, places: NDArray[np.int64], rows: Numbers, keep: Callable[[Numbers], int]
+        self, offsets: NDArray[np.int64], rows: Numbers, keep: Callable[[Numbers], int]
     ) -> tuple[int, Numbers]:
         """Fly as ``fly`` does, to the end of the rows that are kept.
 
@@ -264,12 +264,12 @@ class Boat:
         # Nobody looks on the way, because that would leave the machine code at each tick. What
         # gauges show, a collapse or a collision is found in the rows.
         begun, start = self.ticks, memoryview(self.plain.tobytes()).cast("d")
-        status = self.fly(places, rows)
+        status = self.fly(offsets, rows)
         flown = rows[: self.ticks - begun]
         kept = flown[: keep(flown)]
         if len(kept) < len(flown):
             self.plain[:] = start  # as it was
-            status = self.fly(places, kept)
+            status = self.fly(offsets, kept)
         return status, kept
 
     def failure(self, status: int) -> str:
@@ -283,10 +283,10 @@ class Boat:
         )
 
     def numbers(self, names: tuple[str, ...]) -> list[float]:
-        """Return the named places of the state; ``t`` is the time [s]."""
+        """Return the named fields of the state; ``t`` is the time [s]."""
         if not names:
             return []
-        taken = _places(names)(self.plain)
+        taken = _getter(names)(self.plain)
         values = list(taken) if len(names) > 1 else [taken]
         if "t" in names:
             values[names.index("t")] = self.time

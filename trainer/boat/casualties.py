@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.config.casualties import Casualty, severity_rule
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
@@ -286,12 +286,12 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
     if not unarmed:
         raise ConfigError(where.problem(f"more than {m.trigger_kind.size} triggers"))
     i = unarmed[0]
-    # what turns the threshold [SI] into that of the place in the state
+    # what turns the threshold [SI] into that of the field of the state
     factor = scale_of(boat, condition.quantity)
     if factor == 0.0:
         problem = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
         raise ConfigError(condition.position.problem(problem))
-    m.trigger_place[i] = STATE_PLACES[STATE_QUANTITIES[condition.quantity].place]
+    m.trigger_place[i] = STATE_OFFSETS[STATE_QUANTITIES[condition.quantity].field]
     m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
     m.trigger_threshold[i] = _whole(condition.threshold * factor)
     m.trigger_strict[i] = condition.strict
@@ -318,7 +318,7 @@ def _whole(value: float) -> float:
 
 
 def scale_of(boat: Boat, quantity: str) -> float:
-    """Return the factor from a quantity [SI] to its place in the state. 0: the boat lacks it.
+    """Return the factor from a quantity [SI] to its field of the state. 0: the boat lacks it.
 
     A condition names quantities as people do; the state may hold another sign or unit.
     """
@@ -341,9 +341,9 @@ def scale_of(boat: Boat, quantity: str) -> float:
 def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:
     """Return the core's amount [SI] of a casualty."""
     amount = severity * casualty.full
-    for place, surface in enumerate(SURFACES):
+    for index, surface in enumerate(SURFACES):
         if casualty.kind == f"{surface}-hard-over":
-            amount *= boat.toward[surface] * float(boat.vessel.limit[place])
+            amount *= boat.toward[surface] * float(boat.vessel.limit[index])
     return amount
 
 

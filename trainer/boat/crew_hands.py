@@ -16,7 +16,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
@@ -25,8 +25,8 @@ from trainer.core.kernel import Numbers, Record
 GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
 RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
 TIME_ROUNDING_S: Final = 1e-6  # [s] rounding of a sum of steps
-ORDER_PLACE: Final = STATE_PLACES["crew_order"]  # of the orders to the crew, by axis
-STAMP_PLACE: Final = STATE_PLACES["crew_order_tick"]
+ORDER_OFFSET: Final = STATE_OFFSETS["crew_order"]  # of the orders to the crew, by axis
+STAMP_OFFSET: Final = STATE_OFFSETS["crew_order_tick"]
 
 
 @dataclass
@@ -43,10 +43,10 @@ class GaugeHistory:
     def remember(self, readings: Iterable[tuple[float, InstrumentReadings]]) -> None:
         """Take readings with their times [s], the latest last."""
         self.seen += readings
-        del self.seen[: self._place(self.seen[-1][0] - GAUGE_MEMORY_S)]
+        del self.seen[: self._index(self.seen[-1][0] - GAUGE_MEMORY_S)]
 
-    def _place(self, time: float) -> int:
-        """Return the place of the first reading not before a time [s]."""
+    def _index(self, time: float) -> int:
+        """Return the index of the first reading not before a time [s]."""
         return bisect_left(self.seen, time, key=itemgetter(0))
 
     def now(self) -> InstrumentReadings:
@@ -90,7 +90,7 @@ class GaugeHistory:
 
     def _last(self, name: str, seconds: float) -> tuple[list[float], list[float]]:
         """Return times and values of the last seconds, the latest first."""
-        begin = self._place(self.seen[-1][0] - seconds + TIME_ROUNDING_S)
+        begin = self._index(self.seen[-1][0] - seconds + TIME_ROUNDING_S)
         last = self.seen[min(begin, len(self.seen) - 1) :][::-1]
         gauge = InstrumentReadings._fields.index(name)
         return [time for time, _ in last], [readings[gauge] for _, readings in last]
@@ -113,13 +113,13 @@ class KnownOrder:
 
     def look(self, boat: Boat) -> None:
         """Take the order once it has stood for the answer time."""
-        place = CREW_AXES.index(self.axis)
-        stamp = boat.plain[STAMP_PLACE + place]
+        index = CREW_AXES.index(self.axis)
+        stamp = boat.plain[STAMP_OFFSET + index]
         if stamp != self.stamp:
             self.stamp, self.since = stamp, boat.time
             self.since = min(self.since, (stamp - 1.0) * boat.method.step if stamp else math.inf)
         if boat.time - self.since >= self.answer - TIME_ROUNDING_S:
-            self.value = boat.plain[ORDER_PLACE + place] if stamp else None
+            self.value = boat.plain[ORDER_OFFSET + index] if stamp else None
 
 
 @dataclass
@@ -162,7 +162,7 @@ class PlanesHand:
             return []
         self.looked = self.boat.time
         aim = self.depth.value
-        aim = self.boat.plain[STATE_PLACES["ordered_depth"]] if aim is None else aim
+        aim = self.boat.plain[STATE_OFFSETS["ordered_depth"]] if aim is None else aim
         deeper = aim - gauges.mean("depth", self.habits.mean_s)
         rate = gauges.rate("depth", self.habits.mean_s)
         return [*self._stern(deeper, rate), *self._bow(deeper, rate)]
@@ -235,7 +235,7 @@ class RudderHand:
             return []
         self.looked = self.boat.time
         error = self._to_go(gauges.now().heading)
-        rate = math.degrees(self.boat.plain[STATE_PLACES["r"]])
+        rate = math.degrees(self.boat.plain[STATE_OFFSETS["r"]])
         wanted = self.habits.rudder_per_error * error - self.habits.rudder_s * rate
         wanted = round(min(max(wanted, -self.habits.rudder_deg_max), self.habits.rudder_deg_max))
         if abs(wanted - self.rudder) < self.habits.rudder_off_deg:

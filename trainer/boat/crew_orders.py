@@ -105,9 +105,9 @@ def limit_refusal(boat: Boat, what: str, value: float) -> Refused | None:
 
 def _set_standing(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
     """Write a standing order to the state; return it in words."""
-    place = CREW_AXES.index(axis)
-    boat.state.crew_order[place] = value
-    boat.state.crew_order_tick[place] = boat.ticks + 1.0
+    index = CREW_AXES.index(axis)
+    boat.state.crew_order[index] = value
+    boat.state.crew_order_tick[index] = boat.ticks + 1.0
     if axis == "depth":
         boat.state.crew_depth_unit = unit
     return f"ordered: {standing_order(boat, axis)}"

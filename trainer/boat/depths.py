@@ -16,7 +16,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 import numpy as np
 
 from trainer.boat.assemble import ballast_record
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.limits import is_surfacing, may_surface
 from trainer.config.files import ConfigError
@@ -30,7 +30,7 @@ SLOPE_STEP_M: Final = 0.01  # [m] of depth either way, for the slopes of the sur
 HULL_REACH: Final = 0.4  # [-] of the length: ends of the pressure hull before and abaft the origin
 FIRST_CALL_M: Final = 30.0  # [m] above test depth, where the first call is
 CALL_SPACING_M: Final = 25.0  # [m] from each call beyond test depth to the next
-AT_TEST_DEPTH: Final = 1  # place of test depth among the depths to be called, from 0
+AT_TEST_DEPTH: Final = 1  # index of test depth among the depths to be called, from 0
 RECALL_RISE_M: Final = 5.0  # [m] to come up before the same depth is called again
 MAST_RAISED_M: Final = 1.5  # [m] about periscope depth, where the mast is raised
 MAST_LOWERED_M: Final = 5.0  # [m] below it, where the mast is lowered
@@ -43,7 +43,7 @@ GUARD_AHEAD_S: Final = 30.0  # [s] that a guard looks ahead
 GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
 RELEASE_MARGIN_M: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
 LEVEL_PITCH: Final = math.radians(3.0)  # [rad] of pitch that is level enough for it
-Z, THETA, HELD_DEPTH_PLACE = STATE_PLACES["z"], STATE_PLACES["theta"], STATE_PLACES["held_depth"]
+Z, THETA, HELD_OFFSET = STATE_OFFSETS["z"], STATE_OFFSETS["theta"], STATE_OFFSETS["held_depth"]
 
 SURFACE_COEFFICIENTS: Final = ("Z_star", "M_star", "Z_w", "M_w")  # that a calm surface changes
 
@@ -198,7 +198,7 @@ def collapse_of(boat: Boat) -> str:
     It holds where the file gives no collapse depth, and as long as the depth is frozen.
     """
     limit = boat.file.hull.collapse_depth_m
-    if limit is None or boat.plain[HELD_DEPTH_PLACE]:
+    if limit is None or boat.plain[HELD_OFFSET]:
         return ""
     depth = hull_depth(boat)
     return f"collapse at {depth:.0f} m" if depth >= limit else ""
@@ -225,14 +225,14 @@ def count_passed(test_depth: float, depth: float) -> int:
     return 2 + math.floor((depth - test_depth) / CALL_SPACING_M)
 
 
-def called_depth(test_depth: float, place: int) -> PassedDepth:
-    """Return a depth to call and its words, by its place from 0, the shallowest."""
-    if place == 0:
+def called_depth(test_depth: float, index: int) -> PassedDepth:
+    """Return a depth to call and its words, by its index from 0, the shallowest."""
+    if index == 0:
         depth = test_depth - FIRST_CALL_M
         return PassedDepth(depth, f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth")
-    beyond = CALL_SPACING_M * (place - 1)
+    beyond = CALL_SPACING_M * (index - 1)
     depth = test_depth + beyond
-    if place == AT_TEST_DEPTH:
+    if index == AT_TEST_DEPTH:
         return PassedDepth(depth, f"Passing test depth, {depth:g} m")
     return PassedDepth(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
 
@@ -323,7 +323,7 @@ class DepthMonitor:
     def _look_down(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, None if none was."""
         test_depth = boat.file.hull.test_depth_m
-        if test_depth is None or boat.plain[HELD_DEPTH_PLACE]:
+        if test_depth is None or boat.plain[HELD_OFFSET]:
             return None
         depth, before = hull_depth(boat), self.passed
         now = count_passed(test_depth, depth)

@@ -71,10 +71,10 @@ class Entry(NamedTuple):
 
     @property
     def sizes(self) -> Iterator[tuple[int, int]]:
-        """Yield where each size that a call gives belongs: argument, and place in its shape."""
-        for place, kind in enumerate(self.kinds):
+        """Yield where each size that a call gives belongs: argument, and index in its shape."""
+        for index, kind in enumerate(self.kinds):
             if isinstance(kind, tuple):
-                yield from ((place, i) for i, size in enumerate(kind) if size == GIVEN_SIZE)
+                yield from ((index, i) for i, size in enumerate(kind) if size == GIVEN_SIZE)
 
     @property
     def answers(self) -> int:

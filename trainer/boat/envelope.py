@@ -169,11 +169,11 @@ def largest_sail_lift(c: VesselRecords) -> Numbers:
     """Return the sail's lift slope [N s2/m2] that the boat can lose, at most.
 
     Without it the viscous forces by v p r still take energy from any motion, ahead and astern. The
-    limit is det A/(p adj(A) p), where A is what they take and p the sail's place: 0 where nothing
+    limit is det A/(p adj(A) p), where A is what they take and p the sail's lever: 0 where nothing
     damps the boat.
     """
     length = c["ell"]
-    place = np.stack([np.ones_like(length), -c["lift_z"] / length, c["lift_x"] / length], axis=1)
+    lever = np.stack([np.ones_like(length), -c["lift_z"] / length, c["lift_x"] / length], axis=1)
     scale = np.stack([np.ones_like(length), length, length], axis=1)
     limits = []
     for way in range(2):
@@ -181,7 +181,7 @@ def largest_sail_lift(c: VesselRecords) -> Numbers:
         rows = np.moveaxis(-0.5 * (forces + np.swapaxes(forces, 1, 2)), 1, 0)
         adjugate = np.stack([np.cross(rows[i - 2], rows[i - 1]) for i in range(3)])
         whole = (rows[0] * adjugate[0]).sum(axis=1)
-        share = (place.T * (adjugate * place).sum(axis=2)).sum(axis=0)
+        share = (lever.T * (adjugate * lever).sum(axis=2)).sum(axis=0)
         limits.append(np.divide(whole, share, out=np.zeros_like(whole), where=share > 0.0))
     return np.asarray(np.maximum(np.minimum(*limits), 0.0))
 

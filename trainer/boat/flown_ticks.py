@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.boat import STATE_PLACES
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.core.kernel import Numbers
 from trainer.core.state import STATE
 
-ALL_PLACES: Final = np.arange(STATE.itemsize // 8)  # of a state's numbers
+ALL_OFFSETS: Final = np.arange(STATE.itemsize // 8)  # of a state's numbers
 
 Mask = NDArray[np.bool_]  # one for each tick
 
@@ -34,7 +34,7 @@ class FlownTicks:
 
     def __getitem__(self, name: str) -> Numbers:
         """Return a number of the state, or the first of a block, at each tick."""
-        return self.rows[:, STATE_PLACES[name]]
+        return self.rows[:, STATE_OFFSETS[name]]
 
     def table(self, names: Sequence[str]) -> list[list[float]]:
         """Return numbers of the state, a row for each tick; ``t`` is the time [s]."""
@@ -44,7 +44,7 @@ class FlownTicks:
 
     def block(self, name: str, count: int) -> Numbers:
         """Return the first numbers of a block at each tick, a row each."""
-        first = STATE_PLACES[name]
+        first = STATE_OFFSETS[name]
         return self.rows[:, first : first + count]
 
 

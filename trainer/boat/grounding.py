@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, count_before
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, charted_at, is_charted
@@ -34,8 +34,8 @@ STOPPED_SCREW_SPEED: Final = 0.1  # [m/s] command speed of a screw that stands
 
 # a number of one moment's state [SI], by its name in the layout
 StateReader = Callable[[str], float]
-_PLACES: Final = {
-    name: STATE_PLACES[name.partition("[")[0]]
+_OFFSETS: Final = {
+    name: STATE_OFFSETS[name.partition("[")[0]]
     + (BOTTOM_NAMES.index(name) if name in BOTTOM_NAMES else 0)
     for name in (*STATE_NAMES, "theta", "zdot")
 }
@@ -114,7 +114,7 @@ class GroundMonitor:
     def reset(self) -> None:
         """Take the boat as it is. Nothing of it is news."""
         bottom, plain = self.bottom, self.boat.plain
-        down = plain[STATE_PLACES["aground"]] >= AGROUND_TICKS
+        down = plain[STATE_OFFSETS["aground"]] >= AGROUND_TICKS
         self.down_since = self.boat.time if down else None
         self.laid, self.touch, self.off_since = down, None, None
         self.beyond = bottom is not None and not self._charted(bottom)
@@ -125,7 +125,7 @@ class GroundMonitor:
         if bottom is None:
             return ()
         calls = [*self._edge(bottom)]
-        ticks = self.boat.plain[STATE_PLACES["aground"]]
+        ticks = self.boat.plain[STATE_OFFSETS["aground"]]
         if ticks == 0.0:
             self._afloat()
         elif ticks >= AGROUND_TICKS:
@@ -147,11 +147,11 @@ class GroundMonitor:
         off = np.flatnonzero(flown["aground"] == 0.0)
         if self.bottom is not None and off.size:
             last = flown.rows[off[-1]].tolist()
-            self.touch = touch_of(lambda name: last[_PLACES[name]], float(boat.vessel.ell))
+            self.touch = touch_of(lambda name: last[_OFFSETS[name]], float(boat.vessel.ell))
 
     def _charted(self, bottom: Bottom) -> bool:
         plain = self.boat.plain
-        return is_charted(bottom, plain[STATE_PLACES["x"]], plain[STATE_PLACES["y"]])
+        return is_charted(bottom, plain[STATE_OFFSETS["x"]], plain[STATE_OFFSETS["y"]])
 
     def _edge(self, bottom: Bottom) -> list[GroundCall]:
         was, self.beyond = self.beyond, not self._charted(bottom)
@@ -164,7 +164,7 @@ class GroundMonitor:
         boat = self.boat
         plain = boat.plain
         # in the first tick that carries load the ground has slowed the boat already
-        self.touch = touch_of(lambda name: plain[_PLACES[name]], float(boat.vessel.ell))
+        self.touch = touch_of(lambda name: plain[_OFFSETS[name]], float(boat.vessel.ell))
         if self.down_since is None:
             return
         self.off_since = boat.time if self.off_since is None else self.off_since
@@ -190,7 +190,7 @@ class GroundMonitor:
         self.off_since = None  # only time off the ground without a touch counts
         if self.laid or self.down_since is None:
             return []
-        load, u_c = self._load(), self.boat.plain[STATE_PLACES["u_c"]]
+        load, u_c = self._load(), self.boat.plain[STATE_OFFSETS["u_c"]]
         screw = "stopped" if abs(u_c) < STOPPED_SCREW_SPEED else "turns"
         load_text = f"{load:.0f} t on the ground, screw {screw}"
         if lies_well(load, u_c):
@@ -205,4 +205,4 @@ class GroundMonitor:
 
     def _load(self) -> float:
         """Return what the ground carries [t]."""
-        return self.boat.plain[STATE_PLACES["bottom_load"]] / float(self.boat.vessel.g) / 1000.0
+        return self.boat.plain[STATE_OFFSETS["bottom_load"]] / float(self.boat.vessel.g) / 1000.0

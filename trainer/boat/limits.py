@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.grounding import clearance
@@ -26,15 +26,15 @@ from trainer.core.sea.free_surface import DECK_REACH, deck_height, sail_height
 from trainer.units import DEGREE, KNOT
 
 RECALL_COVER_M: Final = 1.0  # [m] of water over it before the same can be called out again
-Z, WAVE_PLACE, VALIDITY_PLACE = (
-    STATE_PLACES["z"],
-    STATE_PLACES["eta_wave"],
-    STATE_PLACES["validity"],
+Z, WAVE_OFFSET, VALIDITY_OFFSET = (
+    STATE_OFFSETS["z"],
+    STATE_OFFSETS["eta_wave"],
+    STATE_OFFSETS["validity"],
 )
-SPEED_PLACE = STATE_PLACES["u"]
-NORTH_PLACE, EAST_PLACE = STATE_PLACES["through_north"], STATE_PLACES["through_east"]
-HEIGHT_PLACE, OMEGA_PLACE, DIRECTION_PLACE, COSINES_PLACE = (
-    STATE_PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
+SPEED_OFFSET = STATE_OFFSETS["u"]
+NORTH_OFFSET, EAST_OFFSET = STATE_OFFSETS["through_north"], STATE_OFFSETS["through_east"]
+HEIGHT_OFFSET, OMEGA_OFFSET, DIRECTION_OFFSET, COSINES_OFFSET = (
+    STATE_OFFSETS[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
 HEIGHT_ERROR_M, RATIO_ERROR = 1e-6, 1e-9  # of what is computed for many ticks at once
 FULL_BALLAST_SHARE: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
@@ -68,7 +68,7 @@ LIMIT_WORDS: Final = {  # what passing each limit is called; depth grows downwar
 
 
 def over_ground(s: Any) -> float:
-    """Return the speed [m/s] over the ground, 0 while the place is held.
+    """Return the speed [m/s] over the ground, 0 while the position is held.
 
     A frozen boat sails on unseen, which nobody is to be told.
     """
@@ -104,7 +104,7 @@ def is_deep(boat: Boat) -> bool:
 
     The costly look at sail and deck is then left out.
     """
-    return boat.plain[Z] + boat.plain[WAVE_PLACE] > boat.reach + RECALL_COVER_M
+    return boat.plain[Z] + boat.plain[WAVE_OFFSET] > boat.reach + RECALL_COVER_M
 
 
 def following_speed_ratio(boat: Boat) -> float:
@@ -114,13 +114,13 @@ def following_speed_ratio(boat: Boat) -> float:
     It is 0 without such a filter, and at depths where waves are not felt.
     """
     plain = boat.plain
-    if plain[HEIGHT_PLACE] == 0.0 or plain[COSINES_PLACE] == 1.0:
+    if plain[HEIGHT_OFFSET] == 0.0 or plain[COSINES_OFFSET] == 1.0:
         return 0.0
     # the speed through the water counts, because the waves run in the water
-    omega, way, g = plain[OMEGA_PLACE], plain[DIRECTION_PLACE], float(boat.vessel.g)
+    omega, way, g = plain[OMEGA_OFFSET], plain[DIRECTION_OFFSET], float(boat.vessel.g)
     if plain[Z] * omega * omega > WAVE_FELT_DEPTH * g:
         return 0.0
-    return omega / g * (plain[NORTH_PLACE] * math.cos(way) + plain[EAST_PLACE] * math.sin(way))
+    return omega / g * (plain[NORTH_OFFSET] * math.cos(way) + plain[EAST_OFFSET] * math.sin(way))
 
 
 def may_surface(boat: Boat, flown: FlownTicks) -> Mask:
@@ -186,8 +186,8 @@ class LimitMonitor:
     def look(self, boat: Boat) -> list[MonitorCall]:
         """Return what there is to call out after a tick."""
         met = self.encounters.look(boat)
-        usual = boat.plain[VALIDITY_PLACE] == 0.0 and self.validity == 0
-        usual = usual and boat.plain[HEIGHT_PLACE] == 0.0
+        usual = boat.plain[VALIDITY_OFFSET] == 0.0 and self.validity == 0
+        usual = usual and boat.plain[HEIGHT_OFFSET] == 0.0
         shaking = self._shaking_mast(boat)
         if usual and not self._set and not self.shows and not shaking and is_deep(boat):
             return met
@@ -218,7 +218,7 @@ class LimitMonitor:
             return clearance(boat)
         if key == "cpa_m":
             return self.encounters.nearest[1]
-        return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_PLACES[name]]))
+        return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_OFFSETS[name]]))
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -284,7 +284,7 @@ class LimitMonitor:
 
     def _out_of_range(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the equations are extrapolated or at their end, if that is news."""
-        now = int(boat.plain[VALIDITY_PLACE])
+        now = int(boat.plain[VALIDITY_OFFSET])
         if now > 0:
             self.inside_since = boat.time
         elif boat.time - self.inside_since > RANGE_REENTRY_S:
@@ -314,7 +314,7 @@ class LimitMonitor:
 
     def _shaking_mast(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
-        scope, speed = periscope_of(boat), float(boat.plain[SPEED_PLACE])
+        scope, speed = periscope_of(boat), float(boat.plain[SPEED_OFFSET])
         if scope is None or not scope.acts or not scope.shakes(speed, scope.at(boat.ticks)):
             if boat.time - self.shaken_since > RANGE_REENTRY_S:
                 self.shaken = False

@@ -46,8 +46,8 @@ class LinearModel:
 
     def part(self, *names: str) -> Matrix:
         """Return A restricted to the named motions."""
-        places = [MOTION.index(name) for name in names]
-        return self.A[np.ix_(places, places)]
+        indices = [MOTION.index(name) for name in names]
+        return self.A[np.ix_(indices, indices)]
 
     def inputs(self, names: tuple[str, ...], controls: tuple[str, ...]) -> Matrix:
         """Return B restricted to the named motions and controls."""
@@ -138,11 +138,11 @@ def head_wave_response(
     rates(vessel, compact, scheme, state, scratch)
     still = state["rates"][0].copy()
     pushed = np.zeros(len(VERTICAL_MOTION), complex)
-    places = [MOTION.index(name) for name in VERTICAL_MOTION]
+    indices = [MOTION.index(name) for name in VERTICAL_MOTION]
     for part, unit in ((forces.real, 1.0), (forces.imag, 1j)):
         scratch["external"][0] = part
         rates(vessel, compact, scheme, state, scratch)
-        pushed += unit * (state["rates"][0] - still)[places]
+        pushed += unit * (state["rates"][0] - still)[indices]
     # the frequency at which a boat under way meets waves from ahead, in deep water
     met = omega + omega * omega / float(boat.vessel.g) * float(boat.state.u)
     motion = np.linalg.solve(
@@ -184,26 +184,26 @@ def measure_response(boat: Boat, nudge: float = 1e-5) -> RateResponse:
     vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
     scheme = equations_alone(scheme)
     names = LONGITUDINAL_MOTION if boat.method.equations == "longitudinal" else INTERNAL_MOTION
-    places = [MOTION.index(name) for name in names]
+    indices = [MOTION.index(name) for name in names]
 
-    def slope(field: str, place: int, size: float) -> Matrix:
+    def slope(field: str, index: int, size: float) -> Matrix:
         state["rates"] = 0.0
-        centre = float(state[field][0, place])
+        centre = float(state[field][0, index])
         ends = []
         for side in (size, -size):
             state["rates"] = 0.0
-            state[field][0, place] = centre + side
+            state[field][0, index] = centre + side
             rates(vessel, compact, scheme, state, scratch)
-            ends.append(state["rates"][0, places])
-        state[field][0, place] = centre
+            ends.append(state["rates"][0, indices])
+        state[field][0, index] = centre
         return np.asarray((ends[0] - ends[1]) / (2.0 * size))
 
-    J = np.column_stack([slope("motion", place, nudge) for place in places])
+    J = np.column_stack([slope("motion", index, nudge) for index in indices])
     G = np.zeros_like(J)
     if boat.method.rates == "lagged":
         for column, name in enumerate(names):
             if name in BODY_VELOCITIES:  # the rates are linear in them: any size does
-                G[:, column] = slope("rates", places[column], 1.0)
+                G[:, column] = slope("rates", indices[column], 1.0)
     return RateResponse(names, J, G)
 
 

@@ -234,7 +234,7 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
             # nothing but records is kept: what is written for many ticks may be large
             kept = (given[i] if isinstance(kind, np.dtype) else nothing for i, kind, _ in wanted)
             last = tuple(kept), tuple(words)
-        words += [given[place].shape[i] for place, i in sizes]
+        words += [given[index].shape[i] for index, i in sizes]
         if not answers:
             status = function(*words)
             return entry.answer(status) if entry.answer else None

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.casualties import active_casualties
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
@@ -53,22 +53,22 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
 }
 # what follows from an order that was given, and asks nobody to do anything
 REMARK_NAMES: Final = ("afloat",)
-ASCENT_PLACE, SPEED_PLACE = STATE_PLACES["ascent"], STATE_PLACES["u"]
-ANSWER_PLACE, U_C_PLACE = STATE_PLACES["telegraph_answer"], STATE_PLACES["u_c"]
-SPEED_SHORT_PLACE, HOVER_LOST_PLACE = STATE_PLACES["speed_short"], STATE_PLACES["hover_lost"]
-TRIM_FLOOD_PLACE, TRIM_FORWARD_PLACE = STATE_PLACES["trim_flood"], STATE_PLACES["trim_forward"]
+ASCENT_OFFSET, SPEED_OFFSET = STATE_OFFSETS["ascent"], STATE_OFFSETS["u"]
+ANSWER_OFFSET, U_C_OFFSET = STATE_OFFSETS["telegraph_answer"], STATE_OFFSETS["u_c"]
+SPEED_SHORT_OFFSET, HOVER_LOST_OFFSET = STATE_OFFSETS["speed_short"], STATE_OFFSETS["hover_lost"]
+TRIM_FLOOD_OFFSET, TRIM_FORWARD_OFFSET = STATE_OFFSETS["trim_flood"], STATE_OFFSETS["trim_forward"]
 LIMIT_MARGIN: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
 MIN_LACK_ANGLE: Final = math.radians(3.0)  # [rad] lacking of an order, before it is called
 LACK_RECALL_S: Final = 30.0  # [s] with all that is ordered, before a lack is news again
 SHARED_SURFACES: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
-    "rudder": ("rudder has", STATE_PLACES["delta_r"], STATE_PLACES["command_r"]),
-    "stern": ("stern planes have", STATE_PLACES["delta_s"], STATE_PLACES["command_s"]),
+    "rudder": ("rudder has", STATE_OFFSETS["delta_r"], STATE_OFFSETS["command_r"]),
+    "stern": ("stern planes have", STATE_OFFSETS["delta_s"], STATE_OFFSETS["command_s"]),
 }
 
 
 def lacks_water(boat: Boat) -> bool:
     """Return whether automatic trim asks for water or room that is not there."""
-    flood, forward = boat.plain[TRIM_FLOOD_PLACE], boat.plain[TRIM_FORWARD_PLACE]
+    flood, forward = boat.plain[TRIM_FLOOD_OFFSET], boat.plain[TRIM_FORWARD_OFFSET]
     if flood == 0.0 and forward == 0.0:
         return False
     water, capacity = boat.state.water, boat.vessel.capacity
@@ -102,9 +102,9 @@ def engine_limit(boat: Boat) -> str:
     It is asked as soon as the engine room acts on an order: revolutions come after, by their lag.
     """
     c, plain = boat.vessel, boat.plain
-    answer, u = plain[ANSWER_PLACE], plain[SPEED_PLACE]
+    answer, u = plain[ANSWER_OFFSET], plain[SPEED_OFFSET]
     driving = answer > max(u, 0.0) or answer < min(u, 0.0)
-    if c.torque_limit == 0.0 or not driving or abs(answer - plain[U_C_PLACE]) <= PROPELLER_SLACK:
+    if c.torque_limit == 0.0 or not driving or abs(answer - plain[U_C_OFFSET]) <= PROPELLER_SLACK:
         return ""
     way = AHEAD if answer > 0.0 else STOPPING if u >= 0.0 else ASTERN
     flow, n = (max(u, 0.0) if answer > 0.0 else abs(u)) / c.screw, abs(answer) * c.turns
@@ -153,12 +153,12 @@ class TailMonitor:
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what there is to say after a tick, by names for the account."""
         c, plain = boat.vessel, boat.plain
-        total = sum(abs(plain[place]) for _, place, _ in SHARED_SURFACES.values())
+        total = sum(abs(plain[offset]) for _, offset, _ in SHARED_SURFACES.values())
         if c.x_tail == 0.0 or total < c.limit_s - LIMIT_MARGIN:
             return []
         news = []
-        for name, (has, place, command) in SHARED_SURFACES.items():
-            stands, ordered = abs(plain[place]), abs(plain[command])
+        for name, (has, offset, command) in SHARED_SURFACES.items():
+            stands, ordered = abs(plain[offset]), abs(plain[command])
             if ordered - stands <= MIN_LACK_ANGLE or is_broken(boat, name):
                 continue
             last = self.lacking.get(name, -math.inf)
@@ -198,7 +198,7 @@ class EngineMonitor:
         last, self.limited = self.limited, boat.time
         if boat.time - last <= LACK_RECALL_S:
             return []
-        ordered = boat.plain[ANSWER_PLACE] * boat.file.propulsion.rps_per_mps * 60.0
+        ordered = boat.plain[ANSWER_OFFSET] * boat.file.propulsion.rps_per_mps * 60.0
         words = f"ENGINE: limited by {limit}, short of the {ordered:.0f} rpm ordered"
         return [(f"engine limited by {limit}", words)]
 
@@ -225,7 +225,7 @@ class PilotMonitor:
         """Take the boat as it is. Nothing of it is news."""
         self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
-        self.rising = boat.plain[ASCENT_PLACE] == ASCENT_RISING
+        self.rising = boat.plain[ASCENT_OFFSET] == ASCENT_RISING
         self.tail.lacking.clear()
         self.tail.look(boat)
         self.engine = EngineMonitor()
@@ -265,7 +265,7 @@ class PilotMonitor:
         """Return what the autopilot has newly given up, or has again."""
         if not lacks_water(boat):
             self.trimmed = boat.time
-        rose, self.rising = self.rising, boat.plain[ASCENT_PLACE] == ASCENT_RISING
+        rose, self.rising = self.rising, boat.plain[ASCENT_OFFSET] == ASCENT_RISING
         if not (self.given_up or rose or self._is_unusual(boat)):
             return []
         now = self._left_undone(boat)
@@ -274,7 +274,7 @@ class PilotMonitor:
             rank = Rank.CAUTION if name in REMARK_NAMES else Rank.WARNING
             calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank))
             self.times.setdefault(name, []).append(boat.time)
-        if rose and boat.plain[ASCENT_PLACE] == NO_ASCENT:
+        if rose and boat.plain[ASCENT_OFFSET] == NO_ASCENT:
             kept = round(float(boat.state.ordered_depth), 1)
             over = f"autopilot: the ascent is over: keeping depth {kept:g} m"
             calls.append(MonitorCall(over, Rank.CAUTION))
@@ -284,32 +284,32 @@ class PilotMonitor:
     def _is_unusual(self, boat: Boat) -> bool:
         """Return whether anything could be given up."""
         plain = boat.plain
-        lost = plain[HOVER_LOST_PLACE] != 0.0 or plain[SPEED_SHORT_PLACE] > MIN_LACK_TIME_S
+        lost = plain[HOVER_LOST_OFFSET] != 0.0 or plain[SPEED_SHORT_OFFSET] > MIN_LACK_TIME_S
         lost = lost or boat.time - self.trimmed > MIN_LACK_TIME_S
-        return lost or plain[ASCENT_PLACE] != NO_ASCENT or plain[SPEED_PLACE] < ASTERN_SPEED
+        return lost or plain[ASCENT_OFFSET] != NO_ASCENT or plain[SPEED_OFFSET] < ASTERN_SPEED
 
     def _left_undone(self, boat: Boat) -> set[str]:
         """Return what is given up, of GIVEN_UP_TEXTS."""
         plain, s = boat.plain, boat.state
         undone = set()
-        if plain[ASCENT_PLACE] == ASCENT_AFLOAT:
+        if plain[ASCENT_OFFSET] == ASCENT_AFLOAT:
             undone.add("afloat")
-        elif plain[ASCENT_PLACE] == ASCENT_RISING:
+        elif plain[ASCENT_OFFSET] == ASCENT_RISING:
             blown = EMERGENCY_OPENING in s.blow[:NEGATIVE_TANK]  # main ballast
             undone |= {"emergency ascent"} if blown else self.given_up & {"emergency ascent"}
         if (
-            plain[SPEED_PLACE] < ASTERN_SPEED
-            and plain[ASCENT_PLACE] == NO_ASCENT
+            plain[SPEED_OFFSET] < ASTERN_SPEED
+            and plain[ASCENT_OFFSET] == NO_ASCENT
             and boat.automatic
         ):
             # Once called it holds at any speed astern, so that it is not called again and again.
-            slow = plain[SPEED_PLACE] > -LEAST_ASTERN or "astern" in self.given_up
+            slow = plain[SPEED_OFFSET] > -LEAST_ASTERN or "astern" in self.given_up
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
                 undone.add("astern")
-        if plain[SPEED_SHORT_PLACE] > MIN_LACK_TIME_S:
+        if plain[SPEED_SHORT_OFFSET] > MIN_LACK_TIME_S:
             undone.add("speed not reached")
         if boat.time - self.trimmed > MIN_LACK_TIME_S:
             undone.add("trim short")
-        if plain[HOVER_LOST_PLACE] != 0.0:
+        if plain[HOVER_LOST_OFFSET] != 0.0:
             undone.add("hover lost")
         return undone

@@ -14,10 +14,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings, scale_of
 from trainer.boat.crew_hands import (
-    STAMP_PLACE,
+    STAMP_OFFSET,
     TIME_ROUNDING_S,
     GaugeHistory,
     PlanesHand,
@@ -122,7 +122,7 @@ class ReferenceCrew:
         """Return after how many ticks the gauges may show what a rule waits for.
 
         It is all of the ticks that were flown if they never do.
-        ``column`` gives a place of the state at these ticks, ``readings`` has a row for each of
+        ``column`` gives a field of the state at these ticks, ``readings`` has a row for each of
         what the gauges read. Means are summed otherwise than by a look, which decides.
         """
         first, now = len(readings), self.boat.time - len(readings) * self.boat.method.step
@@ -163,9 +163,9 @@ class ReferenceCrew:
             return np.ones(len(readings), bool)  # a look tells
         else:
             factor = self._factor(quantity)
-            place, last = STATE_QUANTITIES[quantity].place, self.boat.ticks
+            field, last = STATE_QUANTITIES[quantity].field, self.boat.ticks
             ticks = np.arange(last - len(readings), last, dtype=np.float64) + 1.0
-            numbers = ticks if place == "tick" else column(place)
+            numbers = ticks if field == "tick" else column(field)
             values = numbers / factor if factor else np.zeros(len(readings))
         above = condition.sense * (values - condition.threshold)
         return above > 0.0 if condition.strict and slack == 1e-12 else above >= -slack
@@ -249,7 +249,7 @@ class ReferenceCrew:
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""
-        return self.boat.plain[STAMP_PLACE + CREW_AXES.index(axis)] if axis else 0.0
+        return self.boat.plain[STAMP_OFFSET + CREW_AXES.index(axis)] if axis else 0.0
 
     def _notice(self, each: RuleProgress, before: RuleProgress | None) -> None:
         """Set when a rule's order is due, if what it waits for has come."""
@@ -305,13 +305,13 @@ class ReferenceCrew:
             return SEEN_QUANTITIES[quantity](self.boat)
         factor = self._factor(quantity)
         return (
-            self.boat.plain[STATE_PLACES[STATE_QUANTITIES[quantity].place]] / factor
+            self.boat.plain[STATE_OFFSETS[STATE_QUANTITIES[quantity].field]] / factor
             if factor
             else 0.0
         )
 
     def _factor(self, quantity: str) -> float:
-        """Return the factor from a quantity to its place in the state, as ``scale_of``."""
+        """Return the factor from a quantity to its field of the state, as ``scale_of``."""
         if quantity not in self._factors:
             self._factors[quantity] = scale_of(self.boat, quantity)
         return self._factors[quantity]

@@ -102,10 +102,10 @@ def describe_held(boat: Boat) -> str:
 
 
 def _where(boat: Boat, part: str) -> str:
-    """Return where a part stands, '' for one that is in no place."""
+    """Return where a part stands, '' for one that is nowhere."""
     s = boat.state
-    places = {
+    words = {
         "depth": f" at {s.z:.1f} m",
         "position": f" at {s.x:.0f} m north, {s.y:.0f} m east of the start",
     }
-    return places.get(part, "")
+    return words.get(part, "")

@@ -333,9 +333,9 @@ def read_outputs(path: Path, times: Numbers, channels: Sequence[str]) -> dict[st
     known = [name for name in channels if table.has(name)]
     if not known:
         raise ConfigError(f"{path}: line 1: has none of the case's channels {', '.join(channels)}")
-    t = table.known(table.place(TIME_COLUMN))
+    t = table.known(table.index(TIME_COLUMN))
     if (falls := np.flatnonzero(np.diff(t) <= 0.0)).size:
-        raise table.wrong(int(falls[0]) + 1, table.place(TIME_COLUMN), "times must rise")
+        raise table.wrong(int(falls[0]) + 1, table.index(TIME_COLUMN), "times must rise")
     if not t.size:
         raise ConfigError(f"{path}: line 2: there are no outputs")
     after = np.clip(np.searchsorted(t, times), 1, max(t.size - 1, 1))
@@ -348,4 +348,4 @@ def read_outputs(path: Path, times: Numbers, channels: Sequence[str]) -> dict[st
         raise ConfigError(
             f"{path}: no output at {TIME_COLUMN} = {first:g}; the nearest is row {line}"
         )
-    return {name: table.known(table.place(name))[rows] for name in known}
+    return {name: table.known(table.index(name))[rows] for name in known}

@@ -25,9 +25,9 @@ REVOLUTION_UNITS: Final = {"rpm": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of conditions: its place in the state, its units, and its meaning."""
+    """A quantity of conditions: its field of the state, its units, and its meaning."""
 
-    place: str
+    field: str
     units: Mapping[str, float]
     meaning: str
 

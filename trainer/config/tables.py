@@ -103,8 +103,8 @@ class CsvTable:
         """Return whether there is a column of that heading, with its unit or without."""
         return name in self.heads or name in self.names
 
-    def place(self, name: str, use: str = "") -> int:
-        """Return the place of a column; ConfigError with the nearest name if there is none."""
+    def index(self, name: str, use: str = "") -> int:
+        """Return the index of a column; ConfigError with the nearest name if there is none."""
         for names in (self.heads, self.names):
             if name in names:
                 return names.index(name)
@@ -114,23 +114,23 @@ class CsvTable:
             f"it has {', '.join(self.names)}"
         )
 
-    def texts(self, place: int) -> list[str]:
+    def texts(self, index: int) -> list[str]:
         """Return the cells of a column."""
-        return [row[place] for row in self.cells]
+        return [row[index] for row in self.cells]
 
-    def numbers(self, place: int) -> Numbers:
+    def numbers(self, index: int) -> Numbers:
         """Return a column, NaN where it is empty. ConfigError naming the row of what is none."""
-        texts = self.texts(place)
-        return np.array([self.number(row, place, text) for row, text in enumerate(texts)], float)
+        texts = self.texts(index)
+        return np.array([self.number(row, index, text) for row, text in enumerate(texts)], float)
 
-    def known(self, place: int) -> Numbers:
+    def known(self, index: int) -> Numbers:
         """Return a column whose cells are all numbers; ConfigError naming the row of one not."""
-        numbers = self.numbers(place)
+        numbers = self.numbers(index)
         if (missing := np.isnan(numbers)).any():
-            raise self.wrong(int(np.argmax(missing)), place, "must be a number")
+            raise self.wrong(int(np.argmax(missing)), index, "must be a number")
         return numbers
 
-    def number(self, row: int, place: int, text: str) -> float:
+    def number(self, row: int, index: int, text: str) -> float:
         """Return what one cell says, NaN if it is empty. ConfigError if it is no number."""
         try:
             number = float(text)
@@ -141,24 +141,24 @@ class CsvTable:
             left, _, right = text.replace(" ", "").rpartition(",")
             readings = f"is it {left}{right} or {left}.{right}? " if left.isdigit() else ""
             remedy = f": {readings}write it without a sign between thousands" if left else ""
-            raise self.wrong(row, place, f"must be a number, or empty{remedy}")
+            raise self.wrong(row, index, f"must be a number, or empty{remedy}")
         return number
 
-    def angles(self, place: int, unit: str) -> Numbers:
+    def angles(self, index: int, unit: str) -> Numbers:
         """Return latitudes or longitudes in degrees, in radians if ``unit`` is rad; ConfigError.
 
         A cell is a number, degrees and minutes together if ``unit`` is ddmm, or degrees with
         minutes and seconds, and N, S, E or W.
         """
         rows = range(len(self.cells))
-        return np.array([self._angle(row, place, unit) for row in rows], float)
+        return np.array([self._angle(row, index, unit) for row in rows], float)
 
-    def _angle(self, row: int, place: int, unit: str) -> float:
+    def _angle(self, row: int, index: int, unit: str) -> float:
         """Return the angle of one cell; NaN if it is empty. ConfigError if it is none."""
-        text = self.cells[row][place]
+        text = self.cells[row][index]
         match = ANGLE_PATTERN.fullmatch(text)
         if match is None or (unit == "ddmm" and "," in text and GROUPED_NUMBER.match(text)):
-            return self.number(row, place, text)
+            return self.number(row, index, text)
         before, whole, *parts, after = match.groups()
         size, minutes, seconds = (float((x or "0").replace(",", ".")) for x in (whole, *parts))
         size = abs(size)
@@ -169,15 +169,15 @@ class CsvTable:
         if minutes >= 60.0 or size > limit:
             remedy = 'unit = "ddmm" is degrees and minutes' if unit == "deg" else f"is it {unit}?"
             remedy += f"; where it stands for no reading say missing = [{whole}]"
-            raise self.wrong(row, place, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
+            raise self.wrong(row, index, f"must be at most {limit:.4g}, minutes below 60; {remedy}")
         half = (before or after).upper()
         return -size if half in ("S", "W") or (not half and whole.startswith("-")) else size
 
-    def without(self, place: int, codes: Collection[float]) -> "CsvTable":
+    def without(self, index: int, codes: Collection[float]) -> "CsvTable":
         """Return the table with a column's cells that say one of these numbers empty."""
-        absent = [_is_number(text) and float(text) in codes for text in self.texts(place)]
+        absent = [_is_number(text) and float(text) in codes for text in self.texts(index)]
         pairs = zip(self.cells, absent, strict=True)
-        cells = [[*row[:place], "", *row[place + 1 :]] if no else row for row, no in pairs]
+        cells = [[*row[:index], "", *row[index + 1 :]] if no else row for row, no in pairs]
         return replace(self, cells=cells)
 
     @property
@@ -186,28 +186,28 @@ class CsvTable:
         same = [row == before for before, row in pairwise(self.cells)]
         return np.array([False, *same])
 
-    def is_clock(self, place: int) -> bool:
+    def is_clock(self, index: int) -> bool:
         """Return whether a column has dates or times of day, not numbers."""
-        first = next((text for text in self.texts(place) if text.casefold() not in EMPTY_CELLS), "")
+        first = next((text for text in self.texts(index) if text.casefold() not in EMPTY_CELLS), "")
         return _moment(first) is not None and not _is_number(first)
 
-    def seconds(self, place: int) -> Numbers:
+    def seconds(self, index: int) -> Numbers:
         """Return ISO 8601 times from the first one [s], beyond midnight too. ConfigError."""
         moments = []
-        for row, text in enumerate(self.texts(place)):
+        for row, text in enumerate(self.texts(index)):
             moment = _moment(text)
             if moment is None:
-                raise self.wrong(row, place, "must be a time by ISO 8601, as the first is")
+                raise self.wrong(row, index, "must be a time by ISO 8601, as the first is")
             moments.append(moment)
         since = np.array([(moment - moments[0]).total_seconds() for moment in moments])
         # Times without dates begin like 23: or 9:, and go back by a day at midnight.
-        if ":" in self.cells[0][place][:3]:
+        if ":" in self.cells[0][index][:3]:
             since = np.unwrap(since, period=DAY_S)
         return since
 
-    def wrong(self, row: int, place: int, text: str) -> ConfigError:
+    def wrong(self, row: int, index: int, text: str) -> ConfigError:
         """Return what is wrong with a cell."""
-        name, cell = self.names[place], quote(self.cells[row][place])
+        name, cell = self.names[index], quote(self.cells[row][index])
         return ConfigError(f"{self.path}: row {self.lines[row]}: {name} = {cell}: {text}")
 
 
@@ -383,8 +383,8 @@ def _moment(text: str) -> datetime | None:
 def _check_thousands(path: Path, heads: Sequence[str], rows: Rows) -> None:
     """Check that signs within numbers are decimal ones; ConfigError with both readings."""
     # three decimals beside whole numbers: programs print all alike, or cut zeros off the end
-    for place, head in enumerate(heads):
-        cells = [(line, row[place]) for line, row in rows]
+    for index, head in enumerate(heads):
+        cells = [(line, row[index]) for line, row in rows]
         groups = [one for one in cells if GROUPED_NUMBER.fullmatch(one[1])]
         rounded = any(text.endswith("0") for _, text in groups)
         wholes = [
@@ -417,13 +417,13 @@ def _mend_commas(path: Path, heads: Sequence[str], rows: Rows, told: list[str]) 
 
 
 def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | None:
-    """Return line, place and text of the first cell like a pattern; None if there is none."""
+    """Return line, index and text of the first cell like a pattern; None if there is none."""
 
     def cells() -> Iterator[tuple[int, int, str]]:
         for line, row in rows:
-            for place, cell in enumerate(row):
+            for index, cell in enumerate(row):
                 if pattern.fullmatch(cell):
-                    yield line, place, cell
+                    yield line, index, cell
 
     return next(cells(), None)
 
@@ -461,8 +461,8 @@ def _resolutions(t: Numbers, *, repeats: bool) -> Iterator[Numbers]:
     """
     steps = np.diff(t)
     digits = [np.format_float_scientific(x, unique=True, trim="-") for x in np.round(t, 9)]
-    places = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]
+    counts = [len(text.partition("e")[0].replace(".", "").lstrip("-")) for text in digits]
     powers = np.floor(np.log10(np.maximum(np.abs(t), 1e-9)))
-    finest = 10.0 ** float(np.min(powers + 1 - np.array(places), where=t != 0.0, initial=9))
+    finest = 10.0 ** float(np.min(powers + 1 - np.array(counts), where=t != 0.0, initial=9))
     yield np.full_like(t, steps[steps > 0.0].min() if repeats else finest)
-    yield np.maximum(10.0 ** (powers + 1 - max(places)), finest)
+    yield np.maximum(10.0 ** (powers + 1 - max(counts)), finest)

@@ -279,7 +279,7 @@ def orders_of_people(trajectory: Trajectory, plan: Plan) -> tuple[RecordedOrder,
     by_file = [
         replace(each, giver=FILE_GIVER)
         for each in trajectory.orders
-        if each.place in added and each.accepted is not False
+        if each.entry in added and each.accepted is not False
     ]
     return tuple(sorted((*crew_orders(trajectory), *by_file), key=lambda each: each.tick))
 
@@ -287,14 +287,14 @@ def orders_of_people(trajectory: Trajectory, plan: Plan) -> tuple[RecordedOrder,
 def orders_beside_crew(trajectory: Trajectory, plan: Plan) -> OrdersByTick:
     """Return the orders that come whoever is the crew: of the schedule, and the instructor's."""
     by_tick: dict[int, list[RecordedOrder]] = defaultdict(list)
-    for place, entry in enumerate(plan.schedule):
-        tick = due_tick(plan, place)
+    for index, entry in enumerate(plan.schedule):
+        tick = due_tick(plan, index)
         by_tick[tick].append(
-            RecordedOrder(0, 1, tick, SCHEDULE_GIVER, entry.order.text, place, None, "")
+            RecordedOrder(0, 1, tick, SCHEDULE_GIVER, entry.order.text, index, None, "")
         )
     crew = {each.id for each in crew_orders(trajectory)}
     for given in trajectory.orders:
-        own = given.giver.kind in OWN_KINDS and given.place is None
+        own = given.giver.kind in OWN_KINDS and given.entry is None
         if own and given.accepted is not False and given.id not in crew:
             by_tick[given.tick].append(given)
     return by_tick

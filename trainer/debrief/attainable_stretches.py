@@ -109,7 +109,7 @@ def changed_stretches(points: Sequence[AttainablePoint], step: float) -> Iterato
     """
     for first, last in legs(points):
         leg = [each for each in points if first.tick <= each.tick <= last.tick]
-        moves = [is_moving(leg, place, step) for place in range(len(leg) - 1)]
+        moves = [is_moving(leg, index, step) for index in range(len(leg) - 1)]
         found: list[MarkStretch] = []
         begin, told = None, first.marks
         for (before, _), moving in zip(pairwise(leg), moves, strict=True):
@@ -145,9 +145,9 @@ def legs(points: Sequence[AttainablePoint]) -> Iterator[tuple[AttainablePoint, A
         yield begin, furthest
 
 
-def is_moving(leg: Sequence[AttainablePoint], place: int, step: float) -> bool:
+def is_moving(leg: Sequence[AttainablePoint], index: int, step: float) -> bool:
     """Return whether marks change after a point, at once or over a minute."""
-    before, after = leg[place], leg[place + 1]
+    before, after = leg[index], leg[index + 1]
     if abs(after.marks - before.marks) >= STEADY_MARKS:
         return True
     ticks, marks = [each.tick for each in leg], [each.marks for each in leg]

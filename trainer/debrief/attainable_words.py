@@ -109,8 +109,8 @@ def terminal_lines(curve: AttainableCurve, step: float) -> Iterator[str]:
     """Yield the curve and its changes as lines of a terminal of 80 columns."""
     ticks = np.array([point.tick for point in curve.points])
     marks = np.array([point.marks for point in curve.points])
-    places = np.linspace(ticks[0], ticks[-1], TEXT_COLUMNS)
-    values = np.interp(places, ticks, marks)
+    columns = np.linspace(ticks[0], ticks[-1], TEXT_COLUMNS)
+    values = np.interp(columns, ticks, marks)
     yield until_words(curve, step)
     half = 0.5 * (TEXT_ROWS_PERCENT[0] - TEXT_ROWS_PERCENT[1])
     for level in TEXT_ROWS_PERCENT:

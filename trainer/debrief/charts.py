@@ -59,9 +59,9 @@ LABEL_WIDTH_PX: Final = 24.0  # [px] that a label takes
 WASHED_TIME_S: Final = 10.0  # [s] a wave over the periscope this long does not end a showing
 
 
-def change_name(place: int) -> str:
+def change_name(index: int) -> str:
     """Return the name, in links, of a change of the attainable marks."""
-    return f"change{place}"
+    return f"change{index}"
 
 
 @dataclass(frozen=True)
@@ -174,13 +174,13 @@ def _clearance(trajectory: Trajectory) -> Chart | None:
     return Chart("clearance", "Water under the keel", "m", lines, limits, least=10.0)
 
 
-def order_in_force(trajectory: Trajectory, axis: str, place: str, by_hand: RowMask) -> Numbers:
+def order_in_force(trajectory: Trajectory, axis: str, field: str, by_hand: RowMask) -> Numbers:
     """Return the order [SI] in force at each tick, NaN where none is.
 
     It is the order to the crew; where none stands, the autopilot's, unless the controls are
     ``by_hand``, when it does nothing. In a run without orders to the crew it counts all through.
     """
-    crew, by_boat = trajectory.ordered(axis), trajectory.columns[place]
+    crew, by_boat = trajectory.ordered(axis), trajectory.columns[field]
     if np.isnan(crew).all():
         return by_boat
     return np.where(np.isnan(crew), np.where(by_hand, np.nan, by_boat), crew)
@@ -262,8 +262,8 @@ def _air(trajectory: Trajectory) -> Chart | None:
     """Return the air left, if any was used."""
     vessel = trajectory.boat.vessel
     lines = []
-    for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL_STYLE, SECOND_STYLE), strict=True)):
-        if full := float(vessel.bank_full[place]):
+    for index, (bank, style) in enumerate(zip(BANKS, (ACTUAL_STYLE, SECOND_STYLE), strict=True)):
+        if full := float(vessel.bank_full[index]):
             lines.append(CurveLine(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
     if not any(np.ptp(line.values) > MIN_AIR_USED_PERCENT for line in lines):
         return None
@@ -332,8 +332,8 @@ def _reference(debrief: DebriefData, ground: ChartGround) -> Iterator[str]:
 
 def _strokes(seconds: list[float], heading: str, style: str, ground: ChartGround) -> str:
     """Return a row with a stroke for each of some times [s]."""
-    places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
-    drawn = "".join(rule(style, x, 4.0, x, ROW_HEIGHT_PX - 4.0) for x in places)
+    strokes = [ground.across.at(each) for each in seconds if each <= ground.across.high]
+    drawn = "".join(rule(style, x, 4.0, x, ROW_HEIGHT_PX - 4.0) for x in strokes)
     return drawn and drawn + _heading(heading)
 
 
@@ -344,10 +344,10 @@ def _shown(debrief: DebriefData, ground: ChartGround) -> str:
         return ""
     breaks = np.flatnonzero(np.diff(seconds) > WASHED_TIME_S) + 1
     ends = ((each[0], each[-1] + debrief.step) for each in np.split(seconds, breaks))
-    places = [(ground.across.at(begin), ground.across.at(end)) for begin, end in ends]
+    spans = [(ground.across.at(begin), ground.across.at(end)) for begin, end in ends]
     bars = (
         rect("shown", begin, 5.0, max(end - begin, 2.0), ROW_HEIGHT_PX - 10.0)
-        for begin, end in places
+        for begin, end in spans
     )
     return "".join(bars) + _heading("scope")
 
@@ -364,9 +364,9 @@ def _drawn(debrief: DebriefData, kind: str) -> tuple[RecordedEvent, ...]:
 
 
 def _marks(debrief: DebriefData, ground: ChartGround) -> str:
-    places = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
-    drawn = (text("tick middle", x, 14.0, f"M{i}") for i, x in enumerate(places, start=1))
-    return "".join(drawn) + _heading("mark") if places else ""
+    marks = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "mark")]
+    drawn = (text("tick middle", x, 14.0, f"M{i}") for i, x in enumerate(marks, start=1))
+    return "".join(drawn) + _heading("mark") if marks else ""
 
 
 def _labelled(

@@ -117,12 +117,12 @@ class RunFollower:
         """
         later: dict[int, list[RecordedOrder]] = defaultdict(list)
         later[end.tick] += [each for each in orders if each.tick == end.tick]
-        given = {each.place for each in orders}
-        for place, entry in enumerate(self.plan.schedule):
-            if place not in given:
-                tick, words = max(due_tick(self.plan, place), end.tick), entry.order.text
+        given = {each.entry for each in orders}
+        for index, entry in enumerate(self.plan.schedule):
+            if index not in given:
+                tick, words = max(due_tick(self.plan, index), end.tick), entry.order.text
                 later[tick].append(
-                    RecordedOrder(0, 1, tick, SCHEDULE_GIVER, words, place, None, "")
+                    RecordedOrder(0, 1, tick, SCHEDULE_GIVER, words, index, None, "")
                 )
         if text:
             later[end.tick].append(order_of(end.tick, ASKER, text))
@@ -130,9 +130,9 @@ class RunFollower:
         return run
 
 
-def order_of(tick: int, giver: Giver, text: str, place: int | None = None) -> RecordedOrder:
+def order_of(tick: int, giver: Giver, text: str, entry: int | None = None) -> RecordedOrder:
     """Return an order that is still to be given, as a recording would have it."""
-    return RecordedOrder(0, 1, tick, giver, text, place, None, "")
+    return RecordedOrder(0, 1, tick, giver, text, entry, None, "")
 
 
 @dataclass

@@ -102,15 +102,15 @@ class AttemptHistory:
         return statistics.fmean(self.marks[-MEAN_ATTEMPTS:]) if self.marks else None
 
 
-def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
+def recordings_in(sources: Iterable[Path]) -> Iterator[Path]:
     """Yield the recordings in folders, and those named, the newest first; ConfigError."""
     dated: list[tuple[float, Path]] = []
-    for place in places:
-        inside = place.glob(f"*{RECORDING_SUFFIX}") if place.is_dir() else iter((place,))
+    for source in sources:
+        inside = source.glob(f"*{RECORDING_SUFFIX}") if source.is_dir() else iter((source,))
         try:
             dated += [(path.stat().st_mtime, path) for path in inside]
         except OSError as error:
-            raise ConfigError(f"{place}: {error.strerror}") from None
+            raise ConfigError(f"{source}: {error.strerror}") from None
     yield from (path for _, path in sorted(dated, key=lambda each: each[0], reverse=True))
 
 
@@ -345,30 +345,30 @@ def _literal(stem: str) -> str:
 # As printed
 
 
-def found_in(places: Sequence[Path]) -> list[Path]:
-    """Return the recordings in places, or in the recordings' folder, the newest first."""
+def found_in(sources: Sequence[Path]) -> list[Path]:
+    """Return the recordings of sources, or in the recordings' folder, the newest first."""
     folder = recordings_folder()
-    return list(recordings_in(places or ([folder] if folder.is_dir() else [])))
+    return list(recordings_in(sources or ([folder] if folder.is_dir() else [])))
 
 
-def print_list(places: Sequence[Path], *, as_json: bool) -> None:
+def print_list(sources: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; slow ones come last."""
-    paths = found_in(places)
+    paths = found_in(sources)
     paths.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
     if as_json:
         click.echo(json.dumps(as_figures(map(list_recording, paths)), indent=1))
         return
     if not paths:
-        where = ", ".join(map(str, places)) or recordings_folder()
+        where = ", ".join(map(str, sources)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
     columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     for line in list_lines(map(list_recording, paths), columns):
         click.echo(plain(line))
 
 
-def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
+def print_history(sources: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print a trainee's attempts; ConfigError if no recording has that name."""
-    own = of_trainee(list(map(list_recording, found_in(places))), name)
+    own = of_trainee(list(map(list_recording, found_in(sources))), name)
     attempts = trainee_history(own)
     if as_json:
         figures = [asdict(each) | {"mean_of_last": each.mean} for each in attempts]
@@ -377,13 +377,13 @@ def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     click.echo("\n".join(map(plain, [*history_lines(attempts), *familiarisation_lines(own)])))
 
 
-def print_forgotten(places: Sequence[Path], name: str) -> None:
+def print_forgotten(sources: Sequence[Path], name: str) -> None:
     """Remove a name and print where it stood; ConfigError if nowhere, or not removable."""
     removed = forget_progress(name)
     for path in removed:
         click.echo(f"{path}: removed")
     try:
-        for line in forget_trainee(name, found_in(places)):
+        for line in forget_trainee(name, found_in(sources)):
             click.echo(line)
     except NoSuchTraineeError:
         if not removed:
@@ -423,8 +423,8 @@ def _row(each: ListedRecording, came: RecordedResult, width: int | None) -> str:
     day = f"{_day(each.started):16}"
     if width is None:
         return f"{day}  {exercise:26}  {result}  {who}  {each.path.name}{free}"
-    place = width // 5  # of the exercise
-    head = f"{day}  {shorten_text(plain(exercise), place):{place}}  {result}  "
+    room = width // 5  # of the exercise
+    head = f"{day}  {shorten_text(plain(exercise), room):{room}}  {result}  "
     tail = [who, each.path.name, free.strip()] if free else [who, each.path.name]
     return head + "  ".join(fit_texts(tail, width - len(head)))
 

@@ -371,9 +371,9 @@ def _inside(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> RowMask:
 
 def _time_in(trajectory: Trajectory, rows: RowMask) -> Measurement:
     """Return the time [s] of rows, and the first of them."""
-    places = np.flatnonzero(rows)
-    seconds = float(places.size) * trajectory.boat.method.step
-    return Measurement(seconds, int(trajectory.ticks[places[0]]) if places.size else None)
+    ticks = np.flatnonzero(rows)
+    seconds = float(ticks.size) * trajectory.boat.method.step
+    return Measurement(seconds, int(trajectory.ticks[ticks[0]]) if ticks.size else None)
 
 
 def _count_in(trajectory: Trajectory, rows: RowMask, events: Iterable[int]) -> Measurement:
@@ -388,5 +388,5 @@ def _count_in(trajectory: Trajectory, rows: RowMask, events: Iterable[int]) -> M
 def _extreme(
     trajectory: Trajectory, rows: RowMask, values: Numbers, furthest: Callable[[Numbers], np.intp]
 ) -> Measurement:
-    place = int(furthest(values))
-    return Measurement(float(values[place]), int(trajectory.ticks[rows][place]))
+    index = int(furthest(values))
+    return Measurement(float(values[index]), int(trajectory.ticks[rows][index]))

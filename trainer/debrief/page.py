@@ -40,7 +40,7 @@ from trainer.debrief.data import (
     gather_debrief,
 )
 from trainer.debrief.forms import compared_lines, compared_table, keep_forms
-from trainer.debrief.ships_met import ShipWay, meet_ships, place_of_ship, ways_of_ships
+from trainer.debrief.ships_met import ShipWay, locate_ship, meet_ships, ways_of_ships
 from trainer.debrief.trajectory import row_stretches
 from trainer.io.lines import plain
 from trainer.report.html import charts, fill_page, paragraph, section
@@ -342,16 +342,16 @@ def draw_track(
         if inside.any():
             parts.append(_path("broken", x[inside], y[inside]))
     for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
-        place = int(np.searchsorted(seconds, second))
-        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
-        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
+        index = int(np.searchsorted(seconds, second))
+        parts.append(f'<circle class="axis" cx="{x[index]:.1f}" cy="{y[index]:.1f}" r="2.5"/>')
+        parts.append(text("tick", x[index] + 6.0, y[index] - 4.0, clock(float(second))))
     return svg_element(
         "The track from above", (CHART_WIDTH_PX, MAX_TRACK_HEIGHT_PX), [*parts, *_rule_of(across)]
     )
 
 
 def _near(ship: ShipWay, debrief: DebriefData) -> tuple[Numbers, Numbers]:
-    """Return the places of a ship, east and north [m], at which it was near the boat."""
+    """Return the locations of a ship, east and north [m], at which it was near the boat."""
     column = debrief.trajectory.columns
     off = np.hypot(ship.north - column["x"][ship.rows], ship.east - column["y"][ship.rows])
     near = off < CLOSE_RANGE_M
@@ -376,10 +376,10 @@ def _ship(ship: ShipWay, axes: tuple[Axis, Axis], step: float) -> Iterator[str]:
     side = "ship-name end" if x[last] > 0.8 * CHART_WIDTH_PX else "ship-name"
     yield text(side, x[last] + (-6.0 if "end" in side else 6.0), y[last] + 12.0, ship.name)
     for second in np.arange(0.0, float(ship.seconds[-1]) + 1e-9, step):
-        place = int(np.argmin(np.abs(ship.seconds - second)))
-        if inside[place] and abs(ship.seconds[place] - second) < 0.5 * step:
-            yield f'<circle class="ship-dot" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>'
-            yield text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second)))
+        index = int(np.argmin(np.abs(ship.seconds - second)))
+        if inside[index] and abs(ship.seconds[index] - second) < 0.5 * step:
+            yield f'<circle class="ship-dot" cx="{x[index]:.1f}" cy="{y[index]:.1f}" r="2.5"/>'
+            yield text("tick", x[index] + 6.0, y[index] - 4.0, clock(float(second)))
 
 
 def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
@@ -388,13 +388,13 @@ def _approaches(debrief: DebriefData, axes: tuple[Axis, Axis]) -> Iterator[str]:
     column = debrief.trajectory.columns
     for name, (apart, tick) in meet_ships(debrief.trajectory).closest.items():
         row = debrief.trajectory.row(tick)
-        ship = place_of_ship(debrief.trajectory, name, tick)
+        ship = locate_ship(debrief.trajectory, name, tick)
         if ship is None or apart > CLOSE_RANGE_M:
             continue
-        boat_place = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
-        ship_place = across.at(ship[1]), up.at(ship[0])
-        yield rule("approach", *boat_place, *ship_place)
-        middle = 0.5 * (boat_place[0] + ship_place[0]), 0.5 * (boat_place[1] + ship_place[1])
+        boat_at = across.at(float(column["y"][row])), up.at(float(column["x"][row]))
+        ship_at = across.at(ship[1]), up.at(ship[0])
+        yield rule("approach", *boat_at, *ship_at)
+        middle = 0.5 * (boat_at[0] + ship_at[0]), 0.5 * (boat_at[1] + ship_at[1])
         yield text("tick middle", *middle, f"{apart:.0f} m")
 
 
@@ -429,7 +429,7 @@ def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
 
 
 def _path(style: str, x: Numbers, y: Numbers) -> str:
-    """Return a line through places [px], with no more points than can be told apart."""
+    """Return a line through points [px], with no more points than can be told apart."""
     every = max(x.size // MAX_TRACK_POINTS, 1)
     rows = [*range(0, x.size, every), x.size - 1]
     points = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)

@@ -65,7 +65,7 @@ def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
     orders = [each for each in before.orders if each.tick < after.ticks[0]]
     alone = bool(orders) and by_instructor  # then the instructor is the crew
     taken = tuple(
-        replace(item, giver=INSTRUCTOR_GIVER) if alone and item.place is None else item
+        replace(item, giver=INSTRUCTOR_GIVER) if alone and item.entry is None else item
         for item in after.orders
     )
     return replace(

@@ -45,10 +45,10 @@ from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
 
 LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
-COLUMN_PLACES: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
-POSE_PLACES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
+COLUMN_OFFSETS: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
+POSE_INDICES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
 MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
-PLANE_PLACES: Final = POSE_PLACES[:2]  # north and east
+PLANE_INDICES: Final = POSE_INDICES[:2]  # north and east
 HULL_COLUMNS: Final = ("z", "theta", "held_depth")
 
 ComeAboard = Callable[[Boat, Crew, CrewReaction | None], ReferenceCrew]
@@ -62,7 +62,7 @@ class Rehearsal:
     plan: Plan
     trajectory: Trajectory
     lost: str  # why it ended before its time, "" if it did not
-    rules_given: frozenset[int] = frozenset()  # of the reference crew, by their places
+    rules_given: frozenset[int] = frozenset()  # of the reference crew, by their indices
 
     @property
     def refused(self) -> tuple[RecordedOrder, ...]:
@@ -109,7 +109,7 @@ class ByReference:
         if self.crew is None:
             return len(rows)
         column = lambda name: rows[:, PASSAGE_COLUMNS.index(name)]  # noqa: E731
-        return self.crew.first_sight(column, rows[:, COLUMN_PLACES.size :])
+        return self.crew.first_sight(column, rows[:, COLUMN_OFFSETS.size :])
 
     def remember(self, tick: int, step: float, readings: Numbers) -> None:
         """Have the crew know what the gauges read from a tick on."""
@@ -150,16 +150,16 @@ class Flight:
         self.journal, self.first, self.lost = Journal(boat), boat.ticks, ""
         self.struck = ""  # the ship that the boat ran into
         self.stride = 1  # [ticks] flown at once, while nothing has somebody look sooner
-        self.rows = [boat.records.state.view(np.float64)[None, COLUMN_PLACES]]
+        self.rows = [boat.records.state.view(np.float64)[None, COLUMN_OFFSETS]]
         contacts = contacts_in(boat)
         ends = contacts is not None and contacts.encounters.collision == "end"
         self.contacts = contacts if ends else None  # those whose touch ends the flight
         self.hull = OwnHull.of(boat)
         self.given: list[RecordedOrder] = []  # in this tick so far
 
-    def give_scheduled(self, places: Sequence[int]) -> None:
-        """Give the orders at some places of the schedule."""
-        for entry in places:
+    def give_scheduled(self, entries: Sequence[int]) -> None:
+        """Give the orders at some entries of the schedule."""
+        for entry in entries:
             order = self.plan.schedule[entry].order
             if order.name in BOAT_ORDERS:  # what is said to people moves nothing
                 answer = obey_order(self.boat, order)
@@ -198,14 +198,14 @@ class Flight:
     def _advance(self, until: int) -> None:
         """Fly on to a tick at which somebody looks again, or to where the boat is lost."""
         boat, begun = self.boat, self.boat.ticks
-        rows = np.empty((until - begun, COLUMN_PLACES.size + len(InstrumentReadings._fields)))
-        status, rows = boat.fly_and_keep(COLUMN_PLACES, rows, lambda rows: self._keep(begun, rows))
+        rows = np.empty((until - begun, COLUMN_OFFSETS.size + len(InstrumentReadings._fields)))
+        status, rows = boat.fly_and_keep(COLUMN_OFFSETS, rows, lambda rows: self._keep(begun, rows))
         self.stride = max(len(rows), 1)
         failure = boat.failure(status) if status else ""
         hit = self.struck and f"collision with {self.struck}"
         self.lost = collapse_of(boat) or hit or failure
-        self.rows.append(rows[:, : COLUMN_PLACES.size])
-        self.aboard.remember(begun + 1, self.plan.method.step, rows[:-1, COLUMN_PLACES.size :])
+        self.rows.append(rows[:, : COLUMN_OFFSETS.size])
+        self.aboard.remember(begun + 1, self.plan.method.step, rows[:-1, COLUMN_OFFSETS.size :])
 
     def _keep(self, begun: int, rows: Numbers) -> int:
         """Return after how many rows since a tick somebody has to look, or the boat is lost."""
@@ -227,7 +227,8 @@ class Flight:
         contacts, hull = self.contacts, self.hull
         if contacts is None or not count or self._is_clear(contacts, hull, begun, rows[:count]):
             return count, ""
-        poses = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_PLACES.size]])[:, POSE_PLACES]
+        flown = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_OFFSETS.size]])
+        poses = flown[:, POSE_INDICES]
         ticks = np.arange(begun, begun + len(poses), dtype=np.int64)
         passed = passed_ships(contacts, ticks, poses.T)
         struck = collisions_in(passed, hull, poses.T)
@@ -238,7 +239,7 @@ class Flight:
 
         A ship that the water carries, or that has a rudder, may go faster than its kind.
         """
-        here, there = self.rows[-1][-1, PLANE_PLACES], rows[:, PLANE_PLACES]
+        here, there = self.rows[-1][-1, PLANE_INDICES], rows[:, PLANE_INDICES]
         own = float(np.abs(there - here).max(axis=0).sum())  # [m] at most
         seconds, (north, east) = len(rows) * self.plan.method.step, here.tolist()
         fleet = contacts.fleet(begun)
@@ -321,20 +322,20 @@ def stretches(first: int, last: int, due: Iterable[int]) -> Iterator[tuple[int, 
 
 
 def due_orders(plan: Plan) -> dict[int, list[int]]:
-    """Return the places of the orders due, by tick.
+    """Return the entries of the orders due, by tick.
 
     An order is due in the first tick not before its time, and not before those ahead of it.
     """
     due: dict[int, list[int]] = defaultdict(list)
-    ticks = accumulate((due_tick(plan, place) for place in range(len(plan.schedule))), max)
-    for place, tick in enumerate(ticks):
-        due[max(tick, 0)].append(place)
+    ticks = accumulate((due_tick(plan, entry) for entry in range(len(plan.schedule))), max)
+    for entry, tick in enumerate(ticks):
+        due[max(tick, 0)].append(entry)
     return due
 
 
-def due_tick(plan: Plan, place: int) -> int:
-    """Return the tick in which the order at a place of the schedule is due."""
-    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
+def due_tick(plan: Plan, entry: int) -> int:
+    """Return the tick in which the order at an entry of the schedule is due."""
+    return math.ceil(plan.schedule[entry].seconds / plan.method.step - 1e-9)
 
 
 class Journal:
@@ -365,32 +366,32 @@ class Journal:
         giver: Giver,
         text: str,
         reply: Reply,
-        place: int | None = None,
+        entry: int | None = None,
         fact: CrewFact = NO_CREW_FACT,
     ) -> RecordedOrder:
         """Write an order down with its reply; return it as it is written."""
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
         number = len(self.entries) + 1
-        entry = RecordedOrder(
+        order = RecordedOrder(
             number,
             1,
             self.boat.ticks,
             giver,
             text,
-            place,
+            entry,
             not refused,
             answer,
             crew=NO_CREW_FACT if refused else fact,
         )
-        self.entries.append(entry)
-        return entry
+        self.entries.append(order)
+        return order
 
     def repeat(self, recorded: RecordedOrder, reply: Reply, fact: CrewFact) -> RecordedOrder:
         """Write a recorded order down again, with the reply of now; return it so."""
         refused = isinstance(reply, Refused)
         answer = reply.reason if isinstance(reply, Refused) else reply
-        entry = replace(
+        order = replace(
             recorded,
             id=len(self.entries) + 1,
             tick=self.boat.ticks,
@@ -398,5 +399,5 @@ class Journal:
             answer=answer,
             crew=NO_CREW_FACT if refused else fact,
         )
-        self.entries.append(entry)
-        return entry
+        self.entries.append(order)
+        return order

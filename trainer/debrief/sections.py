@@ -42,7 +42,7 @@ OLDER_RULES: Final = (
 NO_CHANGE: Final = "No minute cost marks that a careful crew would have kept."
 JSON_HINT: Final = "trainer debrief --json has all"
 JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
-EVENT_PLACE: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
+EVENT_TICK: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own tick
 VALUE_DIGITS: Final = 4  # digits of a value that count
 MIN_SHOWN_DEVIATION: Final = 0.5  # [%] of a deviation
 SURE_DEVIATIONS: Final = 2.8  # between two runs: docs/debrief.md, "How sure a mark is"
@@ -469,7 +469,7 @@ def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
             words = more.format(last.text, len(presses) - 1)
         yield first.tick, first.who, words, answer
     for event in debrief.events:
-        yield event.tick, event.who or event.kind, EVENT_PLACE.sub("", event.text), ""
+        yield event.tick, event.who or event.kind, EVENT_TICK.sub("", event.text), ""
 
 
 def pressed_together(orders: Iterable[RecordedOrder], step: float) -> list[list[RecordedOrder]]:

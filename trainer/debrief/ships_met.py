@@ -1,7 +1,7 @@
 """The ships that a run met: how near each came, and collisions.
 
 A recording holds the boat's states and no ship, so the ships are moved again by the functions of
-the run, which gives the same places. Measures, marks, charts and
+the run, which gives the same locations. Measures, marks, charts and
 tables ask here. A passage is what was flown to the end of a branch of a recording (``trajectory``).
 """
 
@@ -73,14 +73,14 @@ def ways_of_ships(trajectory: Trajectory) -> list[ShipWay]:
         for ship in contacts.seen(int(trajectory.ticks[row])) if contacts else ():
             ship_rows.setdefault(ship.name, []).append((row, ship.north, ship.east))
     ways = []
-    for name, places in ship_rows.items():
-        rows, north, east = np.array(places).T
+    for name, seen in ship_rows.items():
+        rows, north, east = np.array(seen).T
         whole = rows.astype(np.int64)
         ways.append(ShipWay(name, whole, trajectory.seconds[whole], north, east))
     return ways
 
 
-def place_of_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
+def locate_ship(trajectory: Trajectory, name: str, tick: int) -> tuple[float, float] | None:
     """Return where a ship was at a tick, north and east [m]. None: it was not there."""
     contacts = contacts_in(trajectory.boat)
     ships = contacts.seen(tick) if contacts else ()
@@ -98,8 +98,8 @@ def meet_ships(trajectory: Trajectory) -> ShipEncounters:
     closest: dict[str, tuple[float, int]] = {}
     for ship, rows, ranges, *_ in passed:
         nearest[rows] = np.minimum(nearest[rows], ranges)
-        place = int(ranges.argmin())
-        least = float(ranges[place]), int(ticks[rows[place]])
+        index = int(ranges.argmin())
+        least = float(ranges[index]), int(ticks[rows[index]])
         closest[ship.name] = min(least, closest.get(ship.name, least))
     struck = collisions_in(passed, OwnHull.of(trajectory.boat), poses)
     collisions = tuple((int(ticks[row]), name) for row, name in struck)
@@ -174,12 +174,12 @@ def _sights(
     for row in rows:
         mast = scope.at(int(trajectory.ticks[row]))
         mast = scope.raised(mast) if up else mast
-        eye = scope.place(state_of(trajectory, row), mast, float(heights[row]))
+        eye = scope.eye(state_of(trajectory, row), mast, float(heights[row]))
         yield from ((row, name) for name in scope.names_in_sight(eye, mast))
 
 
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
-    """Return place and attitude at a row, by their names in the core."""
+    """Return location and attitude at a row, by their names in the core."""
     return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
 
 

@@ -2,7 +2,7 @@
 
 ``read_passage`` reads it once from a recording, with the past from which the branch began.
 Measures, marks and charts then work on whole columns, because a loop over the ticks of hours would
-take minutes. Columns have the names that places of the state have in the core, in SI units.
+take minutes. Columns have the names that fields of the state have in the core, in SI units.
 """
 
 import math
@@ -43,9 +43,9 @@ BATCH_TICKS: Final = 2000  # [ticks] read at once
 NEVER_S: Final = 1e18  # [s]
 CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
 CASUALTY_AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(MAX_CASUALTIES))
-# places of the state beside those that conditions are about
+# fields of the state beside those that conditions are about
 # fmt: off
-PASSAGE_PLACES: Final = (
+PASSAGE_FIELDS: Final = (
     "x", "y", "xdot", "ydot", "held_position",
     "psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed",
     "ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b",
@@ -59,10 +59,10 @@ PASSAGE_PLACES: Final = (
 CREW_ORDERS: Final = {
     axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(CREW_AXES)
 }
-NEWER_COLUMNS: Final = (*(place for both in CREW_ORDERS.values() for place in both), *STATE_NAMES)
+NEWER_COLUMNS: Final = (*(name for both in CREW_ORDERS.values() for name in both), *STATE_NAMES)
 NEEDED_COLUMNS: Final = tuple(
     dict.fromkeys(
-        (*(q.place for q in STATE_QUANTITIES.values() if q.place != "tick"), *PASSAGE_PLACES)
+        (*(q.field for q in STATE_QUANTITIES.values() if q.field != "tick"), *PASSAGE_FIELDS)
     )
 )
 PASSAGE_COLUMNS: Final = tuple(dict.fromkeys((*NEEDED_COLUMNS, *NEWER_COLUMNS)))
@@ -76,7 +76,7 @@ class Trajectory:
     limits: ExerciseLimits
     orders: tuple[RecordedOrder, ...]
     ticks: NDArray[np.int64]
-    columns: Mapping[str, Numbers]  # places of the state [SI] by their names in the core
+    columns: Mapping[str, Numbers]  # fields of the state [SI] by their names in the core
     lateness: Numbers  # [ns], NaN where nobody measured it
     work: Numbers  # [ns]
     marks: tuple[RecordedEvent, ...] = ()  # moments that somebody has marked
@@ -94,8 +94,8 @@ class Trajectory:
         """Return a quantity that the boat has [SI]; a course is not wrapped."""
         if quantity in DERIVED_QUANTITIES:
             return QUANTITY_FUNCTIONS[quantity](self)
-        place = STATE_QUANTITIES[quantity].place
-        column = self.ticks.astype(np.float64) if place == "tick" else self.columns[place]
+        field = STATE_QUANTITIES[quantity].field
+        column = self.ticks.astype(np.float64) if field == "tick" else self.columns[field]
         return column / scale_of(self.boat, quantity)
 
     def measured(self, what: MeasuredQuantity) -> Numbers:
@@ -116,7 +116,7 @@ class Trajectory:
 
     def ordered(self, axis: str) -> Numbers:
         """Return the order to the crew on an axis [SI] at each tick, NaN without."""
-        value, stamp = (self.columns[place] for place in CREW_ORDERS[axis])
+        value, stamp = (self.columns[field] for field in CREW_ORDERS[axis])
         return np.where(stamp != 0.0, value, np.nan)
 
     def holds(self, condition: Condition) -> RowMask:
@@ -194,7 +194,7 @@ def keel_clearance(trajectory: Trajectory) -> Numbers:
 
 
 def over_ground(trajectory: Trajectory) -> Numbers:
-    """Return the speed [m/s] over the ground, 0 while the place is held."""
+    """Return the speed [m/s] over the ground, 0 while the position is held."""
     column = trajectory.columns
     speed: Numbers = np.hypot(column["xdot"], column["ydot"])
     return np.where(column["held_position"] != 0.0, 0.0, speed)
@@ -231,7 +231,7 @@ def read_passage(
 ) -> Trajectory:
     """Return the passage to the end of a branch, its states read by ``layout``.
 
-    ConfigError if that lacks a place that is needed.
+    ConfigError if that lacks a field that is needed.
     """
     lacking = [name for name in NEEDED_COLUMNS if name not in layout]
     if lacking:
@@ -240,11 +240,11 @@ def read_passage(
             "debrief it with that version"
         )
     present = [name for name in PASSAGE_COLUMNS if name in layout]
-    places = [layout.index(name) for name in present]
+    indices = [layout.index(name) for name in present]
     states, times = [np.empty((0, len(present)))], [np.empty((0, 3))]
     flown = recording.flown(branch)
     while batch := list(islice(flown, BATCH_TICKS)):
-        states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
+        states.append(np.array([numbers_of(each.state, layout)[indices] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
     columns, timings = np.concatenate(states).T, np.concatenate(times).T
     none = dict.fromkeys(NEWER_COLUMNS, np.zeros(timings.shape[1]))

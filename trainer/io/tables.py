@@ -122,7 +122,7 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
             order.tick * layout.step,
             order.who,
             order.text,
-            order.place,
+            order.entry,
             order.accepted,
             order.answer,
         )

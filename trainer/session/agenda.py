@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
@@ -26,7 +26,7 @@ from trainer.session.stations.station import Fact
 
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get
 WHEN_POSITION: Final = Position("when", "")
-SPENT_TRIGGERS: Final = STATE_PLACES["triggers_spent"]
+SPENT_TRIGGERS: Final = STATE_OFFSETS["triggers_spent"]
 
 
 class ComingOrder(NamedTuple):
@@ -136,29 +136,27 @@ class Agenda:
             del self.planned[each.number]
         return sorted(due_orders, key=lambda each: (each.seconds, each.number))
 
-    def ahead(self, place: int) -> list[ComingOrder]:
-        """Return the orders ahead, timed ones first; ``place`` is the schedule's next entry."""
-        scheduled = [
-            ComingOrder(entry.seconds, entry.order.text) for entry in self.schedule[place:]
-        ]
+    def ahead(self, entry: int) -> list[ComingOrder]:
+        """Return the orders ahead, timed ones first; ``entry`` is the schedule's next entry."""
+        scheduled = [ComingOrder(each.seconds, each.order.text) for each in self.schedule[entry:]]
         scheduled += [ahead_of(each) for each in self._waiting()]
         coming = scheduled + [each.ahead for each in self.planned.values()]
         timed = [each for each in coming if isinstance(each.when, float)]
         return [*sorted(timed, key=lambda each: each.when), *(e for e in coming if e not in timed)]
 
-    def facts(self, place: int) -> list[Fact]:
+    def facts(self, entry: int) -> list[Fact]:
         """Return the facts that tell the orders ahead to programs, their number first."""
-        coming = self.ahead(place)
+        coming = self.ahead(entry)
         return [Fact("plans", str(len(coming))), *(each.fact for each in coming[:MAX_PLANS])]
 
-    def listing(self, place: int) -> list[str]:
+    def listing(self, entry: int) -> list[str]:
         """Return the list in words."""
-        return [str(each) for each in self.ahead(place)] or ["nothing is planned"]
+        return [str(each) for each in self.ahead(entry)] or ["nothing is planned"]
 
-    def has_changed(self, place: int) -> bool:
+    def has_changed(self, entry: int) -> bool:
         """Return whether an order was added or has gone since the last call."""
         before = self._told
-        self._told = place, self.boat.plain[SPENT_TRIGGERS], *self.planned
+        self._told = entry, self.boat.plain[SPENT_TRIGGERS], *self.planned
         return self._told != before
 
     def _waiting(self) -> list[ConditionalCasualty]:

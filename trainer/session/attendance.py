@@ -134,7 +134,7 @@ class Attendance:
         self.log.note(station, self.conduct.guide.facts)
         self.log.note(station, self.conduct.marks.facts(station.role))
         if station.role is INSTRUCTOR_ROLE:
-            self.log.note(station, self.agenda.facts(self.history.place))
+            self.log.note(station, self.agenda.facts(self.history.entry))
             self.log.note(station, self.evaluation.facts)
             self.evaluation.hand_over()
         self.log.note_alerts(station)

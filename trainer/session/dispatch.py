@@ -281,18 +281,18 @@ class Dispatch:
         return refusal(crew_order, None, self.session) or self._carried_out(crew_order, giver)
 
     def carry_out(
-        self, order: Order, giver: Giver, place: int | None = None, speaker: Station | None = None
+        self, order: Order, giver: Giver, entry: int | None = None, speaker: Station | None = None
     ) -> Reply:
         """Journal an order if its rule says so, and have it obeyed; return the answer.
 
-        ``place`` is its place in the schedule, None if it is from elsewhere. ``speaker`` gave the
+        ``entry`` is its index in the schedule, None if it is from elsewhere. ``speaker`` gave the
         order and gets the answer, and therefore not the news that all others get.
         """
         session, rule = self.session, ORDERS[order.name]
-        recorded = rule.journalled or place is not None or giver.kind is GiverKind.PLAN
-        number = session.history.order(giver, order, place) if recorded else None
+        recorded = rule.journalled or entry is not None or giver.kind is GiverKind.PLAN
+        number = session.history.order(giver, order, entry) if recorded else None
         fact = NO_CREW_FACT
-        if place is not None and order.name in UNSCHEDULED_WORDS:
+        if entry is not None and order.name in UNSCHEDULED_WORDS:
             answer: Reply = Refused(f"{order.text} has no place in a schedule")
         elif rule.journalled:
             answer, fact = self.obey(order, giver, speaker)
@@ -358,8 +358,8 @@ class Dispatch:
     def obey_schedule(self) -> None:
         """Carry out the scheduled orders that act on the next tick or before it."""
         session, flown = self.session, self.session.history.flown
-        for place, entry in flown.due_of_schedule(session.agenda.schedule):
-            answer = self.carry_out(entry.order, SCHEDULE_GIVER, place)
+        for index, entry in flown.due_of_schedule(session.agenda.schedule):
+            answer = self.carry_out(entry.order, SCHEDULE_GIVER, index)
             reason = self._tell_due(f"{entry.seconds:g} s", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(reason)
@@ -387,12 +387,12 @@ class Dispatch:
 
     def tell_plans(self, station: Station | None = None) -> None:
         """Send an instructor the orders ahead; without a station all of them, if changed."""
-        session, place = self.session, self.session.history.place
-        if station is None and not session.agenda.has_changed(place):
+        session, entry = self.session, self.session.history.entry
+        if station is None and not session.agenda.has_changed(entry):
             return
         for listener in [station] if station else session.event_log.stations:
             if listener.role is INSTRUCTOR_ROLE:
-                session.event_log.note(listener, session.agenda.facts(place))
+                session.event_log.note(listener, session.agenda.facts(entry))
 
     def _carried_out(self, order: Order, giver: Giver, speaker: Station | None = None) -> Reply:
         """Carry out an order that no gate refused, after the scheduled orders that are due."""

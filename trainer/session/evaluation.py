@@ -136,10 +136,10 @@ class Evaluation:
         period = max(round(MOMENT_PERIOD_S / step), 1)
         self._due = (history.tick // period + 1) * period
         moment = history.now()
-        place = moment.branch, moment.tick, moment.after
-        if history.flown.replaying or history.flown.shows_way or place == self._given:
+        here = moment.branch, moment.tick, moment.after
+        if history.flown.replaying or history.flown.shows_way or here == self._given:
             return
-        self._given = place
+        self._given = here
         if self._slot:
             self.left_out += 1
             if not self._behind:

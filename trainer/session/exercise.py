@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
 from trainer.boat.limits import height_showing, is_deep, over_ground
@@ -26,7 +26,7 @@ from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE, Role
 from trainer.session.stations.station import Fact, Request
 
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
-PHI_PLACE, THETA_PLACE = STATE_PLACES["phi"], STATE_PLACES["theta"]
+PHI_OFFSET, THETA_OFFSET = STATE_OFFSETS["phi"], STATE_OFFSETS["theta"]
 # after the end of the exercise, by role
 WAYS_ON: Final = {
     TRAINEE: "again, again from 2 min, next or quit",
@@ -71,14 +71,14 @@ def quantity_of(boat: Boat, name: str) -> float:
     if measure := {"eye": eye_height, "clearance": clearance}.get(name):
         return measure(boat)
     if name == "course":
-        return boat.plain[STATE_PLACES["psi"]] % math.tau
+        return boat.plain[STATE_OFFSETS["psi"]] % math.tau
     if name == "heavy":
         vessel = boat.vessel
-        return (boat.plain[STATE_PLACES["weight"]] - float(vessel.buoyancy)) / float(vessel.g)
+        return (boat.plain[STATE_OFFSETS["weight"]] - float(vessel.buoyancy)) / float(vessel.g)
     if name == "speed_over_ground":
         return over_ground(boat.state)
     factor = scale_of(boat, name)
-    return boat.plain[STATE_PLACES[STATE_QUANTITIES[name].place]] / factor if factor else math.nan
+    return boat.plain[STATE_OFFSETS[STATE_QUANTITIES[name].field]] / factor if factor else math.nan
 
 
 @dataclass
@@ -164,5 +164,5 @@ class ExerciseEnd:
         # A list, not the first match: each monitor has to count its ticks at every tick.
         lost = [each.loss.text for each in self.lost if each.look(boat)]
         heel, pitch = CAPSIZE_ANGLES_RAD
-        turned = abs(boat.plain[PHI_PLACE]) > heel or abs(boat.plain[THETA_PLACE]) > pitch
+        turned = abs(boat.plain[PHI_OFFSET]) > heel or abs(boat.plain[THETA_OFFSET]) > pitch
         return lost[0] if lost else ("turned over" if turned else "")

@@ -153,7 +153,7 @@ class History(Journal):
             if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
                 obey_order(self.boat, order)
             self.include(entry)
-        last = Moment(end.branch, end.tick, self._state(), self.after, self.place)
+        last = Moment(end.branch, end.tick, self._state(), self.after, self.entry)
         try:
             self.fork_at(last, why)
         except RecordingError:

@@ -43,7 +43,7 @@ class Moments:
     def __init__(self, most: int, size: int) -> None:
         """Take room for so many moments, each with a state of so many bytes."""
         self._most = most
-        self._row = struct.Struct(f"=4q{size}s")  # branch, tick, after, place and state
+        self._row = struct.Struct(f"=4q{size}s")  # branch, tick, after, next entry and state
         self._rows = bytearray(FILL_BYTE * (most * self._row.size))
         self._begin = 0
         self._count = 0
@@ -54,8 +54,8 @@ class Moments:
 
     def append(self, moment: Moment) -> None:
         """Keep a moment, which has to be later than all that are kept."""
-        numbers = moment.branch, moment.tick, moment.after, moment.place
-        self._row.pack_into(self._rows, self._place(self._count), *numbers, moment.state)
+        numbers = moment.branch, moment.tick, moment.after, moment.entry
+        self._row.pack_into(self._rows, self._offset(self._count), *numbers, moment.state)
         if self._count < self._most:
             self._count += 1
         else:
@@ -83,13 +83,13 @@ class Moments:
         """Drop them all."""
         self._count = 0
 
-    def _place(self, index: int) -> int:
+    def _offset(self, index: int) -> int:
         return (self._begin + index) % self._most * self._row.size
 
     def _at(self, index: int) -> Moment:
-        row = self._row.unpack_from(self._rows, self._place(index))
-        branch, tick, after, place, state = row
-        return Moment(branch, tick, state, after, place)
+        row = self._row.unpack_from(self._rows, self._offset(index))
+        branch, tick, after, entry, state = row
+        return Moment(branch, tick, state, after, entry)
 
 
 class WorldOrder(NamedTuple):
@@ -111,7 +111,7 @@ class Journal:
     boat: Boat
     recording: Recording | NoRecording
     after: int = 0  # the last order that the present state includes
-    place: int = 0  # of the schedule's next entry
+    entry: int = 0  # the schedule's next one
     automatic: Moments = field(
         default_factory=lambda: Moments(MAX_KEPT_MOMENTS, STATE.itemsize), repr=False
     )
@@ -130,18 +130,18 @@ class Journal:
     def now(self) -> Moment:
         """Return the present moment."""
         branch = self.recording.branch
-        return Moment(branch, self.tick, self._state(), self.after, self.place)
+        return Moment(branch, self.tick, self._state(), self.after, self.entry)
 
-    def order(self, giver: Giver, order: Order, place: int | None = None) -> int:
+    def order(self, giver: Giver, order: Order, entry: int | None = None) -> int:
         """Journal an order that is about to act; return its number."""
         if self.recording.reachable:
             self.recording.go_on(self.now())
         before = self._world_order(self.recording.branch, self.after)
-        self.after = number = self.recording.order(self.tick, giver, order.text, place)
+        self.after = number = self.recording.order(self.tick, giver, order.text, entry)
         ours = order.name in WORLD_PARTS
         self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
-        if place is not None:
-            self.place = place + 1
+        if entry is not None:
+            self.entry = entry + 1
         return number
 
     def answered(self, number: int, answer: Reply, crew: CrewFact = NO_CREW_FACT) -> None:
@@ -153,11 +153,11 @@ class Journal:
         if refused and latest and latest.number == number:  # it has not changed the world
             self._to_world[number] = latest.before
 
-    def include(self, entry: RecordedOrder) -> None:
+    def include(self, given: RecordedOrder) -> None:
         """Note that the present state includes an order of the journal."""
-        self.after = entry.id
-        if entry.place is not None:
-            self.place = entry.place + 1
+        self.after = given.id
+        if given.entry is not None:
+            self.entry = given.entry + 1
 
     def read_world_orders(self, branch: int) -> None:
         """Read the orders to the world that led to a branch."""
@@ -179,7 +179,7 @@ class Journal:
             self.recording.state(tick, state)
         if tick % self._period == 0:
             branch = self.recording.branch
-            self.automatic.append(Moment(branch, tick, state, self.after, self.place))
+            self.automatic.append(Moment(branch, tick, state, self.after, self.entry))
 
     def said(self) -> list[RecordedOrder]:
         """Return the orders that the present state includes; none while they cannot be read."""
@@ -194,20 +194,20 @@ class Journal:
         latest = self._world_order(moment.branch, moment.after)  # may fail: before any change
         self.boat.restore(np.frombuffer(moment.state, STATE))
         self.boat.world.obey_anew(world_orders(latest))
-        self.after, self.place = moment.after, moment.place
+        self.after, self.entry = moment.after, moment.entry
 
     def _state(self) -> bytes:
         return self.boat.plain.tobytes()
 
 
-def order_of(entry: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> Order | None:
+def order_of(given: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> Order | None:
     """Return the order that was journalled, None if this version does not understand it.
 
     A scheduled order comes from the schedule, because a casualty there has more than its words.
     """
-    if entry.place is not None and 0 <= entry.place < len(schedule):
-        return schedule[entry.place].order
-    order = parse(entry.text)
+    if given.entry is not None and 0 <= given.entry < len(schedule):
+        return schedule[given.entry].order
+    order = parse(given.text)
     return order if isinstance(order, Order) else None
 
 

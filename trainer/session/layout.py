@@ -33,14 +33,14 @@ class StateDifference(NamedTuple):
 
 
 def _layout() -> tuple[str, ...]:
-    """Return the name of each number: its own, or its block's and place, as ``motion[0]``.
+    """Return the name of each number: its own, or its block's and index, as ``motion[0]``.
 
     ``whole`` is the state as one block over the same memory, and names nothing.
     """
     names = [""] * (STATE.itemsize // 8)
     single: dict[str, int] = {}
-    for name, place in (STATE.fields or {}).items():
-        shape, first = place[0].shape, place[1] // 8
+    for name, field in (STATE.fields or {}).items():
+        shape, first = field[0].shape, field[1] // 8
         if not shape:
             single[name] = first
         elif name != "whole":
@@ -67,11 +67,11 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
     Numbers that it lacks come from ``standing``. ConfigError if ``layout`` does not fit it.
     """
     numbers = numbers_of(state, layout)
-    places = {name: i for i, name in enumerate(LAYOUT)}
+    offsets = {name: i for i, name in enumerate(LAYOUT)}
     record = standing.copy()
     for name, number in zip(layout, numbers, strict=True):
-        if name in places:
-            record["whole"][0, places[name]] = number
+        if name in offsets:
+            record["whole"][0, offsets[name]] = number
     if "through_north" not in layout:  # there were no currents then
         record["through_north"], record["through_east"] = record["xdot"], record["ydot"]
     return record
@@ -80,12 +80,12 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
 def state_difference(recorded: bytes, flown: bytes) -> StateDifference | None:
     """Return the first number whose bits differ in two states of this version. None: all equal."""
     bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
-    places = np.flatnonzero(bits[0] != bits[1])
-    if not places.size:
+    indices = np.flatnonzero(bits[0] != bits[1])
+    if not indices.size:
         return None
-    first = int(places[0])
+    first = int(indices[0])
     values = [float(np.frombuffer(state, dtype=np.float64)[first]) for state in (recorded, flown)]
-    return StateDifference(LAYOUT[first], values[0], values[1], int(places.size))
+    return StateDifference(LAYOUT[first], values[0], values[1], int(indices.size))
 
 
 def changes(file: str, now: str, was: str) -> list[str]:

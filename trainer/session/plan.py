@@ -157,8 +157,8 @@ def plan_run(options: RunOptions) -> Plan:
     chosen = replace(options, **exercise_options(exercise, options.given)) if exercise else options
     file = load_vessel(chosen.vessel)
     if exercise:
-        place = f"{exercise.path.name}: [initial] depth_m"
-        refuse_depth(exercise.initial.depth_m, file, place)
+        where = f"{exercise.path.name}: [initial] depth_m"
+        refuse_depth(exercise.initial.depth_m, file, where)
     exercise_sea = exercise.sea if exercise and options.sea is None else None
     sea, method = exercise_sea or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if refused := step_problem(sea_settings(sea, file.fluid.g), method.step):
@@ -217,12 +217,12 @@ def into_hand(exercise: Exercise, file: VesselFile) -> list[ScheduledOrder]:
     return [ScheduledOrder(at, order, 0) for order in orders if isinstance(order, Order)]
 
 
-def refuse_depth(depth: float | None, file: VesselFile, place: str) -> None:
-    """Raise ConfigError if the hull is lost at a depth [m]. ``place`` says where."""
+def refuse_depth(depth: float | None, file: VesselFile, where: str) -> None:
+    """Raise ConfigError if the hull is lost at a depth [m]. ``where`` says of what."""
     limit = file.hull.collapse_depth_m
     if depth is not None and limit is not None and depth >= limit:
         raise ConfigError(
-            f"{place} = {depth:g} m: must be less than "
+            f"{where} = {depth:g} m: must be less than "
             f"collapse_depth_m = {limit:g} m of {file.path.name}"
         )
 

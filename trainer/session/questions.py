@@ -60,8 +60,8 @@ class Questions:
 
     def _plans(self, asked: Request) -> LongAnswer:
         if asked.station.role is INSTRUCTOR_ROLE:
-            self.log.note(asked.station, self.agenda.facts(self.history.place))
-        return LongAnswer(self.agenda.listing(self.history.place))
+            self.log.note(asked.station, self.agenda.facts(self.history.entry))
+        return LongAnswer(self.agenda.listing(self.history.entry))
 
     def _branches(self, asked: Request) -> LongAnswer:
         stretches = self.history.branches()

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.depths import has_collapsed
-from trainer.boat.flown_ticks import ALL_PLACES, FlownTicks, count_before
+from trainer.boat.flown_ticks import ALL_OFFSETS, FlownTicks, count_before
 from trainer.core.kernel import Numbers
 from trainer.session.parts import Parts
 from trainer.session.stations.subscriptions import PromptSender
@@ -34,7 +34,7 @@ class QuietTicks:
         self._session = session
         self._stride = MIN_STRIDE_TICKS
         self._rest = self._resting = 0  # [ticks] to be taken one by one: at most, and still
-        self._flown = FlownTicks(np.empty((0, ALL_PLACES.size)), session.boat.method.step)
+        self._flown = FlownTicks(np.empty((0, ALL_OFFSETS.size)), session.boat.method.step)
 
     def rows_of(self, columns: tuple[str, ...]) -> list[list[float]]:
         """Return these columns of the ticks flown last, a row for each."""
@@ -52,8 +52,8 @@ class QuietTicks:
         if count < MIN_STRIDE_TICKS:
             return 0
         pacer.begin()
-        rows = np.empty((int(count), ALL_PLACES.size))
-        _, rows = boat.fly_and_keep(ALL_PLACES, rows, self._quiet_ticks)
+        rows = np.empty((int(count), ALL_OFFSETS.size))
+        _, rows = boat.fly_and_keep(ALL_OFFSETS, rows, self._quiet_ticks)
         self._adapt(len(rows), int(count))
         if len(rows):
             self._pass_over(FlownTicks(rows, boat.method.step))

@@ -99,7 +99,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
         raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
     restore_world(boat, recording, recording.branch, latest.after)
     count_exposure(recording, boat, layout)
-    history = History(boat, recording, latest.after, latest.place)
+    history = History(boat, recording, latest.after, latest.entry)
     with np.errstate(all="ignore"):
         for entry in recording.orders(recording.branch, latest.after):
             while history.tick < entry.tick:

@@ -57,22 +57,22 @@ class LiveRun:
 
     def has_orders(self, schedule: Sequence[ScheduledOrder]) -> bool:
         """Return whether orders of the schedule are still to come."""
-        return self._journal.place < len(schedule)
+        return self._journal.entry < len(schedule)
 
     def due_of_schedule(
         self, schedule: Sequence[ScheduledOrder]
     ) -> Iterator[tuple[int, ScheduledOrder]]:
-        """Yield the entries that act on the next tick or before it, with their places."""
+        """Yield the entries that act on the next tick or before it, with their indices."""
         journal = self._journal
         while self.next_due(schedule) <= journal.tick:
-            yield journal.place, schedule[journal.place]
+            yield journal.entry, schedule[journal.entry]
 
     def next_due(self, schedule: Sequence[ScheduledOrder]) -> float:
         """Return the tick before which the next entry acts, infinity without one."""
         journal = self._journal
-        if journal.place >= len(schedule):
+        if journal.entry >= len(schedule):
             return math.inf
-        return journal.boat.ticks_in(schedule[journal.place].seconds)
+        return journal.boat.ticks_in(schedule[journal.entry].seconds)
 
     def recorded(self, _schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
         """Yield no order, because a live run's orders are not recorded ones."""

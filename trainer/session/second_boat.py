@@ -46,14 +46,14 @@ def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
     """Return what the gauges read at each tick of the reference crew's run."""
     boat = boat_of(plan)
     crew = ReferenceCrew(boat, plan.crew)
-    due, place, last = plan.schedule, 0, round((plan.duration or MAX_GHOST_S) / plan.method.step)
+    due, index, last = plan.schedule, 0, round((plan.duration or MAX_GHOST_S) / plan.method.step)
     readings = [reading_of(boat)]
     with np.errstate(all="ignore"):
         while boat.ticks < last and not closing.is_set():
-            while place < len(due) and boat.ticks_in(due[place].seconds) <= boat.ticks:
-                if due[place].order.name in BOAT_ORDERS:
-                    obey_order(boat, due[place].order)
-                place += 1
+            while index < len(due) and boat.ticks_in(due[index].seconds) <= boat.ticks:
+                if due[index].order.name in BOAT_ORDERS:
+                    obey_order(boat, due[index].order)
+                index += 1
             crew.look()
             if boat.tick():
                 break

@@ -11,7 +11,7 @@ from dataclasses import InitVar, dataclass, field
 from functools import partial
 from typing import Final
 
-from trainer.boat.boat import TICK_PLACE
+from trainer.boat.boat import TICK_OFFSET
 from trainer.boat.calls import Rank
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
@@ -112,7 +112,7 @@ class Session(Parts):
         was_frozen = pacer.frozen
         pacer.begin()
         status = self.boat.tick()
-        tick = int(self.boat.plain[TICK_PLACE])
+        tick = int(self.boat.plain[TICK_OFFSET])
         if status:
             self.control.failure = self.boat.failure(status)
             self.event_log.tell("trouble", f"FROZEN: {self.control.failure}")
@@ -132,7 +132,7 @@ class Session(Parts):
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.control.ended or self.boat.plain[TICK_PLACE] >= self.last_tick
+        return self.control.ended or self.boat.plain[TICK_OFFSET] >= self.last_tick
 
     def _hear(self, asked: Request) -> None:
         """Answer a station's order or question, and take the steps that it orders."""

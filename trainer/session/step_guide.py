@@ -37,9 +37,9 @@ class StepGuide:
     steps: Sequence[Step] = ()
     give: Callable[[Order], object] = bool  # an order of the exercise
     go_back: Callable[[Moment, str], object] = lambda _moment, _why: None
-    place: int = -1  # of the present step; -1 before the first
-    _begun: dict[int, Moment] = field(default_factory=dict)  # by place
-    _repeats: dict[int, int] = field(default_factory=dict)  # by place
+    index: int = -1  # of the present step; -1 before the first
+    _begun: dict[int, Moment] = field(default_factory=dict)  # by index
+    _repeats: dict[int, int] = field(default_factory=dict)  # by index
     _held: int = 0  # ticks for which its conditions have held
     _hinted: bool = False
     _returning: bool = False
@@ -47,32 +47,32 @@ class StepGuide:
     @property
     def over(self) -> bool:
         """Return whether the last step of a lesson is done."""
-        return bool(self.steps) and self.place >= len(self.steps)
+        return bool(self.steps) and self.index >= len(self.steps)
 
     @property
     def facts(self) -> list[Fact]:
         """Return the facts that tell a program the present step."""
-        if not 0 <= self.place < len(self.steps):
+        if not 0 <= self.index < len(self.steps):
             return []
-        step = self.steps[self.place].row
-        fields = f"{self.place + 1},{len(self.steps)},{step.light or ''},{step.text}"
+        step = self.steps[self.index].row
+        fields = f"{self.index + 1},{len(self.steps)},{step.light or ''},{step.text}"
         hint = [Fact("step-hint", step.hint)] if step.hint and self._hinted else []
         return [Fact("step", fields), *hint]
 
     def look(self) -> None:
         """Begin, end or repeat a step, or give its hint, as this tick asks for."""
-        if not self.steps or self._returning or self.place >= len(self.steps):
+        if not self.steps or self._returning or self.index >= len(self.steps):
             return
-        if self.place < 0:
+        if self.index < 0:
             self._begin(0)
             return
-        step, boat = self.steps[self.place], self.control.boat
+        step, boat = self.steps[self.index], self.control.boat
         holds = all(is_met(each, boat) for each in step.conditions)
         self._held = self._held + 1 if holds else 0
-        lasted = boat.ticks - self._begun[self.place].tick
+        lasted = boat.ticks - self._begun[self.index].tick
         if holds and self._held > boat.ticks_in(step.row.for_s):
-            self.log.tell(LESSON_KIND, f"step {self.place + 1}: done")
-            self._begin(self.place + 1)
+            self.log.tell(LESSON_KIND, f"step {self.index + 1}: done")
+            self._begin(self.index + 1)
         elif lasted >= boat.ticks_in(step.row.within_s):
             self._miss(step)
         elif step.row.hint and not self._hinted and lasted >= boat.ticks_in(step.row.hint_after_s):
@@ -80,7 +80,7 @@ class StepGuide:
 
     def give_hint(self) -> Reply:
         """Give the hint of the present step before its time; it costs nothing."""
-        hint = self.steps[self.place].row.hint if 0 <= self.place < len(self.steps) else ""
+        hint = self.steps[self.index].row.hint if 0 <= self.index < len(self.steps) else ""
         if not hint:
             return Refused("this step has no hint")
         self._give_hint(hint)
@@ -97,34 +97,34 @@ class StepGuide:
         tick, kept = moment.tick, dict[str, Moment]()
         with contextlib.suppress(RecordingError):  # those of this run are known without it
             kept = self.control.history.snapshots()
-        for place in range(len(self.steps)):
-            if begun := kept.get(_name(place)):
-                self._begun.setdefault(place, begun)
+        for index in range(len(self.steps)):
+            if begun := kept.get(_name(index)):
+                self._begun.setdefault(index, begun)
         self._begun = {n: each for n, each in self._begun.items() if each.tick <= tick}
-        self.place = max(self._begun, default=-1)
+        self.index = max(self._begun, default=-1)
         # who begins anew, such as the next visitor, has all repeats before him
-        self._repeats = {n: each for n, each in self._repeats.items() if n <= self.place}
+        self._repeats = {n: each for n, each in self._repeats.items() if n <= self.index}
         self._held, self._hinted, self._returning = 0, False, False
-        if self.place >= 0:
+        if self.index >= 0:
             self._announce()
-            if self._begun[self.place].tick == tick:  # before its orders
+            if self._begun[self.index].tick == tick:  # before its orders
                 self._give_orders()
 
-    def _begin(self, place: int) -> None:
-        self.place, self._held, self._hinted = place, 0, False
-        if place == len(self.steps):
+    def _begin(self, index: int) -> None:
+        self.index, self._held, self._hinted = index, 0, False
+        if index == len(self.steps):
             self.log.tell(LESSON_KIND, "the last step is done", fact=Fact("step", "0"))
             self.shown.show_lesson("")
             self.finish()
             return
         history = self.control.history
-        self._begun[place] = history.now()
-        history.keep(_name(place))
+        self._begun[index] = history.now()
+        history.keep(_name(index))
         self._announce()
         self._give_orders()
 
     def _announce(self) -> None:
-        text = f"step {self.place + 1} of {len(self.steps)}: {self.steps[self.place].row.text}"
+        text = f"step {self.index + 1} of {len(self.steps)}: {self.steps[self.index].row.text}"
         self._tell(text, self.facts[0])
 
     def _tell(self, text: str, fact: Fact) -> None:
@@ -132,22 +132,22 @@ class StepGuide:
         self.shown.show_lesson(text)
 
     def _give_orders(self) -> None:
-        for order in self.steps[self.place].given:
+        for order in self.steps[self.index].given:
             self.give(order)
 
     def _miss(self, step: Step) -> None:
         """Tell that a step is missed, and go back to its beginning or on."""
-        place, begun = self.place, self._begun[self.place]
-        again = step.row.missed == MISSED_AGAIN and self._repeats.get(place, 0) < MAX_REPEATS
+        index, begun = self.index, self._begun[self.index]
+        again = step.row.missed == MISSED_AGAIN and self._repeats.get(index, 0) < MAX_REPEATS
         what = "once more, from its beginning" if again else "on to the next"
-        fact = Fact("step-missed", f"{place + 1},{MISSED_AGAIN if again else MISSED_ON}")
-        self.log.tell(LESSON_KIND, f"step {place + 1}: not done; {what}", fact=fact)
+        fact = Fact("step-missed", f"{index + 1},{MISSED_AGAIN if again else MISSED_ON}")
+        self.log.tell(LESSON_KIND, f"step {index + 1}: not done; {what}", fact=fact)
         if not again:
-            self._begin(place + 1)
+            self._begin(index + 1)
             return
-        self._repeats[place] = self._repeats.get(place, 0) + 1
+        self._repeats[index] = self._repeats.get(index, 0) + 1
         self._returning = True
-        self.work.post(lambda: self._return(begun, f"step {place + 1} again"))
+        self.work.post(lambda: self._return(begun, f"step {index + 1} again"))
 
     def _return(self, moment: Moment, why: str) -> None:
         """Go back to the beginning of a step, unless time has jumped meanwhile.
@@ -159,9 +159,9 @@ class StepGuide:
         try:
             self.go_back(moment, why)
         except RecordingError as error:  # the step goes on from here
-            self._returning, self._begun[self.place] = False, self.control.history.now()
+            self._returning, self._begun[self.index] = False, self.control.history.now()
             self.log.tell(LESSON_KIND, f"not gone back: {error}")
 
 
-def _name(place: int) -> str:
-    return f"step-{place + 1}"
+def _name(index: int) -> str:
+    return f"step-{index + 1}"

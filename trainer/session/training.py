@@ -46,10 +46,10 @@ class Training:
     def remember(self) -> None:
         """Have a process put this run into the files of its trainees."""
         recording, boat = self.control.history.recording, self.control.boat
-        place = recording.branch, boat.ticks
-        if not (self.keeper and self.trainees and boat.ticks) or place == self._remembered:
+        here = recording.branch, boat.ticks
+        if not (self.keeper and self.trainees and boat.ticks) or here == self._remembered:
             return
-        self._remembered = place
+        self._remembered = here
         recording.flush()
         how = Outcome.DONE if self.guide.over else self.ending.outcome or Outcome.LEFT
         whole = (*self.keeper, str(recording.branch), how)

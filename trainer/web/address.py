@@ -21,7 +21,7 @@ UNSENT_ADDRESS: Final = ("192.0.2.1", 9)
 
 @dataclass(frozen=True)
 class Address:
-    """The place where the pages are served."""
+    """Where the pages are served."""
 
     host: str
     port: int

@@ -4,13 +4,13 @@ They stop a client that opens connections and sends nothing (a slow-loris attack
 connection takes a file descriptor, of which a process has few. The server's library (uvicorn) has
 no such limits. So ``server`` accepts connections here, and hands each to the library afterwards.
 
-A connection takes a place when it is accepted, before TLS and before its first byte, and gives it
-back when its socket is closed. It has 10 s to send a whole request, and 10 s after each answer to
-send the next one. A WebSocket, once it is open, has its own limits (``bridge``).
+A connection counts once it is accepted, before TLS and before its first byte, until its socket is
+closed. It has 10 s to send a whole request, and 10 s after each answer to send the next one. A
+WebSocket, once it is open, has its own limits (``bridge``).
 
-If all places are taken, the connection that has been silent for longest is closed to make room.
-If none is silent, the newcomer gets an HTTP answer 503 with the reason. This machine and all others
-have places of their own, so that neither can shut the other out.
+If there is no room for one more, the one that has been silent for longest is closed to make it. If
+none is silent, the newcomer gets an HTTP answer 503 with the reason. This machine and all others
+are counted apart, so that neither can shut the other out.
 """
 
 import asyncio
@@ -48,7 +48,7 @@ DESCRIPTORS_OF_CONNECTION: Final = 2  # itself, and its file or its line to the 
 
 @dataclass(frozen=True)
 class ConnectionRoom:
-    """The numbers of places: for this machine, for all others, for any one of them."""
+    """The most connections: for this machine, for all others, for any one of them."""
 
     here: int = MAX_CONNECTIONS_HERE
     elsewhere: int = MAX_CONNECTIONS - MAX_CONNECTIONS_HERE
@@ -56,7 +56,7 @@ class ConnectionRoom:
 
     @classmethod
     def of(cls, descriptors: int) -> "ConnectionRoom":
-        """Return the places that so many descriptors of files allow."""
+        """Return the most that so many descriptors of files allow."""
         most = (descriptors - DESCRIPTORS_RESERVED) // DESCRIPTORS_OF_CONNECTION
         if most >= MAX_CONNECTIONS:
             return cls()
@@ -137,7 +137,7 @@ class Visit:
     def _watch_line(self) -> None:
         """Look every 10 s at an open WebSocket; cut it off once it is closing.
 
-        A browser that does not read the rest would keep a closing connection, and its place.
+        A browser that does not read the rest would keep a closing connection, which counts.
         """
         call = self.cut_off if self.is_closing() else self._watch_line
         self._call_later(REQUEST_TIMEOUT_S, call)
@@ -208,7 +208,7 @@ def replay_parts(parts: list[Message], receive: Receive) -> Receive:
 
 
 class Farewell(asyncio.Protocol):
-    """The connection of a newcomer without a place, who gets the answer 503."""
+    """The connection of a newcomer without room, who gets the answer 503."""
 
     def __init__(self, why: str) -> None:
         self._answer = turned_away(why)
@@ -235,7 +235,7 @@ class Farewell(asyncio.Protocol):
 
 
 def turned_away(why: str) -> bytes:
-    """Return the answer to a newcomer without a place."""
+    """Return the answer to a newcomer without room."""
     body = f"{why}\n".encode()
     headers = {
         "Content-Type": "text/plain; charset=utf-8",
@@ -252,7 +252,7 @@ Protocols = Callable[[Visit], asyncio.Protocol]
 
 
 class Admission:
-    """Gives places to connections, and takes them back."""
+    """Counts connections, and refuses those that are too many."""
 
     def __init__(self, room: ConnectionRoom, refusals: Refusals) -> None:
         self._room = room
@@ -288,7 +288,7 @@ class Admission:
         protocols: Protocols,
         context: ssl.SSLContext | None,
     ) -> None:
-        """Give a connection its place, or send the reason why there is none."""
+        """Count a connection, or send the reason why it is refused."""
         end.settimeout(0.0)
         visit = Visit(machine_of(peer[0], end.getsockname()[0]), self._silent)
         if refused := self._refusal(visit.machine):
@@ -301,7 +301,7 @@ class Admission:
         self._start(visit, end, partial(protocols, visit), context)
 
     def _refusal(self, machine: str) -> Refused | None:
-        """Return why there is no place for one more, None if there is one.
+        """Return why there is no room for one more, None if there is.
 
         A silent connection of the same kind is cut off for it.
         """
@@ -321,7 +321,7 @@ class Admission:
         return Refused(why) if full else None
 
     def _leave(self, visit: Visit) -> None:
-        """Take back the place of a connection that has closed."""
+        """Count a connection that has closed no more."""
         visit.finish()
         self.machines[visit.machine] -= 1
         if not self.machines[visit.machine]:

@@ -128,7 +128,7 @@ class Bridge:
         ``words`` are the tokens that this browser keeps, by role.
         """
         try:
-            with self.place(machine_at(page)):
+            with self.count_page(machine_at(page)):
                 end = await asyncio.to_thread(self.reach)
                 shelf = self.shelf if is_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
@@ -143,8 +143,8 @@ class Bridge:
             await close_page(page, NO_SESSION_CODE, str(error))
 
     @contextlib.contextmanager
-    def place(self, machine: str) -> Iterator[None]:
-        """Keep a place for a page inside the block; RefusedError without room."""
+    def count_page(self, machine: str) -> Iterator[None]:
+        """Count a page inside the block; RefusedError without room."""
         if machine == THIS_MACHINE:
             yield
             return

@@ -66,8 +66,8 @@ class Assets:
         own = {path: source for path, source in sources.items() if path not in self._shared}
         shared = self._shared_address
         address = self._keep(f"{name}.js", join_own(own, self._shared)) if own else shared
-        places = dict.fromkeys((ASSETS_ROOT + path for path in self._shared), shared)
-        script_map = json.dumps({"imports": places}, separators=(",", ":"))
+        modules = dict.fromkeys((ASSETS_ROOT + path for path in self._shared), shared)
+        script_map = json.dumps({"imports": modules}, separators=(",", ":"))
         return (
             f'<script type="importmap">{script_map}</script>\n'
             f'<link rel="modulepreload" href="{shared}">\n'

@@ -80,12 +80,12 @@ def entries(path: Path) -> list[tuple[int, str, str, bool]]:
     return catalogue_entries
 
 
-def read_line(line: str, place: str) -> tuple[str, str]:
+def read_line(line: str, position: str) -> tuple[str, str]:
     """Return the keyword of a line, "" where it goes on, and its text; ConfigError."""
     match = CATALOGUE_LINE.fullmatch(line)
     if match is None or match[1] not in (None, *CATALOGUE_KEYWORDS):
         raise ConfigError(
-            f"{place}: {line}: expected {' or '.join(CATALOGUE_KEYWORDS)} and a text in quotes"
+            f"{position}: {line}: expected {' or '.join(CATALOGUE_KEYWORDS)} and a text in quotes"
         )
     return match[1] or "", str(ast.literal_eval(match[2]))
 

@@ -102,7 +102,7 @@ def make_ready(vessel: Record, h: float, state: Record) -> None:
     state[0].eta_wave = 0.0
 
 
-# places in the gains of a lane: those in force, and those between which they are interpolated
+# indices in the gains of a lane: those in force, and those between which they are interpolated
 LOW_GAINS, GAIN_RISES = GAIN_COUNT, 2 * GAIN_COUNT
 LOW_SPEED, SPEED_RISE = 3 * GAIN_COUNT, 3 * GAIN_COUNT + 1
 BRACKET_BELOW, BRACKET_TOP = 3 * GAIN_COUNT + 2, 3 * GAIN_COUNT + 3

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from trainer.analysis.fleet.member import Fleet, FlightTrack, Schedule, fly_one_by_one
 from trainer.analysis.fleet.shipped import new_solo
-from trainer.boat.boat import STATE_PLACES
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
 
@@ -28,20 +28,20 @@ class FleetFlight(NamedTuple):
     lost: NDArray[np.int64]  # [ticks] a member had done when its numbers were lost, -1: never
 
 
-def orders(tick: ArrayLike, place: ArrayLike, value: ArrayLike) -> Schedule:
+def orders(tick: ArrayLike, offset: ArrayLike, value: ArrayLike) -> Schedule:
     """Return a schedule from arrays [order], alike for all, or [member, order].
 
-    ``tick`` counts from the start of the flight: 0 acts before the first tick. ``place`` is that of
-    a number in the state, see ``boat.STATE_PLACES``. Of two orders at one tick the one given later
-    acts later.
+    ``tick`` counts from the start of the flight: 0 acts before the first tick. ``offset`` is that
+    of a number in the state, see ``boat.STATE_OFFSETS``. Of two orders at one tick the one given
+    later acts later.
     """
-    ticks, places, values = np.broadcast_arrays(
-        *(np.atleast_2d(np.asarray(given)) for given in (tick, place, value))
+    ticks, offsets, values = np.broadcast_arrays(
+        *(np.atleast_2d(np.asarray(given)) for given in (tick, offset, value))
     )
     by_time = np.argsort(ticks, axis=1, kind="stable")
     return Schedule(
         np.take_along_axis(ticks, by_time, 1).astype(np.int64),
-        np.take_along_axis(places, by_time, 1).astype(np.int64),
+        np.take_along_axis(offsets, by_time, 1).astype(np.int64),
         np.take_along_axis(values, by_time, 1).astype(np.float64),
     )
 
@@ -54,14 +54,14 @@ def fly_members(
 ) -> FleetFlight:
     """Advance all members by ``ticks``, their states in place, and return the rows.
 
-    ``columns`` are places of the state by name. They are kept at the start and after every
+    ``columns`` are fields of the state by name. They are kept at the start and after every
     ``every`` ticks, before the orders of that tick. A member whose numbers are lost stays where it
     was. The interpreter is free meanwhile: fleets fly in threads beside each other.
     """
     count = fleet.states.size
     track = FlightTrack(
         every,
-        np.array([STATE_PLACES[name] for name in columns], np.int64),
+        np.array([STATE_OFFSETS[name] for name in columns], np.int64),
         np.full((count, ticks // every + 1, len(columns)), np.nan),
         np.full(count, -1, np.int64),
     )

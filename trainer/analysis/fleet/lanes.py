@@ -2,9 +2,9 @@
 
 A block holds LANE_COUNT boats. Each number of the boat is LANE_COUNT numbers next to each other,
 one for each lane, so that the processor can work on several boats by one instruction. A kernel
-takes what ``a_view`` makes for a record, and the compiler takes it for a place in the block. So the
-core's equations, by which one boat is computed, are compiled once more for boats side by side, and
-are written once.
+takes what ``a_view`` makes for a record, and the compiler takes it for an offset in the block. So
+the core's equations, by which one boat is computed, are compiled once more for boats side by side,
+and are written once.
 
 A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
 and if both sides of a choice are loaded before it is made.
@@ -50,7 +50,7 @@ UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
 
 
 class LaneRecord(types.Type):
-    """A record of one boat in a block. ``first`` is the place of its first number."""
+    """A record of one boat in a block. ``first`` is the offset of its first number."""
 
     def __init__(self, name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> None:
         """Take the layout of the record for which it stands, and what is known of it."""
@@ -70,7 +70,7 @@ class LaneNumbers(types.Type):
     """Numbers of one boat in a block: a field with a shape."""
 
     def __init__(self, shape: tuple[int, ...], first: int) -> None:
-        """Take the shape, and the place of the first."""
+        """Take the shape, and the offset of the first."""
         self.shape, self.first = shape, first
         super().__init__(name=f"LaneNumbers({shape}, {first})")
 
@@ -118,7 +118,7 @@ class ElementType(AbstractTemplate):
 
 @typed_as(operator.setitem)
 class AssignmentType(AbstractTemplate):
-    """The rule that only a number can be put into a place."""
+    """The rule that only a number can be put at an offset."""
 
     def generic(self, args: tuple[Any, ...], _keywords: Any) -> Any:
         """Return the types of view, index and number."""
@@ -128,9 +128,9 @@ class AssignmentType(AbstractTemplate):
         return None
 
 
-def _address(builder: Any, view: Any, place: Any) -> Any:
-    """Return the address of the number at ``place`` of the view's boat."""
-    numbers = builder.mul(place, cgutils.intp_t(LANE_COUNT), flags=["nsw"])
+def _address(builder: Any, view: Any, offset: Any) -> Any:
+    """Return the address of the number at ``offset`` of the view's boat."""
+    numbers = builder.mul(offset, cgutils.intp_t(LANE_COUNT), flags=["nsw"])
     return builder.gep(view.block, [builder.add(numbers, view.lane, flags=["nsw"])], inbounds=True)
 
 
@@ -171,8 +171,8 @@ def _element(context: Any, builder: Any, kind: LaneNumbers, args: Any) -> Any:
     if len(kind.shape) == 2:
         row = builder.mul(builder.extract_value(index, 0), cgutils.intp_t(kind.shape[1]))
         index = builder.add(row, builder.extract_value(index, 1))
-    place = builder.add(index, cgutils.intp_t(kind.first))
-    return _address(builder, _open_view(context, builder, kind, args[0]), place)
+    offset = builder.add(index, cgutils.intp_t(kind.first))
+    return _address(builder, _open_view(context, builder, kind, args[0]), offset)
 
 
 @lower_builtin(operator.getitem, LaneNumbers, types.Any)
@@ -188,7 +188,7 @@ def _set_element(context: Any, builder: Any, kinds: Any, args: Any) -> None:
 def a_view(name: str, layout: np.dtype[Any], first: int, known: FixedFields) -> Any:
     """Return a function of a block and a lane that gives a kernel its record.
 
-    ``first`` is the place of the record's first number among those of a boat. Numbers that are
+    ``first`` is the offset of the record's first number among those of a boat. Numbers that are
     ``known``, since they are the same for all boats and stay so, are not read from the block.
     """
     kind = LaneRecord(name, layout, first, known)

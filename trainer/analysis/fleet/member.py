@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from trainer.analysis.fleet.shipped import SoloWork, update_boat
 from trainer.core.kernel import Record, kernel, unlocked
 
-PlaceArray = NDArray[np.int64]
+Integers = NDArray[np.int64]
 
 
 class Fleet(NamedTuple):
@@ -28,45 +28,45 @@ class Fleet(NamedTuple):
 class Schedule(NamedTuple):
     """Orders by member, or one row for all; by tick ascending.
 
-    Before tick ``tick``, counted from the start of the flight, the place gets the value.
+    Before tick ``tick``, counted from the start of the flight, the number at ``offset`` is written.
     """
 
-    tick: PlaceArray
-    place: PlaceArray
-    value: NDArray[np.float64]  # in the unit of that place of the state
+    tick: Integers
+    offset: Integers
+    value: NDArray[np.float64]  # in the unit of that number
 
 
 class FlightTrack(NamedTuple):
-    """The part of a flight that is kept: places of the state by tick.
+    """The part of a flight that is kept: numbers of the state by tick.
 
     They are kept every so many ticks, the start first.
     """
 
     every: int
-    places: PlaceArray
-    rows: NDArray[np.float64]  # [member, row, place]
-    lost: PlaceArray  # [ticks] done when a member's numbers were lost, -1: never
+    offsets: Integers
+    rows: NDArray[np.float64]  # [member, row, offset]
+    lost: Integers  # [ticks] done when a member's numbers were lost, -1: never
 
 
 @kernel
 def record_span(records: Record, member: int) -> slice:
     """Return where a member's record is. The last record serves all members beyond it."""
-    place = min(member, records.size - 1)
-    return slice(place, place + 1)
+    index = min(member, records.size - 1)
+    return slice(index, index + 1)
 
 
 @kernel
 def write_track_row(out: FlightTrack, member: int, row: int, state: Record) -> None:
     """Write a row of the track."""
-    for i in range(out.places.size):
-        out.rows[member, row, i] = state[0].whole[out.places[i]]
+    for i in range(out.offsets.size):
+        out.rows[member, row, i] = state[0].whole[out.offsets[i]]
 
 
 @kernel
 def clear_track_rows(out: FlightTrack, member: int, start: int, end: int) -> None:
     """Write NaN to the rows from tick ``start`` to ``end``."""
     for row in range(start // out.every + 1, end // out.every + 1):
-        for i in range(out.places.size):
+        for i in range(out.offsets.size):
             out.rows[member, row, i] = np.nan
 
 
@@ -95,11 +95,11 @@ def fly_alone(
 def obey_orders(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
     """Carry out the orders due before ``tick``, from ``next_order`` on. Return the next one."""
     row = min(member, schedule.tick.shape[0] - 1)
-    place = next_order
-    while place < schedule.tick.shape[1] and schedule.tick[row, place] <= tick:
-        state[0].whole[schedule.place[row, place]] = schedule.value[row, place]
-        place += 1
-    return place
+    index = next_order
+    while index < schedule.tick.shape[1] and schedule.tick[row, index] <= tick:
+        state[0].whole[schedule.offset[row, index]] = schedule.value[row, index]
+        index += 1
+    return index
 
 
 @kernel

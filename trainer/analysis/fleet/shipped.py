@@ -56,8 +56,8 @@ def call_code(_context: Any, address: Any, given: Any) -> tuple[Any, Callable[..
 
     def generate(context: Any, builder: Any, signed: Any, values: Any) -> Any:
         words = []
-        for place, kind in enumerate(signed.args[1].types):
-            value = builder.extract_value(values[1], place)
+        for index, kind in enumerate(signed.args[1].types):
+            value = builder.extract_value(values[1], index)
             if isinstance(kind, types.Array):
                 words.append(context.make_array(kind)(context, builder, value).data)
             else:
@@ -69,8 +69,8 @@ def call_code(_context: Any, address: Any, given: Any) -> tuple[Any, Callable[..
     return signature(types.int64, address, given), generate  # type: ignore[no-untyped-call]
 
 
-def bind_kernel(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
-    """Return what a fleet calls for a kernel, whose address is at ``place``."""
+def bind_kernel(kernel: Callable[..., Any], index: int) -> Callable[..., Any]:
+    """Return what a fleet calls for a kernel, whose address is at ``index``."""
 
     def call(codes: Codes, *given: Any) -> Any:
         del codes  # interpreted there are none
@@ -79,7 +79,7 @@ def bind_kernel(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
     @overload(call)
     def choose(codes: Any, *given: Any) -> Callable[..., Any]:  # noqa: ARG001  named as in ``call``
         def call_by_code(codes: Any, *given: Any) -> Any:
-            return call_code(codes[place], given)  # type: ignore[call-arg]
+            return call_code(codes[index], given)  # type: ignore[call-arg]
 
         def call_by_numba(codes: Any, *given: Any) -> Any:  # noqa: ARG001
             return kernel(*given)
@@ -90,5 +90,5 @@ def bind_kernel(kernel: Callable[..., Any], place: int) -> Callable[..., Any]:
 
 
 update_boat, fly_level, set_boat_out, stand_boat_by, order_boats_sea = (
-    bind_kernel(kernel, place) for place, kernel in enumerate(SHIPPED_KERNELS)
+    bind_kernel(kernel, index) for index, kernel in enumerate(SHIPPED_KERNELS)
 )

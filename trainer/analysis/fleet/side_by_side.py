@@ -25,7 +25,7 @@ from trainer.analysis.fleet.lanes import LANE_COUNT
 from trainer.analysis.fleet.member import (
     Fleet,
     FlightTrack,
-    PlaceArray,
+    Integers,
     Schedule,
     fly_alone,
     next_order_tick,
@@ -44,8 +44,8 @@ class ThreadWork(NamedTuple):
 
     solo: SoloWork
     block: Numbers
-    next_order: PlaceArray  # by lane, in its row of the schedule
-    alone: PlaceArray  # by lane, 1: this stretch is flown by ``update``
+    next_order: Integers  # by lane, in its row of the schedule
+    alone: Integers  # by lane, 1: this stretch is flown by ``update``
 
 
 def new_work() -> ThreadWork:
@@ -87,11 +87,11 @@ def fly_abreast(
         tick_abreast(fleet.scheme, work.block)
         if (tick + 1) % out.every != 0:
             continue
-        for i in range(out.places.size):
-            place, row = out.places[i] * LANE_COUNT, (tick + 1) // out.every
+        for i in range(out.offsets.size):
+            first_lane, row = out.offsets[i] * LANE_COUNT, (tick + 1) // out.every
             for lane in range(count):
                 if work.alone[lane] == 0:
-                    out.rows[first + lane, row, i] = work.block[place + lane]
+                    out.rows[first + lane, row, i] = work.block[first_lane + lane]
 
 
 @kernel

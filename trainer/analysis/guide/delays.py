@@ -65,7 +65,7 @@ def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
     own = own_method(file, file.own_equations)
     method = Method(own.equations, own.rates, own.trig, own.integrator, step)
     boats = [Submarine(file, method) for _ in range(2)]
-    places = [BOAT_COLUMNS.index(name) for name in WATCHED_CONTROLS[control]]
+    indices = [BOAT_COLUMNS.index(name) for name in WATCHED_CONTROLS[control]]
     ticks, problem = dict[int, int](), ""
     try:
         for boat in boats:
@@ -75,11 +75,11 @@ def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
             for boat in boats:
                 boat.advance()
             still, moved = (boat.observe() for boat in boats)
-            for place in places:
-                if abs(moved[place] - still[place]) > MOVED:
-                    ticks.setdefault(place, tick)
-            if len(ticks) == len(places):
+            for index in indices:
+                if abs(moved[index] - still[index]) > MOVED:
+                    ticks.setdefault(index, tick)
+            if len(ticks) == len(indices):
                 break
     except (ConfigError, LostError) as error:
         problem = str(error)
-    return DelaySheet(control, step, ticks.get(places[0]), ticks.get(places[1]), problem)
+    return DelaySheet(control, step, ticks.get(indices[0]), ticks.get(indices[1]), problem)

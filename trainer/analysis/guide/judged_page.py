@@ -53,9 +53,9 @@ def _words(name: str) -> Markup:
     return paragraph(_statements()["words"][name])
 
 
-def link(text: str, place: str) -> Markup:
-    """Return a link within the page; the text alone where there is no place."""
-    return Markup('<a href="#{}">{}</a>').format(place, text) if place else Markup.escape(text)
+def link(text: str, anchor: str) -> Markup:
+    """Return a link within the page; the text alone where there is no anchor."""
+    return Markup('<a href="#{}">{}</a>').format(anchor, text) if anchor else Markup.escape(text)
 
 
 def _number(value: float | None, none: str = "none") -> str:
@@ -72,7 +72,7 @@ def validation(book: GuideContents) -> Markup:
         return section("validation", "Published figures", words, paragraph(found))
     worst = [
         [
-            Markup("{}, {}").format(row.figure.quantity, link(one.title, _place(guide, one))),
+            Markup("{}, {}").format(row.figure.quantity, link(one.title, _anchor(guide, one))),
             *_verdict_cells(guide, one, row),
             row.figure.use,
         ]
@@ -90,7 +90,7 @@ def validation(book: GuideContents) -> Markup:
     )
 
 
-def _place(guide: Guide, one: TrialComparison) -> str:
+def _anchor(guide: Guide, one: TrialComparison) -> str:
     """Return where the table of a manoeuvre is."""
     return f"trial-{guide.trials.index(one)}"
 

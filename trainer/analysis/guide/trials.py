@@ -403,7 +403,7 @@ def _manoeuvre(row: Mapping[str, Any], position: Position, others: set[str]) -> 
 
 RowReader = Callable[[Mapping[str, Any], Position, list[int]], Any]
 ROW_READERS: Final[Mapping[str, RowReader]] = {  # tables of the file, as Published has them
-    "fits": lambda row, place, _lines: read_record(Fit, row, place, ()),
+    "fits": lambda row, position, _lines: read_record(Fit, row, position, ()),
     "deviations": _deviation,
     "trials": _trial,
     "waves": _waves,

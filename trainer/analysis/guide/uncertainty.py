@@ -208,7 +208,7 @@ def fly_uncertainty(
 ) -> str:
     """Return the text of the table of spreads; ``step`` is called after each drawn boat."""
     inputs = prior_deviations(file, published)
-    fitted = _fitted_places(published, inputs)
+    fitted = _fitted_indices(published, inputs)
     with worker_pool(cores) as pool:
         fly = partial(_changed_values, file.path)
 
@@ -221,12 +221,12 @@ def fly_uncertainty(
 
         together = np.eye(len(inputs))  # correlations
         if fitted:
-            joint = _joint(published, [inputs[place] for place in fitted], fly_all)
+            joint = _joint(published, [inputs[index] for index in fitted], fly_all)
             sd = np.sqrt(np.diag(joint))
             together[np.ix_(fitted, fitted)] = joint / np.outer(sd, sd)
-            for place, size in zip(fitted, sd, strict=True):
-                reason = f"the fit's covariance; before it {inputs[place].reason}"
-                inputs[place] = inputs[place]._replace(sd=float(size), reason=reason)
+            for index, size in zip(fitted, sd, strict=True):
+                reason = f"the fit's covariance; before it {inputs[index].reason}"
+                inputs[index] = inputs[index]._replace(sd=float(size), reason=reason)
         root, drawn = root_of(together), []
         for number in range(1, DRAWN_BOATS + 1):
             pairs = zip(inputs, root @ deviates(number, len(inputs)), strict=True)
@@ -242,8 +242,8 @@ def flight_count(published: Published) -> int:
     return DRAWN_BOATS + (2 * fitted + 1) * bool(fitted)
 
 
-def _fitted_places(published: Published, inputs: Sequence[InputDeviation]) -> list[int]:
-    """Return the places of the inputs that were fitted; ConfigError for one that there is not."""
+def _fitted_indices(published: Published, inputs: Sequence[InputDeviation]) -> list[int]:
+    """Return the indices of the inputs that were fitted; ConfigError for one that there is not."""
     names = [one.name for one in inputs]
     for i, fit in enumerate(published.fits):
         for name in fit.coefficients:

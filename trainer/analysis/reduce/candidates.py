@@ -77,11 +77,11 @@ class CandidatePool:
     def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
         """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""
         nudged = []
-        for place in free:
+        for index in free:
             point = factors.copy()
-            point[place] += FACTOR_NUDGE
+            point[index] += FACTOR_NUDGE
             nudged.append(point)
         slopes = np.zeros((here.size, factors.size))
-        for place, point in zip(free, self.differences(nudged), strict=True):
-            slopes[:, place] = (point - here) / FACTOR_NUDGE
+        for index, point in zip(free, self.differences(nudged), strict=True):
+            slopes[:, index] = (point - here) / FACTOR_NUDGE
         return np.where(abs(slopes) > MAX_SLOPE, 0.0, slopes)

@@ -109,7 +109,7 @@ class Yardstick:
             for one in judge(leg.manoeuvre, full, full)
             if one.allowed
         )
-        self._places = {row: i for i, row in enumerate(self.rows)}
+        self._indices = {row: i for i, row in enumerate(self.rows)}
 
     @property
     def legs(self) -> tuple[Leg, ...]:
@@ -154,9 +154,9 @@ class Yardstick:
         differences = np.full(len(self.rows), MAX_DIFFERENCE)
         for leg, judgements in self._compared(candidate):
             for one in judgements:
-                place = self._places.get(JudgedNumber(leg.title, one.quantity))
-                if place is not None:
-                    differences[place] = allowed_multiple(one)
+                index = self._indices.get(JudgedNumber(leg.title, one.quantity))
+                if index is not None:
+                    differences[index] = allowed_multiple(one)
         return differences
 
 

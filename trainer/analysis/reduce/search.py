@@ -78,7 +78,7 @@ class Slopes(NamedTuple):
     """The slopes of the differences by the factors, and the leash on the factors."""
 
     table: Numbers  # (rows, all factors)
-    free: list[int]  # places of the factors that may change
+    free: list[int]  # indices of the factors that may change
     leash: float  # [-] weight of (factor - 1)^2 beside the largest difference's square
 
 
@@ -92,13 +92,13 @@ def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Num
 
 def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> Numbers:
     """Return the factors after one damped step of Gauss and Newton, within their limits."""
-    places = slopes.free
+    indices = slopes.free
     matrix, weights = normal_matrix(slopes, here.differences, power)
-    downhill = -slopes.table[:, places].T @ (weights * here.differences)
-    downhill -= slopes.leash * (here.factors[places] - 1.0)
+    downhill = -slopes.table[:, indices].T @ (weights * here.differences)
+    downhill -= slopes.leash * (here.factors[indices] - 1.0)
     factors = here.factors.copy()
-    factors[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
-    factors[places] = np.clip(factors[places], MIN_FACTOR, MAX_FACTOR)
+    factors[indices] += np.linalg.solve(matrix + damping * np.eye(len(indices)), downhill)
+    factors[indices] = np.clip(factors[indices], MIN_FACTOR, MAX_FACTOR)
     return factors
 
 
@@ -132,13 +132,13 @@ def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Num
     The quadratic cost at this point says how: its minimum under the constraint that the factors
     gone are zero.
     """
-    places = slopes.free
+    indices = slopes.free
     matrix, _ = normal_matrix(slopes, here.differences, DROP_POWER)
     inverse = np.linalg.inv(matrix)
-    which = [places.index(place) for place in gone]
+    which = [indices.index(index) for index in gone]
     pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
     factors = here.factors.copy()
-    factors[places] = np.clip(factors[places] - inverse[:, which] @ pull, MIN_FACTOR, MAX_FACTOR)
+    factors[indices] = np.clip(factors[indices] - inverse[:, which] @ pull, MIN_FACTOR, MAX_FACTOR)
     factors[list(gone)] = 0.0
     return factors
 
@@ -164,7 +164,7 @@ class SearchState:
     """The state of a search; a round depends on this alone."""
 
     factors: tuple[float, ...]  # [-] by term, 0: dropped
-    kept: tuple[int, ...]  # places of the terms
+    kept: tuple[int, ...]  # indices of the terms
     needed: tuple[TermNeed, ...] = ()
     batch: int = FIRST_BATCH_TERMS
     starts: int = 0  # rounds that the set with all terms has been fitted in
@@ -217,7 +217,7 @@ class Search:
         return standing
 
     def undecided(self, standing: SearchState) -> list[int]:
-        """Return the places of the terms that may still be dropped."""
+        """Return the indices of the terms that may still be dropped."""
         decided = {*(need.term for need in standing.needed), *self._aim.stays}
         return [i for i in standing.kept if self.terms[i] not in decided]
 
@@ -240,7 +240,7 @@ class Search:
         return SearchPoint(factors, self._pool.differences([factors])[0])
 
     def _free(self, kept: Sequence[int]) -> list[int]:
-        """Return the places of the factors that may change."""
+        """Return the indices of the factors that may change."""
         return [i for i in kept if self.terms[i] not in self._fixed]
 
     def _slopes(self, here: SearchPoint, kept: Sequence[int], leash: float) -> Slopes:
@@ -319,8 +319,8 @@ class Search:
             for _ in order:
                 step()
             if passed is None:
-                kept_places = tuple(i for i in standing.kept if i not in order)
-                standing = self._tighten(replace(standing, kept=kept_places), next_point)
+                kept_indices = tuple(i for i in standing.kept if i not in order)
+                standing = self._tighten(replace(standing, kept=kept_indices), next_point)
                 here = next_point
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
@@ -331,12 +331,12 @@ class Search:
     ) -> SearchState:
         """Return the state with the terms marked as needed that slopes alone show to be."""
         among = self._among(slopes, standing.kept)
-        for place in self.undecided(standing):
-            change = without_terms(among, here, [place]) - here.factors
+        for index in self.undecided(standing):
+            change = without_terms(among, here, [index]) - here.factors
             foreseen = abs(here.differences + slopes.table @ change)
             if foreseen.max() > FORESEEN_DIFFERENCE * standing.limit:
                 row = self._rows[int(np.argmax(foreseen))]
-                need = TermNeed(self.terms[place], float(foreseen.max()), row.leg, row.quantity)
+                need = TermNeed(self.terms[index], float(foreseen.max()), row.leg, row.quantity)
                 standing = replace(standing, needed=(*standing.needed, need))
                 step()
         return standing
@@ -356,7 +356,7 @@ class Search:
         )
 
     def _order(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> list[int]:
-        """Return the places of the terms that may be dropped, the cheapest first."""
+        """Return the indices of the terms that may be dropped, the cheapest first."""
         among = self._among(slopes, standing.kept)
         cost = dict(zip(among.free, cost_rises(among, here), strict=True))
         return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
@@ -365,17 +365,17 @@ class Search:
         self, standing: SearchState, here: SearchPoint, slopes: Slopes, gone: Sequence[int]
     ) -> tuple[SearchPoint, TermNeed | None]:
         """Return the point without the terms ``gone``, and their need; None if they can go."""
-        kept_places = tuple(i for i in standing.kept if i not in gone)
+        kept_indices = tuple(i for i in standing.kept if i not in gone)
         factors = without_terms(self._among(slopes, standing.kept), here, gone)
         point = self._point(factors)
         if self._aim.quick and point.worst > HOPELESS_DIFFERENCE * standing.limit:
             return point, self._need(standing, point, gone)
         goal = FIT_STOP_SHARE * standing.limit
-        point = self._fit(slopes, point, kept_places, goal)
+        point = self._fit(slopes, point, kept_indices, goal)
         need = self._need(standing, point, gone)
         if need and not self._aim.quick and len(gone) == 1 and need.worst < HOPELESS_DIFFERENCE:
-            anew = self._slopes(point, kept_places, standing.leash)
-            point = self._fit(anew, point, kept_places, 0.0)
+            anew = self._slopes(point, kept_indices, standing.leash)
+            point = self._fit(anew, point, kept_indices, 0.0)
             need = self._need(standing, point, gone)
         return point, need
 

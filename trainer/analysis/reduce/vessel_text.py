@@ -26,16 +26,16 @@ def rewrite_vessel(text: str, tables: str) -> str:
     first = COEFFICIENTS_HEADER.search(kept_text)
     if not first:
         return f"{kept_text.rstrip()}\n\n{tables}"
-    place = _above_comments(kept_text, first.start())
-    return f"{kept_text[:place].rstrip()}\n\n{tables}\n{kept_text[place:].rstrip()}\n"
+    index = _above_comments(kept_text, first.start())
+    return f"{kept_text[:index].rstrip()}\n\n{tables}\n{kept_text[index:].rstrip()}\n"
 
 
-def _above_comments(text: str, place: int) -> int:
-    """Return the start of the comment lines right above ``place``."""
-    lines = text[:place].split("\n")[:-1]
+def _above_comments(text: str, index: int) -> int:
+    """Return the start of the comment lines right above ``index``."""
+    lines = text[:index].split("\n")[:-1]
     while lines and lines[-1].startswith("#"):
-        place -= len(lines.pop()) + 1
-    return place
+        index -= len(lines.pop()) + 1
+    return index
 
 
 def _without_ours(lines: Sequence[str]) -> Iterator[str]:

@@ -31,25 +31,25 @@ class ChunkStore:
     schema: Any
     chunks: int
 
-    def file(self, place: int) -> Path:
+    def file(self, index: int) -> Path:
         """Return the path of a chunk's file."""
-        return self.folder / f"{place:06d}.parquet"
+        return self.folder / f"{index:06d}.parquet"
 
     def finished(self) -> set[int]:
         """Return the numbers of the chunks on disk."""
-        return {place for place in range(self.chunks) if self.file(place).exists()}
+        return {index for index in range(self.chunks) if self.file(index).exists()}
 
-    def keep(self, place: int, batch: Batch) -> None:
+    def keep(self, index: int, batch: Batch) -> None:
         """Write a chunk; OSError if it cannot be."""
-        write_table(table_of(batch, self.schema), self.file(place))
+        write_table(table_of(batch, self.schema), self.file(index))
 
     def tables(self) -> Iterator[Any]:
         """Yield the chunks in their order; ConfigError naming one that cannot be read."""
-        for place in range(self.chunks):
+        for index in range(self.chunks):
             try:
-                yield read_table(self.file(place))
+                yield read_table(self.file(index))
             except OSError as wrong:
-                text = f"{self.file(place)}: cannot be read ({wrong}): delete it, and run again"
+                text = f"{self.file(index)}: cannot be read ({wrong}): delete it, and run again"
                 raise ConfigError(text) from None
 
     def clear(self) -> None:

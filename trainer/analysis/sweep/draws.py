@@ -183,8 +183,8 @@ def list_values(values: Sequence[float | str]) -> NDArray[Any]:
 def of_shares(row: VaryRow, shares: Numbers) -> NDArray[Any]:
     """Return the values of a variable below which ``shares`` of its distribution lie."""
     if row.values is not None:
-        places = np.minimum((shares * len(row.values)).astype(int), len(row.values) - 1)
-        return np.asarray(list_values(row.values)[places])
+        indices = np.minimum((shares * len(row.values)).astype(int), len(row.values) - 1)
+        return np.asarray(list_values(row.values)[indices])
     if row.distribution == ESTIMATE_DISTRIBUTION:
         return np.asarray(1 + (shares * (SEED_LIMIT - 1.0)).astype(np.int64))  # numbers of draws
     if row.distribution == "normal":

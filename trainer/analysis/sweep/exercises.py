@@ -16,7 +16,7 @@ from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
@@ -29,8 +29,8 @@ from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.plan import Plan, into_hand
 
 CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
-MOTION_PLACES: Final = np.array(
-    [STATE_PLACES["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
+MOTION_OFFSETS: Final = np.array(
+    [STATE_OFFSETS["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
 )
 SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
@@ -90,16 +90,16 @@ def go_out(plan: Plan) -> Outing:
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     table, refused, status = np.empty((last_tick(plan) + 1, len(MOTION_COLUMNS))), "", 0
-    table[0] = boat.records.state.view(np.float64)[MOTION_PLACES]
+    table[0] = boat.records.state.view(np.float64)[MOTION_OFFSETS]
     due = due_orders(plan)
     with np.errstate(all="ignore"):
         for tick, until in stretches(0, last_tick(plan), due):
-            for place in due.get(tick, ()):
-                order = plan.schedule[place].order
+            for entry in due.get(tick, ()):
+                order = plan.schedule[entry].order
                 reply = obey_order(boat, order)
                 if isinstance(reply, Refused) and not refused:
                     refused = f"{order.text}: refused: {reply.reason}"
-            if status := boat.fly(MOTION_PLACES, table[tick + 1 : until + 1]):
+            if status := boat.fly(MOTION_OFFSETS, table[tick + 1 : until + 1]):
                 break
     lost, step = boat.failure(status) if status else "", plan.method.step
     columns = dict(zip(MOTION_COLUMNS, table[: boat.ticks + 1].T.copy(), strict=True))

@@ -31,7 +31,7 @@ from trainer.boat.assemble import (
     scheme_record,
     thrust_rows,
 )
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
@@ -141,8 +141,8 @@ def start_fleet(
     """
     scheme = fleet.scheme
     for member in range(fleet.states.size):
-        place = min(member, fleet.compacts.size - 1)  # one may serve them all
-        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[place : place + 1]
+        index = min(member, fleet.compacts.size - 1)  # one may serve them all
+        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[index : index + 1]
         state = fleet.states[member : member + 1]
         c, s = vessel[0], state[0]
         for i in range(s.whole.size):
@@ -266,14 +266,14 @@ def join_scripts(states: Record, made: VesselBatch, scripts: Sequence[Script]) -
             for surface in DEPTH_SURFACES:
                 states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
-            order_rows.append((line.tick, STATE_PLACES["speed_by_hand"], by_hand))
-            order_rows.append((line.tick, STATE_PLACES["ordered_u_c"], numbers))
+            order_rows.append((line.tick, STATE_OFFSETS["speed_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_OFFSETS["ordered_u_c"], numbers))
         else:
             surface, letter = CONTROL_SURFACES[line.what]
             angle = neutral[line.what] + made.toward[surface] * numbers
-            order_rows.append((line.tick, STATE_PLACES[f"{surface}_by_hand"], by_hand))
-            order_rows.append((line.tick, STATE_PLACES[f"ordered_{letter}"], angle))
+            order_rows.append((line.tick, STATE_OFFSETS[f"{surface}_by_hand"], by_hand))
+            order_rows.append((line.tick, STATE_OFFSETS[f"ordered_{letter}"], angle))
     if not order_rows:
         return NO_ORDERS
-    ticks, places, values = zip(*order_rows, strict=True)
-    return orders(ticks, places, np.array(values).T)
+    ticks, offsets, values = zip(*order_rows, strict=True)
+    return orders(ticks, offsets, np.array(values).T)

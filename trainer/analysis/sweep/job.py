@@ -114,15 +114,15 @@ class Batch:
     outputs: Numbers  # [member, output]; NaN: never came to that
     troubles: tuple[str | None, ...]  # why there is nothing of a member
 
-    def told(self, place: int, names: Sequence[str]) -> dict[str, Any]:
+    def told(self, index: int, names: Sequence[str]) -> dict[str, Any]:
         """Return one member by the result's columns. None: an output that it never came to."""
-        numbers = [None if np.isnan(x) else float(x) for x in self.outputs[place]]
+        numbers = [None if np.isnan(x) else float(x) for x in self.outputs[index]]
         return {
-            "member": int(self.members[place]),
-            "seed": int(self.seeds[place]),
-            **member_values(self.drawn, place),
+            "member": int(self.members[index]),
+            "seed": int(self.seeds[index]),
+            **member_values(self.drawn, index),
             **dict(zip(names, numbers, strict=True)),
-            "trouble": self.troubles[place],
+            "trouble": self.troubles[index],
         }
 
 
@@ -141,10 +141,10 @@ class Subject(Protocol):
         """Return the results of ``count`` members from ``first`` on."""
 
 
-def member_values(drawn: Mapping[str, NDArray[Any]], place: int) -> dict[str, Any]:
+def member_values(drawn: Mapping[str, NDArray[Any]], index: int) -> dict[str, Any]:
     """Return numbers and words of one member as Python's own."""
     return {
-        name: values[place] if isinstance(values[place], str) else float(values[place])
+        name: values[index] if isinstance(values[index], str) else float(values[index])
         for name, values in drawn.items()
     }
 
@@ -219,9 +219,9 @@ class OpenJob:
         """Return how many chunks the members are flown in."""
         return -(-self.members // self.subject.chunk)
 
-    def chunk(self, place: int) -> Batch:
+    def chunk(self, index: int) -> Batch:
         """Return the results of one chunk's members."""
-        first = place * self.subject.chunk
+        first = index * self.subject.chunk
         return self.subject.batch(first, min(self.subject.chunk, self.members - first))
 
 
@@ -265,11 +265,11 @@ def open_job(job: Job) -> OpenJob:
         return _open(job.name, job.members, job.make)
 
 
-def fly_chunk(job: Job, place: int) -> Batch:
+def fly_chunk(job: Job, index: int) -> Batch:
     """Return the results of one chunk's members, from the files in the job alone."""
     ready = open_job(job)
     with reading_recorded(dict(job.texts)):
-        return ready.chunk(place)
+        return ready.chunk(index)
 
 
 def fact_differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

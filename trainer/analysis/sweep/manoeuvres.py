@@ -153,8 +153,8 @@ class ManoeuvreSubject:
                     if (script := self._script(manoeuvre)) is not None:
                         form = tuple(line[:3] for line in script.lines)
                         groups[form, script.ticks].append(i)
-                for places in groups.values():
-                    done |= {begin + i: x for i, x in self._flown(part, cases, places)}
+                for members in groups.values():
+                    done |= {begin + i: x for i, x in self._flown(part, cases, members)}
         return fly_each(self.study.draws, first, count, len(self.outputs), self._alone, done)
 
     def _alone(self, drawn: Mapping[str, Any], _seed: int) -> list[float]:
@@ -203,18 +203,18 @@ class ManoeuvreSubject:
         self,
         drawn: dict[str, Any],
         cases: dict[int, tuple[MemberCase, Manoeuvre]],
-        places: list[int],
+        members: list[int],
     ) -> Iterable[tuple[int, list[float]]]:
-        """Yield place and numbers of members that fly well, whose scripts are alike."""
-        own_cases = [cases[i] for i in places]
+        """Yield index and numbers of members that fly well, whose scripts are alike."""
+        own_cases = [cases[i] for i in members]
         case = own_cases[0][0]
         written = [script for _, each in own_cases if (script := self._script(each)) is not None]
         if self._by_coefficients:
             changes: dict[tuple[str, ...], Numbers] = {}
             for variable in self.study.variables:
-                numbers = np.asarray(variable.value(drawn[variable.row.name][places]))
+                numbers = np.asarray(variable.value(drawn[variable.row.name][members]))
                 changes[tuple(map(str, variable.steps[1:]))] = numbers
-            made = fleets.by_coefficients(self.boat.boat, changes, len(places))
+            made = fleets.by_coefficients(self.boat.boat, changes, len(members))
         else:
             made = fleets.by_files([one.file for one, _ in own_cases], case.method)
         usual = [(one.table, one.file.run.start_speed_kn) for one, _ in own_cases]
@@ -234,4 +234,4 @@ class ManoeuvreSubject:
             columns = {"t": t, **dict(zip(PLACED_COLUMNS, flight.rows[i].T, strict=True))}
             speed, length, step = float(speeds[i]), each.file.hull.length, each.method.step
             seen = Flight(speed, length, step, Series(named, columns), written[i].marks, "")
-            yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
+            yield members[i], read_off(self.outputs, seen, manoeuvre.measures(seen))

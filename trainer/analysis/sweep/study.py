@@ -1,6 +1,6 @@
 """A study from its file: the common part, the differences, the outputs.
 
-The key of a varied number is a path: words with dots between, ``vessel.fluid.rho``, and places in
+The key of a varied number is a path: words with dots between, ``vessel.fluid.rho``, and indices in
 lists in brackets, ``exercise.orders[2].at_s``. All of the vessel's coefficients can be named, also
 those that its file leaves out, and the compensation's factors of all terms that the compact set
 keeps.
@@ -83,14 +83,14 @@ DrawTables = Callable[[TableMap, int], TableMap]  # puts that draw into a vessel
 
 
 def steps_of(key: str) -> tuple[PathStep, ...]:
-    """Return the words and places of a key; ConfigError if it is none."""
+    """Return the words and indices of a key; ConfigError if it is none."""
     steps: list[PathStep] = []
     for part in key.split("."):
         match = KEY_WORD.fullmatch(part)
         if match is None:
             raise ConfigError(f"{part!r} is no word of a key")
         steps.append(match[1])
-        steps += [int(place) for place in re.findall(r"\d+", match[2])]
+        steps += [int(index) for index in re.findall(r"\d+", match[2])]
     return tuple(steps)
 
 

@@ -24,22 +24,22 @@ SCHEDULER_TIMEOUT: Final = "10s"  # for a scheduler to answer
 RESUME_NOTE: Final = "what is finished is kept: run the same command again"
 
 
-def fly_alone(job: Job, places: list[int]) -> BatchChunks:
+def fly_alone(job: Job, indices: list[int]) -> BatchChunks:
     """Yield chunks flown here, one after the other."""
-    for place in places:
-        yield place, fly_chunk(job, place)
+    for index in indices:
+        yield index, fly_chunk(job, index)
 
 
 def process_crew(count: int) -> ChunkCrew:
     """Return a crew of ``count`` processes; a single chunk, or process, is flown here."""
 
-    def fly(job: Job, places: list[int]) -> BatchChunks:
-        if min(count, len(places)) < 2:
-            yield from fly_alone(job, places)
+    def fly(job: Job, indices: list[int]) -> BatchChunks:
+        if min(count, len(indices)) < 2:
+            yield from fly_alone(job, indices)
             return
-        pool = worker_pool(min(count, len(places)))
+        pool = worker_pool(min(count, len(indices)))
         try:
-            futures = {pool.submit(fly_chunk, job, place): place for place in places}
+            futures = {pool.submit(fly_chunk, job, index): index for index in indices}
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BrokenProcessPool:
@@ -53,11 +53,11 @@ def process_crew(count: int) -> ChunkCrew:
 def cluster_crew(address: str) -> ChunkCrew:
     """Return the workers behind the Dask scheduler at ``address``."""
 
-    def fly(job: Job, places: list[int]) -> BatchChunks:
+    def fly(job: Job, indices: list[int]) -> BatchChunks:
         client, library = _client(address)
         try:
             sent = client.scatter(job, broadcast=True, hash=False)
-            futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
+            futures = {client.submit(fly_chunk, sent, i, pure=False): i for i in indices}
             for future in library.as_completed(list(futures), loop=client.loop):
                 yield futures[future], future.result()
                 future.release()
@@ -113,11 +113,11 @@ def _fly_missing(
     parts = take_up(job, schema, ready.chunks, out)
     done = parts.finished()
     size = ready.subject.chunk
-    progress(sum(min(size, ready.members - place * size) for place in done))
-    missing = [place for place in range(ready.chunks) if place not in done]
+    progress(sum(min(size, ready.members - index * size) for index in done))
+    missing = [index for index in range(ready.chunks) if index not in done]
     try:
-        for place, batch in crew(job, missing):
-            parts.keep(place, batch)
+        for index, batch in crew(job, missing):
+            parts.keep(index, batch)
             progress(len(batch.members))
         result = join_parts(parts.tables(), job, schema)
         write_table(result, out)

@@ -27,8 +27,8 @@ import numpy as np
 
 from trainer import __version__
 from trainer.boat import casualties
-from trainer.boat.boat import STATE_PLACES, Boat
-from trainer.boat.export.header import place_comments, places_of, record_members
+from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.export.header import field_comments, fields_of, record_members
 from trainer.boat.export.orders import order_rows
 from trainer.boat.export.targets import lacking_linker
 from trainer.boat.machine_code import shipped_object
@@ -111,9 +111,9 @@ def order_rules(boat: Boat) -> Iterator[tuple[str, list[float], dict[int, tuple[
 
 def order_inputs(boat: Boat, names: dict[int, str]) -> Iterator[Variable]:
     """Yield an input for each number of the state that orders can change."""
-    comments = place_comments(state)
+    comments = field_comments(state)
     found: dict[int, Variable] = {}
-    zeros: dict[int, list[int]] = {}  # other places that an order of numbers makes 0
+    zeros: dict[int, list[int]] = {}  # other fields that an order of numbers makes 0
     for words, (low, high, factor, turn), rules in order_rules(boat):
         zeroed = [at for at, rule in rules.items() if rule == ("const", 0.0)]
         for at, (kind, x) in rules.items():
@@ -160,12 +160,12 @@ def casualty_inputs(boat: Boat) -> Iterator[Variable]:
 
 def state_outputs(names: dict[int, str]) -> Iterator[Variable]:
     """Yield the numbers of the state; those of recordings are outputs."""
-    said: dict[str, str] = place_comments(state)
+    said: dict[str, str] = field_comments(state)
     motion = MOTION_UNITS.findall(inspect.getsource(state))[0].split()
     said |= dict(zip(state.MOTION, motion, strict=True))
     # the comment of a block stands for its first number, and goes on to those without one
     said |= {
-        names[at]: said[name] for name, at in STATE_PLACES.items() if name in said and at in names
+        names[at]: said[name] for name, at in STATE_OFFSETS.items() if name in said and at in names
     }
     last = ""
     for place, name in names.items():
@@ -181,7 +181,7 @@ def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
     """Return the variables of a boat; a value reference is a place among them."""
     names = {offset // 8: name for name, offset, shape in record_members(STATE) if not shape}
     degrees = f"degree of the sea, WMO code 3700; -1: {sea.name}, as exported"
-    seed = Variable("seed", "of all random numbers", STATE_PLACES["seed"], "Integer", "parameter")
+    seed = Variable("seed", "of all random numbers", STATE_OFFSETS["seed"], "Integer", "parameter")
     degree = replace(seed, name="sea_state", meaning=degrees, place=STATE_DOUBLES, low=-1.0)
     way = Variable("sea_from", "true, where the waves come from", STATE_DOUBLES + 1, unit="deg")
     parameters = [
@@ -212,8 +212,8 @@ def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     step, g = boat.method.step, boat.vessel.g
     places = {"TICK": "tick", "PSI": "psi", "SEA": "sea", "CASUALTY": "casualty"}
     places |= {"TARGET": "casualty_target", "TICKS": "casualty_ticks"}
-    whole = {f"{short}_PLACE": STATE_PLACES[name] for short, name in places.items()}
-    whole["READING_PLACE"] = places_of(SCRATCH)["reading"][0] // 8
+    whole = {f"{short}_PLACE": STATE_OFFSETS[name] for short, name in places.items()}
+    whole["READING_PLACE"] = fields_of(SCRATCH)["reading"][0] // 8
     whole |= {"STATE_DOUBLES": STATE_DOUBLES, "SCRATCH_DOUBLES": SCRATCH.itemsize // 8}
     whole |= {"CASUALTY_SLOTS": MAX_CASUALTIES, "VARIABLE_COUNT": len(variables)}
     whole["SETTABLE_COUNT"] = sum(v.causality in ("parameter", "input") for v in variables)

@@ -73,8 +73,8 @@ int trainer_tick(const struct trainer_vessel *vessel, const struct trainer_compa
 
 #endif
 """
-# Names that hosts were written for, of places that the core calls otherwise.
-PUBLISHED_NAMES: Final = {place: name for name, place in vessel.INVERTED_NAMES.items()}
+# Names that hosts were written for, of fields that the core calls otherwise.
+PUBLISHED_NAMES: Final = {field: name for name, field in vessel.INVERTED_NAMES.items()}
 COMMENT_PATTERN: Final = re.compile(r'^\s*(?:\*?\()?"(\w+)"[^#\n]*#\s*(.+)$', re.MULTILINE)
 
 
@@ -97,40 +97,40 @@ def header_text(boat: Boat, cpu: str) -> str:
         (
             "trainer_state",
             STATE,
-            place_comments(state),
+            field_comments(state),
             "All that evolves, standing orders included.",
         ),
-        ("trainer_vessel", VESSEL, place_comments(vessel, ballast), "What the boat is: constants."),
-        ("trainer_compact", COMPACT, place_comments(vessel), "The constants of the compact set."),
+        ("trainer_vessel", VESSEL, field_comments(vessel, ballast), "What the boat is: constants."),
+        ("trainer_compact", COMPACT, field_comments(vessel), "The constants of the compact set."),
     )
     blocks = [record_structure(*each) for each in structures]
     lines = [", ".join(WATCHED_NAMES[i : i + 12]) for i in range(0, len(WATCHED_NAMES), 12)]
     return "\n".join([head, *blocks, HEADER_END.format(watched=",\n   ".join(lines))])
 
 
-def place_comments(*modules: ModuleType) -> dict[str, str]:
-    """Return the comments in the core's modules beside the names of a record's places."""
+def field_comments(*modules: ModuleType) -> dict[str, str]:
+    """Return the comments in the core's modules beside the names of a record's fields."""
     comments: dict[str, str] = {}
     for module in modules:
         comments |= dict(COMMENT_PATTERN.findall(inspect.getsource(module)))
     return comments
 
 
-def places_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:
+def fields_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:
     """Return offset [bytes] and shape of each name in a record, in order of offsets."""
-    places = {name: (at[1], at[0].shape) for name, at in (kind.fields or {}).items()}
-    places.pop("whole", None)
-    return dict(sorted(places.items(), key=lambda item: item[1][0]))
+    fields = {name: (at[1], at[0].shape) for name, at in (kind.fields or {}).items()}
+    fields.pop("whole", None)
+    return dict(sorted(fields.items(), key=lambda item: item[1][0]))
 
 
 def record_members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
     """Yield name, offset [bytes] and shape of what a record holds, each number once.
 
-    Where single numbers and a block of them share a place the numbers count.
+    Where single numbers and a block of them share an offset the numbers count.
     """
-    places = places_of(kind)
-    single = {offset for offset, shape in places.values() if not shape}
-    for name, (offset, shape) in places.items():
+    fields = fields_of(kind)
+    single = {offset for offset, shape in fields.values() if not shape}
+    for name, (offset, shape) in fields.items():
         if not shape or offset not in single:
             yield name, offset, shape
 
@@ -138,7 +138,7 @@ def record_members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]
 def record_structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> str:
     """Return the C structure of a record. One that is not as large does not compile."""
     lines = [f"/* {title} */", f"struct {name} {{"]
-    blocks = {at: said[block] for block, (at, _) in places_of(kind).items() if block in said}
+    blocks = {at: said[block] for block, (at, _) in fields_of(kind).items() if block in said}
     for member, offset, shape in record_members(kind):
         extent = "".join(f"[{count}]" for count in shape)
         remark = said.get(member, blocks.get(offset, "")).replace("*/", "* /")

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer import __version__
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.entries import entry_of
 from trainer.boat.export.header import header_text
 from trainer.boat.export.lowering import freestanding_module
@@ -44,7 +44,7 @@ HOST_FILE: Final = "host.c"
 def card_text(boat: Boat, target: Processor) -> str:
     """Return the card of ``boat`` compiled for ``target``."""
     method = boat.method
-    columns = " ".join(f"{name}={STATE_PLACES[name]}" for name in MOTION_COLUMNS if name != "t")
+    columns = " ".join(f"{name}={STATE_OFFSETS[name]}" for name in MOTION_COLUMNS if name != "t")
     lines = [
         CARD_HEADING,
         f"version {__version__}",

@@ -31,7 +31,7 @@ FREESTANDING_PATH: Final = Path(__file__).parent / "freestanding.ll"
 # it lacks is not in the text either
 PLAIN_MACHINE: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 BOAT_TICK: Final = "trainer_tick"  # of one boat's object
-SCHEME_PLACE: Final = 2  # of the arguments of a tick
+SCHEME_INDEX: Final = 2  # among the arguments of a tick
 
 
 class NumbaAnswer(NamedTuple):
@@ -111,20 +111,20 @@ def handed_over(entry: Entry) -> tuple[list[str], list[str]]:
     sizes = {at: f"%n{i}" for i, at in enumerate(entry.sizes)}
     for at, size in sizes.items():
         lines.append(f"{size} = fptosi double %s{list(sizes).index(at)} to i64")
-    for place, kind in enumerate(entry.kinds):
+    for index, kind in enumerate(entry.kinds):
         if isinstance(kind, np.dtype):
-            words += array_words(f"%x{place}", ["1"], kind.itemsize)
+            words += array_words(f"%x{index}", ["1"], kind.itemsize)
         elif isinstance(kind, tuple):
-            shape = [sizes.get((place, i), str(size)) for i, size in enumerate(kind)]
+            shape = [sizes.get((index, i), str(size)) for i, size in enumerate(kind)]
             if len(shape) == 2:
-                lines.append(f"%x{place}_all = mul i64 {shape[0]}, {shape[1]}")
-                lines.append(f"%x{place}_row = mul i64 8, {shape[1]}")
-            words += array_words(f"%x{place}", shape, 8)
+                lines.append(f"%x{index}_all = mul i64 {shape[0]}, {shape[1]}")
+                lines.append(f"%x{index}_row = mul i64 8, {shape[1]}")
+            words += array_words(f"%x{index}", shape, 8)
         elif kind is int:
-            lines.append(f"%w{place} = fptosi double %x{place} to i64")
-            words.append(f"i64 %w{place}")
+            lines.append(f"%w{index} = fptosi double %x{index} to i64")
+            words.append(f"i64 %w{index}")
         else:
-            words.append(f"double %x{place}")
+            words.append(f"double %x{index}")
     return lines, words
 
 
@@ -132,7 +132,7 @@ def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None
     """Return the LLVM text of a function ``name`` through which a host calls a kernel.
 
     It takes addresses and numbers, then sizes, then where an answer of numbers goes, and returns
-    the kernel's status, or -1 where the kernel raises. A kernel of numba's takes places for its
+    the kernel's status, or -1 where the kernel raises. A kernel of numba's takes addresses for its
     answer and its error first. A scheme that is given is a constant of the text.
     """
     lines, words = handed_over(entry)
@@ -141,9 +141,9 @@ def entry_text(entry: Entry, kernel: str, name: str, scheme: bytes | None = None
     ]
     constant = ""
     if scheme is not None:
-        del taken[SCHEME_PLACE]
+        del taken[SCHEME_INDEX]
         taken = [each.replace("ptr", "ptr noalias") for each in taken]
-        words = [word.replace(f"%x{SCHEME_PLACE}", "@scheme") for word in words]
+        words = [word.replace(f"%x{SCHEME_INDEX}", "@scheme") for word in words]
         size, quoted = len(scheme), quote_bytes(scheme)
         constant = f'@scheme = internal constant [{size} x i8] c"{quoted}", align 8\n'
     taken += [f"double %s{i}" for i, _ in enumerate(entry.sizes)]

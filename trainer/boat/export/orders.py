@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.boat.ballast_orders import MAIN_TANKS, SPACE_NAMES
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import SURFACE_SIDES
 from trainer.boat.helm import SURFACE_NAMES
 from trainer.core.ballast.tanks import NEGATIVE_TANK, TANKS
@@ -57,11 +57,11 @@ def order_rows(boat: Boat) -> list[str]:
 
 
 def _row(words: str, writes: dict[str, str], number: NumberRange | None = None) -> str:
-    """Return a row: the words, the rule of each place written, the number typed if there is one."""
+    """Return a row: the words, the rule of each field written, the number typed if there is one."""
     limits = ";;;"
     if number:
         limits = f"{number.low!r};{number.high!r};{number.factor!r};{number.turn}"
-    rules = ",".join(f"{STATE_PLACES[place]}={rule}" for place, rule in writes.items())
+    rules = ",".join(f"{STATE_OFFSETS[field]}={rule}" for field, rule in writes.items())
     return f"{words};{limits};{rules}"
 
 
@@ -70,7 +70,7 @@ def _const(value: float) -> str:
 
 
 def _place(name: str) -> str:
-    return f"place:{STATE_PLACES[name]}"
+    return f"place:{STATE_OFFSETS[name]}"
 
 
 def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
@@ -78,7 +78,7 @@ def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
     carried = [name for name in names if boat.carries(name)]
     writes = {f"{name}_by_hand": _const(0.0) for name in carried}
     if "rudder" in carried:
-        writes["ordered_psi"] = f"shorter:{STATE_PLACES['psi']}"
+        writes["ordered_psi"] = f"shorter:{STATE_OFFSETS['psi']}"
     return writes
 
 
@@ -154,7 +154,7 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
         yield _row("periscope depth", {"ordered_depth": periscope, **below})
     rudder = _give_to_autopilot(boat, "rudder")
     turn = NumberRange(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
-    yield _row("course", {**rudder, "ordered_psi": f"short:{STATE_PLACES['psi']}"}, turn)
+    yield _row("course", {**rudder, "ordered_psi": f"short:{STATE_OFFSETS['psi']}"}, turn)
     yield _row("course auto", rudder)
     knot = speed.units[0].factor
     fastest = min(float(boat.vessel.u_c_ahead) + SPEED_SLACK, speed.high * knot)
@@ -190,9 +190,9 @@ def _ballast(boat: Boat) -> Iterator[str]:
             yield _row(f"negative {word}", {**opened, **valves})
     yield from _pumps(boat)
     held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
-    for place, space in enumerate(SPACE_NAMES):
+    for index, space in enumerate(SPACE_NAMES):
         if held[f"compartment_{space}"]:
-            yield _row(f"drain {space}", {"drained": _const(1.0 + place)})
+            yield _row(f"drain {space}", {"drained": _const(1.0 + index)})
     yield _row("drain stop", {"drained": _const(0.0)})
     if boat.vessel.compressor_rate:
         yield _row("compressor on", {"compressor": _const(1.0)})

@@ -22,9 +22,9 @@ import numba
 import numpy as np
 
 from trainer import __version__
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.entries import Entry, entry_of
-from trainer.boat.export.header import places_of
+from trainer.boat.export.header import fields_of
 from trainer.boat.export.lowering import (
     call_program,
     compile_for,
@@ -67,7 +67,7 @@ INSTALL_HINT: Final = (
     "Windows: winget install LLVM.LLVM"
 )
 CHILD_CODE: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
-SETTLED_BYTES: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
+SETTLED_BYTES: Final = range(8, fields_of(SCHEME)["trigger_place"][0])  # all but step, triggers
 # room for one boat, of zeros, in the order of the tick; a host may use memory of its own
 ROOM_NAMES: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
 ROOM_SIZES: Final = (
@@ -97,13 +97,13 @@ def settle_method(text: str, scheme: bytes) -> str:
         return text
     start = match.start()
     end = text.index("\n}", start)
-    place = re.compile(r"(getelementptr [^%\n]*ptr )%arg\.scheme\.4, i64 (\d+)\b")  # its numbers
+    member = re.compile(r"(getelementptr [^%\n]*ptr )%arg\.scheme\.4, i64 (\d+)\b")  # its numbers
 
     def constant(use: re.Match[str]) -> str:
         return f"{use[1]}@settled, i64 {use[2]}" if int(use[2]) in SETTLED_BYTES else use[0]
 
     head = f'@settled = internal constant [{len(scheme)} x i8] c"{quote_bytes(scheme)}", align 8\n'
-    return text[:start] + head + place.sub(constant, text[start:end]) + text[end:]
+    return text[:start] + head + member.sub(constant, text[start:end]) + text[end:]
 
 
 def lower(scheme: str, target: str) -> None:
@@ -198,7 +198,7 @@ def boat_misfit(boat: Boat) -> Refused | None:
 
 
 def numbers_of(boat: Boat) -> dict[str, Any]:
-    """Return records and orders of a boat as it stands, and the state's places."""
+    """Return records and orders of a boat as it stands, and the state's offsets."""
     r = boat.records
     records = {"vessel": r.vessel, "compact": r.compact, "scheme": r.scheme, "state": r.state}
     packed = {room: base64.b64encode(record.tobytes()).decode() for room, record in records.items()}
@@ -208,7 +208,7 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
         "boat": boat.file.name,
         "step_s": boat.method.step,
         "state_doubles": STATE.itemsize // 8,
-        "places": STATE_PLACES,
+        "places": STATE_OFFSETS,
         "orders": order_rows(boat),
         "records": packed,
     }

@@ -7,9 +7,9 @@ forward numbers, whose directions are u, v, r, then gamma, l, kappa, c_w and gam
 rudder turns the ship to starboard here.
 
 A ship may also roll: its state then has roll rate and roll behind u, v, r and heading, and roll has
-a fourth equation. A term may be multiplied by roll rate or by roll. A term's place is a number that
+a fourth equation. A term may be multiplied by roll rate or by roll. A term's part is a number that
 says which equation it is in and by what it is multiplied: 0 to 3 by nothing, 4 to 7 by roll rate,
-8 to 11 by roll. Accelerations have a row for each place.
+8 to 11 by roll. Accelerations have a row for each part.
 """
 
 import math
@@ -29,7 +29,7 @@ from trainer.boat.ship.forward_numbers import (
 from trainer.core.kernel import Numbers, inlined, kernel
 
 Terms = NDArray[np.int64]
-DrivenPlaces = tuple[int, ...]  # places in the state of what the equations accelerate
+DrivenStates = tuple[int, ...]  # indices of what the equations accelerate
 
 
 class Units(NamedTuple):
@@ -48,25 +48,25 @@ class System(NamedTuple):
     """
 
     ship: Numbers
-    terms: Terms  # their places and rows
+    terms: Terms  # their parts and rows
     values: Numbers  # their factors, and what follows them
-    free: Terms  # places of the free ones
-    driven: DrivenPlaces
+    free: Terms  # indices of the free ones
+    driven: DrivenStates
 
 
-PLACE, ROW = 0, 1  # columns of the terms
-LENGTH: Final = 0  # place in the ship's numbers
-U, V, R = 0, 1, 2  # places in the state
-RUDDER, TURNS, WIND_AHEAD, WIND_ASIDE = 0, 1, 2, 3  # places in the inputs
+PART, ROW = 0, 1  # columns of the terms
+LENGTH: Final = 0  # index in the ship's numbers
+U, V, R = 0, 1, 2  # indices in the state
+RUDDER, TURNS, WIND_AHEAD, WIND_ASIDE = 0, 1, 2, 3  # indices in the inputs
 NONLINEAR_COUNT: Final = 5  # coefficients that are not factors of a term
 SHIP_NUMBER_COUNT: Final = 6  # length, propeller diameter, three coefficients of K_T, 1-w
-ADVANCE_PLACE: Final = 6  # place of the ship's own advance [m] a turn, after these
-STIFFNESS_PLACE: Final = 7  # and of g GM/k^2 [1/s^2] of roll
-ROLL_RATE_PLACE, ROLL_PLACE = 4, 5  # places in the state
+ADVANCE_INDEX: Final = 6  # index of the ship's own advance [m] a turn, after these
+STIFFNESS_INDEX: Final = 7  # and of g GM/k^2 [1/s^2] of roll
+ROLL_RATE_INDEX, ROLL_INDEX = 4, 5  # indices in the state
 LEVEL_EQUATIONS: Final = (0, 1, 2)  # equations without roll
-HEEL_EQUATIONS: Final = (0, 1, 2, ROLL_RATE_PLACE)  # and with it
+HEEL_EQUATIONS: Final = (0, 1, 2, ROLL_RATE_INDEX)  # and with it
 AXIS_COUNT: Final = len(HEEL_EQUATIONS)
-PLACE_COUNT: Final = 3 * AXIS_COUNT
+PART_COUNT: Final = 3 * AXIS_COUNT
 # further constants: rudder, its sine and cosine, revolutions, wind, the speed that the revolutions
 # hold, and numbers of the equations
 INPUT_COUNT: Final = 8
@@ -77,7 +77,7 @@ CONSTANT_COUNT: Final = SHIP_NUMBER_COUNT + INPUT_COUNT + len(TERM_NUMBERS)
 def _terms() -> tuple[dict[str, int], list[tuple[int, int, int]]]:
     """Return the row of each term, and the steps that lead to them.
 
-    v' = v/U and r' = rL/U. The propeller meets the drift of a place 0.48 L behind midships;
+    v' = v/U and r' = rL/U. The propeller meets the drift of a point 0.48 L behind midships;
     0.85 is propeller over rudder height; |z| is sqrt(z^2 + 1e-4). Last come the terms of Abkowitz
     1964 beside the cubes, whose u' is (u - u_n)/U: u_n is the speed that the revolutions hold.
     """
@@ -183,7 +183,7 @@ def set_terms(table: Numbers, ship: Numbers, x: Numbers, c: Numbers, rudder: Num
     angle, turns, ahead, aside = c[RUDDER], c[TURNS], c[WIND_AHEAD], c[WIND_ASIDE]
     wind = math.sqrt(ahead * ahead + aside * aside + 1e-4)
     helm = angle, math.sin(angle), math.cos(angle), turns
-    inputs = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE_PLACE] * turns)
+    inputs = (*helm, aside * wind, ahead * aside, ahead * wind, ship[ADVANCE_INDEX] * turns)
     for i in range(INPUT_COUNT):
         _hold(table, DIRECTION_COUNT + SHIP_NUMBER_COUNT + i, inputs[i])
     for i in range(LITERAL_VALUES.size):
@@ -203,40 +203,40 @@ def rows_of(terms: Terms) -> int:
 @inlined
 def units_of(ship: Numbers, x: Numbers) -> Units:
     """Return length and stiffness with the last two of the state."""
-    return Units(ship[LENGTH], ship[STIFFNESS_PLACE], x[x.size - 2], x[x.size - 1])
+    return Units(ship[LENGTH], ship[STIFFNESS_INDEX], x[x.size - 2], x[x.size - 1])
 
 
 @inlined
-def in_units(factor: float, place: int, units: Units) -> float:
-    """Return a factor in the units of its place.
+def in_units(factor: float, part: int, units: Units) -> float:
+    """Return a factor in the units of its part.
 
     Yaw and roll are over the length. Roll's own stiffness and damping are in units of those that
     the ship's file says.
     """
-    if place < 2:
+    if part < 2:
         return factor
-    if place in (2, 3, 2 * AXIS_COUNT + 2):
+    if part in (2, 3, 2 * AXIS_COUNT + 2):
         return factor / units.length
-    if place == AXIS_COUNT + 3:
+    if part == AXIS_COUNT + 3:
         return factor * math.sqrt(units.stiffness)
-    return factor * units.stiffness if place == 2 * AXIS_COUNT + 3 else factor
+    return factor * units.stiffness if part == 2 * AXIS_COUNT + 3 else factor
 
 
 @kernel
 def add_terms(table: Numbers, terms: Terms, factors: Numbers, ship: Numbers, out: Numbers) -> None:
-    """Write accelerations as forward numbers (places, columns); ``terms`` are (place, row).
+    """Write accelerations as forward numbers (parts, columns); ``terms`` are (part, row).
 
-    Without roll there are three places: du/dt, dv/dt and dr/dt.
+    Without roll there are three parts: du/dt, dv/dt and dr/dt.
     """
     units = units_of(ship, ship)
     for e in range(out.shape[0]):
         for i in range(out.shape[1]):
             out[e, i] = 0.0
     for j in range(terms.shape[0]):
-        place = terms[j, PLACE]
-        factor = in_units(factors[j], place, units)
+        part = terms[j, PART]
+        factor = in_units(factors[j], part, units)
         for i in range(out.shape[1]):
-            out[place, i] += factor * table[terms[j, ROW], i]
+            out[part, i] += factor * table[terms[j, ROW], i]
 
 
 @kernel
@@ -245,14 +245,14 @@ def add_heel(x: Numbers, out: Numbers) -> None:
     for e in range(AXIS_COUNT):
         for i in range(out.shape[1]):
             heeled = (
-                x[ROLL_RATE_PLACE] * out[AXIS_COUNT + e, i]
-                + x[ROLL_PLACE] * out[2 * AXIS_COUNT + e, i]
+                x[ROLL_RATE_INDEX] * out[AXIS_COUNT + e, i]
+                + x[ROLL_INDEX] * out[2 * AXIS_COUNT + e, i]
             )
             out[e, i] += heeled
 
 
 @inlined
-def states_of(driven: DrivenPlaces) -> int:
+def states_of(driven: DrivenStates) -> int:
     """Return how many states there are.
 
     Each equation has its speed; all but surge and sway have an angle too.

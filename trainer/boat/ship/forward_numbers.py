@@ -90,12 +90,12 @@ def _multiply(table: Numbers, a: int, b: int, out: int) -> None:
     for i in range(1, min(table.shape[1], FIRST_COLUMNS)):
         table[out, i] = x * table[b, i] + y * table[a, i]
     if table.shape[1] > FIRST_COLUMNS:
-        place = FIRST_COLUMNS
+        column = FIRST_COLUMNS
         for i in range(1, 1 + STATE_COUNT):
             for j in range(i, FIRST_COLUMNS):
                 cross = table[a, i] * table[b, j] + table[a, j] * table[b, i]
-                table[out, place] = x * table[b, place] + y * table[a, place] + cross
-                place += 1
+                table[out, column] = x * table[b, column] + y * table[a, column] + cross
+                column += 1
 
 
 @kernel
@@ -106,12 +106,12 @@ def _compose(table: Numbers, a: int, shape: tuple[float, float, float], out: int
     for i in range(1, min(table.shape[1], FIRST_COLUMNS)):
         table[out, i] = slope * table[a, i]
     if table.shape[1] > FIRST_COLUMNS:
-        place = FIRST_COLUMNS
+        column = FIRST_COLUMNS
         for i in range(1, 1 + STATE_COUNT):
             for j in range(i, FIRST_COLUMNS):
                 bend = curve * table[a, i] * table[a, j]
-                table[out, place] = slope * table[a, place] + bend
-                place += 1
+                table[out, column] = slope * table[a, column] + bend
+                column += 1
 
 
 @kernel
@@ -156,6 +156,6 @@ def run_steps(table: Numbers, steps: Steps, first: int) -> None:
 
 
 @kernel
-def second_place(i: int, j: int) -> int:
+def second_column(i: int, j: int) -> int:
     """Return the column of the second derivative by ``i`` < 3 and ``j`` >= ``i``."""
     return FIRST_COLUMNS + i * DIRECTION_COUNT - i * (i - 1) // 2 + j - i

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.forces import HEEL_EQUATIONS, LEVEL_EQUATIONS, TERM_ROWS, DrivenPlaces, Terms
+from trainer.boat.ship.forces import HEEL_EQUATIONS, LEVEL_EQUATIONS, TERM_ROWS, DrivenStates, Terms
 from trainer.config.files import ConfigError, nearest
 from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
@@ -54,7 +54,7 @@ class ShipModel:
     names: tuple[str, ...]  # factors of terms, then the nonlinear ones
     free: tuple[str, ...]
     held: Mapping[str, float] = field(default_factory=dict)  # by the ship's file, where it has them
-    driven: DrivenPlaces = LEVEL_EQUATIONS  # the equations' places in the state
+    driven: DrivenStates = LEVEL_EQUATIONS  # the equations' indices in the state
 
     @property
     def states(self) -> int:
@@ -68,7 +68,7 @@ class ShipModel:
 
     @property
     def terms(self) -> Terms:
-        """Return place and row of each factor."""
+        """Return part and row of each factor."""
         return np.array([_term(name) for name in self.names[: -len(NONLINEAR_NAMES)]])
 
     @property
@@ -87,7 +87,7 @@ class ShipModel:
 
 
 def _term(name: str) -> tuple[int, int]:
-    """Return place and row of the term of a coefficient."""
+    """Return part and row of the term of a coefficient."""
     axis, _, term = name.partition("_")
     if name in ROLL_NAMES:
         times = 1 if term == "p" else 2

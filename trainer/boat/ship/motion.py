@@ -12,11 +12,11 @@ import numpy as np
 from trainer.boat.ship.forces import (
     AXIS_COUNT,
     NONLINEAR_COUNT,
-    PLACE_COUNT,
-    ROLL_PLACE,
-    ROLL_RATE_PLACE,
+    PART_COUNT,
+    ROLL_INDEX,
+    ROLL_RATE_INDEX,
     RUDDER,
-    DrivenPlaces,
+    DrivenStates,
     R,
     System,
     U,
@@ -61,16 +61,16 @@ class MotionRoom(NamedTuple):
 def new_room(system: System) -> MotionRoom:
     """Return scratch for a ship's steps."""
     driven = system.driven
-    places = PLACE_COUNT if len(driven) == AXIS_COUNT else len(driven)
+    parts = PART_COUNT if len(driven) == AXIS_COUNT else len(driven)
     states = (np.empty(states_of(driven)) for _ in range(3))
-    return MotionRoom(np.empty((rows_of(system.terms), 1)), np.empty((places, 1)), *states)
+    return MotionRoom(np.empty((rows_of(system.terms), 1)), np.empty((parts, 1)), *states)
 
 
 @kernel
 def is_ship(x: Numbers) -> bool:
     """Return whether a state is that of a ship under way."""
-    upright = x.size <= ROLL_PLACE or (
-        abs(x[ROLL_RATE_PLACE]) <= MAX_TURN_RATE and abs(x[ROLL_PLACE]) <= MAX_ROLL
+    upright = x.size <= ROLL_INDEX or (
+        abs(x[ROLL_RATE_INDEX]) <= MAX_TURN_RATE and abs(x[ROLL_INDEX]) <= MAX_ROLL
     )
     size = (
         abs(x[U]) <= MAX_SHIP_SPEED and abs(x[V]) <= MAX_SHIP_SPEED and abs(x[R]) <= MAX_TURN_RATE
@@ -80,7 +80,7 @@ def is_ship(x: Numbers) -> bool:
 
 @kernel
 def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Numbers) -> None:
-    """Write the accelerations (places, columns) at a state and inputs; ``table`` is scratch."""
+    """Write the accelerations (parts, columns) at a state and inputs; ``table`` is scratch."""
     count = system.terms.shape[0]
     set_terms(table, system.ship, x, c, system.values[count : count + NONLINEAR_COUNT])
     add_terms(table, system.terms, system.values, system.ship, rates)
@@ -89,11 +89,11 @@ def set_rates(system: System, x: Numbers, c: Numbers, table: Numbers, rates: Num
 
 
 @kernel
-def set_derivative(driven: DrivenPlaces, x: Numbers, rates: Numbers, out: Numbers) -> None:
+def set_derivative(driven: DrivenStates, x: Numbers, rates: Numbers, out: Numbers) -> None:
     """Write dx/dt from the accelerations."""
     for e in range(len(driven)):
         out[driven[e]] = rates[e, VALUE]
-    # heading and roll (places 3 and 5) have their rates one place before
+    # heading and roll (3 and 5) have their rates one index before
     for i in range(3, states_of(driven), 2):
         out[i] = x[i - 1]
 
@@ -190,7 +190,7 @@ class ShipMotion:
         x = before.copy()
         if not advance_state(self._system, x, c, rudder, h, self._room):
             return None
-        # the mean of both ends is enough, because nothing depends on place
+        # the mean of both ends is enough, because nothing depends on position
         u, v, _, psi, *_ = (0.5 * (before + x)).tolist()
         north = now.north + h * (u * math.cos(psi) - v * math.sin(psi))
         east = now.east + h * (u * math.sin(psi) + v * math.cos(psi))

@@ -15,13 +15,13 @@ from trainer.core.kernel import Numbers
 MIN_RELATIVE_SPEED: Final = 0.1  # [m/s] below which it is the range now, without a time
 ARC_DEVIATION_SHARE: Final = 0.1  # [-] of the limit: arcs that leave straight lines by more count
 ARC_STEP_S: Final = 5.0
-ARC_TIMES_S: Final = np.arange(ARC_STEP_S, 1201.0, ARC_STEP_S)  # ahead: places are compared there
-ARC_ROUNDING_M: Final = 1e-3  # by which one place differs from the same one among many
+ARC_TIMES_S: Final = np.arange(ARC_STEP_S, 1201.0, ARC_STEP_S)  # ahead: points are compared there
+ARC_ROUNDING_M: Final = 1e-3  # by which one point differs from the same one among many
 MIN_TURN_RATE: Final = math.radians(0.1)  # [rad/s] of the boat; below, waves yaw it
 
 
 class OwnMotion(NamedTuple):
-    """The boat's place, course and speed over the ground, and rate of turn [SI].
+    """The boat's location, course and speed over the ground, and rate of turn [SI].
 
     Closest approaches are foreseen from it.
     """
@@ -34,7 +34,7 @@ class OwnMotion(NamedTuple):
 
     @classmethod
     def of(cls, state: Any) -> "OwnMotion":
-        """Return the motion in a state; a boat whose place is held stands still."""
+        """Return the motion in a state; a boat whose position is held stands still."""
         if state["held_position"]:
             # without way there is no course over the ground: the heading stands for it
             return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
@@ -72,7 +72,7 @@ def closest_approach(
 ) -> tuple[float, float]:
     """Return closest approach [m] and time to it [s] along straight lines.
 
-    Place and velocity are relative. Without relative speed it is the range, and the time is NaN.
+    Location and velocity are relative. Without relative speed it is the range, and the time is NaN.
     """
     square = v_north * v_north + v_east * v_east
     if square < MIN_RELATIVE_SPEED * MIN_RELATIVE_SPEED:
@@ -110,7 +110,7 @@ def nears_on_arcs(own: OwnMotion, ship: ShipMotion, limit: float, seconds: float
     fastest = own.speed + ship.speed + math.hypot(ship.set_north, ship.set_east)
     time = ARC_STEP_S
     while time < seconds:
-        (north, east), theirs = _place_ahead(own, time), _place_ahead(ship, time)
+        (north, east), theirs = _point_ahead(own, time), _point_ahead(ship, time)
         north = theirs[0] + ship.set_north * time - north
         east = theirs[1] + ship.set_east * time - east
         spare = math.hypot(north, east) - limit
@@ -120,7 +120,7 @@ def nears_on_arcs(own: OwnMotion, ship: ShipMotion, limit: float, seconds: float
     return False
 
 
-def _place_ahead(now: OwnMotion | ShipMotion, time: float) -> tuple[float, float]:
+def _point_ahead(now: OwnMotion | ShipMotion, time: float) -> tuple[float, float]:
     """Return where boat or ship will be at one time [s], as ``_ahead`` does."""
     half = 0.5 * now.turning * time
     chord = now.speed * time * (math.sin(half) / half if half else 1.0)

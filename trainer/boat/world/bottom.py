@@ -22,8 +22,8 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 
 MAX_GROUND_STEP_S: Final = 1.0  # [s] step, with which the ground's spring is held
 START_ROOM_M: Final = 5.0  # [m] under the keel, with which a boat may start
-STATE_PLACES: Final = {name: int(place[1]) // 8 for name, place in (STATE.fields or {}).items()}
-BOTTOM_PLACE, THETA, PHI, Z = (STATE_PLACES[name] for name in ("bottom", "theta", "phi", "z"))
+STATE_OFFSETS: Final = {name: int(field[1]) // 8 for name, field in (STATE.fields or {}).items()}
+BOTTOM_OFFSET, THETA, PHI, Z = (STATE_OFFSETS[name] for name in ("bottom", "theta", "phi", "z"))
 
 
 def keel_of(vessel: Any) -> float:
@@ -36,10 +36,10 @@ def height_of_keel(numbers: Sequence[float], length: float, keel: float) -> floa
 
     ``numbers`` are a state's; ``length`` [m] is the boat's, ``keel`` [m] how far it is below.
     """
-    if numbers[BOTTOM_PLACE] == 0.0:
+    if numbers[BOTTOM_OFFSET] == 0.0:
         return math.inf
     lean = length * math.sin(numbers[THETA])
-    least = min(numbers[BOTTOM_PLACE + i] + x * lean for i, x in enumerate(STATIONS))
+    least = min(numbers[BOTTOM_OFFSET + i] + x * lean for i, x in enumerate(STATIONS))
     return least - numbers[Z] - keel * math.cos(numbers[THETA]) * math.cos(numbers[PHI])
 
 
@@ -51,8 +51,8 @@ def heights_of_keel(
     ``grounds`` has the depths [m] under each station, ``column`` numbers of the states by name.
     """
     sine, upright = np.sin(column("theta")), np.cos(column("theta")) * np.cos(column("phi"))
-    places = [ground + x * length * sine for ground, x in zip(grounds, STATIONS, strict=True)]
-    least: Numbers = np.min(places, axis=0) - column("z") - keel * upright
+    depths = [ground + x * length * sine for ground, x in zip(grounds, STATIONS, strict=True)]
+    least: Numbers = np.min(depths, axis=0) - column("z") - keel * upright
     return np.where(grounds[0] == 0.0, math.inf, least)
 
 

@@ -62,7 +62,7 @@ Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
 
 @dataclass(frozen=True)
 class ContactState:
-    """One ship at a tick, in SI and radians. Its place is from the start's origin."""
+    """One ship at a tick, in SI and radians. Its location is from the start's origin."""
 
     name: str
     type: str
@@ -236,7 +236,7 @@ class Contacts:
         return Situation(*np.array(motions).reshape(-1, len(Situation._fields)).T)
 
     def stretches(self, ticks: Ticks) -> Iterator[tuple[Ticks, ContactFleet]]:
-        """Yield each fleet of some ticks, with the places of its ticks among them."""
+        """Yield each fleet of some ticks, with the indices of its ticks among them."""
         begins = np.array([begin for begin, _ in self._fleets])
         chosen = np.maximum(np.searchsorted(begins, ticks, side="right") - 1, 0)
         for i in np.unique(chosen).tolist():
@@ -244,8 +244,8 @@ class Contacts:
 
     def seen(self, tick: int) -> tuple[ContactState, ...]:
         """Return every ship at a tick, with what can be seen of it."""
-        fleet, places = self.fleet(tick), self.at(tick)
-        columns = *places[:2], *places.over_ground(), places.course, places.turning
+        fleet, now = self.fleet(tick), self.at(tick)
+        columns = *now[:2], *now.over_ground(), now.course, now.turning
         rows = zip(*(column.tolist() for column in columns), strict=True)
         return tuple(_seen(ship, row) for ship, row in zip(fleet.order, rows, strict=True))
 
@@ -275,7 +275,7 @@ class Contacts:
         time = tick * self.step
         if doing == "speed" and (refused := _unable(ship, order.value, time)):
             return Refused(f"{ship.name}: {refused.reason}")
-        # an ordered place is over the ground; the way of a ship that drifts is through the water
+        # an ordered location is over the ground; the way of a ship that drifts is through the water
         if doing == "move" and ship.drifts:
             gone = self.water(time)[0]
             numbers = tuple(at - by for at, by in zip(order.numbers, gone, strict=True))

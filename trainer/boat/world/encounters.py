@@ -38,9 +38,9 @@ from trainer.core.state import STATE
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
 POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")
 RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
-_PLACES: Final = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
-HELD_PLACE: Final = _PLACES["held_position"]
-read_pose: Final = itemgetter(*(_PLACES[name] for name in POSE_NAMES))
+_OFFSETS: Final = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
+HELD_OFFSET: Final = _OFFSETS["held_position"]
+read_pose: Final = itemgetter(*(_OFFSETS[name] for name in POSE_NAMES))
 RECALL_CHANGE_SHARE: Final = 0.2  # [-] of the limit: change of closest approach called again
 
 
@@ -97,8 +97,8 @@ def passed_ships(contacts: Contacts, ticks: Ticks, poses: Numbers) -> Iterator[P
 
     ``poses`` [6, ticks] are the boat's. Boat and ships move on straight lines in a step.
     """
-    for places, fleet in contacts.stretches(ticks[1:] - 1):
-        rows = places + 1
+    for indices, fleet in contacts.stretches(ticks[1:] - 1):
+        rows = indices + 1
         start, end = (fleet.over(ticks[rows - back]) for back in (1, 0))
         ranges = passing_ranges(start, end, poses[:2, rows - 1], poses[:2, rows])
         starts, ends = (np.array(each[:3]) for each in (start, end))
@@ -125,7 +125,7 @@ def collisions_in(
 def passing_ranges(start: Situation, end: Situation, before: Numbers, now: Numbers) -> Numbers:
     """Return the least ranges [m] of ships in steps, a row each.
 
-    ``before`` and ``now`` are the boat's places north and east [m] where the steps begin and end.
+    ``before`` and ``now`` are where the boat is [m], north and east, as the steps begin and end.
     """
     north, east = start.north - before[0], start.east - before[1]
     by_north, by_east = end.north - now[0] - north, end.east - now[1] - east
@@ -356,7 +356,7 @@ class EncounterMonitor:
         """
         self._past.append(now)
         count = self.mean_ticks
-        if boat.plain[HELD_PLACE] or len(self._past) <= count:
+        if boat.plain[HELD_OFFSET] or len(self._past) <= count:
             own = OwnMotion.of(boat.state)._replace(turning=0.0)
             return own, own.velocity()
         first = self._past[-count - 1]
@@ -376,17 +376,17 @@ class EncounterMonitor:
 
 
 def _meets(
-    hull: OwnHull, ship: Ship, poses: tuple[Pose, Pose], places: tuple[Numbers, Numbers]
+    hull: OwnHull, ship: Ship, poses: tuple[Pose, Pose], ends: tuple[Numbers, Numbers]
 ) -> bool:
-    """Return whether the boat touches a ship between two poses, and two places of the ship."""
-    (before, now), (start, end) = poses, places
+    """Return whether the boat touches a ship between two poses, and two locations of the ship."""
+    (before, now), (start, end) = poses, ends
     way = np.array(now[:3]) - np.array(before[:3])
     way[:2] -= end[:2] - start[:2]
     # in steps of a share of the ship's beam, so that no ship is jumped over
     looks = hull.looks(float(np.linalg.norm(way)), ship.type)
     for share in ((i + 1) / looks for i in range(looks)):
-        place = (start + share * (end - start)).tolist()
-        if hull.touches(before.towards(now, share), ship.type, *place):
+        location = (start + share * (end - start)).tolist()
+        if hull.touches(before.towards(now, share), ship.type, *location):
             return True
     return False
 

@@ -20,11 +20,11 @@ SAIL_SPHERES: Final = 3  # of the sail
 STEP_BEAM_SHARE: Final = 0.25  # [-] of a ship's beam: the most that is gone between two looks
 
 
-ShipPlace = tuple[float, float, float, ShipType]  # north, east [m], course [rad] and type of a ship
+ShipPose = tuple[float, float, float, ShipType]  # north, east [m], course [rad] and type of a ship
 
 
 class Pose(NamedTuple):
-    """Place [m] and attitude [rad] of the boat: north, east, depth, heel, pitch, heading."""
+    """Location [m] and attitude [rad] of the boat: north, east, depth, heel, pitch, heading."""
 
     north: float
     east: float
@@ -109,7 +109,7 @@ def axes_of(pose: Pose) -> Numbers:
     return whole
 
 
-def ships_overlap(one: ShipPlace, two: ShipPlace) -> bool:
+def ships_overlap(one: ShipPose, two: ShipPose) -> bool:
     """Return whether two ships lie in each other."""
     apart = np.array((two[0] - one[0], two[1] - one[1]))
     sides = [_sides(each) for each in (one, two)]
@@ -120,7 +120,7 @@ def ships_overlap(one: ShipPlace, two: ShipPlace) -> bool:
     return True
 
 
-def _sides(ship: ShipPlace) -> Numbers:
+def _sides(ship: ShipPose) -> Numbers:
     """Return half the length and half the beam as vectors north and east, a row each."""
     _, _, course, kind = ship
     ahead = np.array((math.cos(course), math.sin(course)))

@@ -1,7 +1,7 @@
 """The lights of ships by night, by rules 20 to 30 of the collision regulations.
 
 ``contacts`` shows them to the periscope. What is here is what can be seen from outside: colour,
-sector, place on the ship and range.
+sector, position on the ship and range.
 """
 
 import math

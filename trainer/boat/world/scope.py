@@ -52,9 +52,9 @@ class Mast(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """The head of the periscope, as the place from which one looks.
+    """The head of the periscope, as the point from which one looks.
 
-    It has its place [m], its height over the waves, and the boat's heading [rad].
+    It has its location [m], its height over the waves, and the boat's heading [rad].
     """
 
     north: float
@@ -214,8 +214,8 @@ class Periscope:
 
     def at(self, tick: int) -> Mast:
         """Return how the mast stands after so many ticks."""
-        place = bisect_right(self._stood, tick, key=attrgetter("tick"))
-        last = self._stood[max(place - 1, 0)]
+        index = bisect_right(self._stood, tick, key=attrgetter("tick"))
+        last = self._stood[max(index - 1, 0)]
         if self._fitted is None:
             return last
         rate = self._fitted.extension_m / self._fitted.raise_s
@@ -226,8 +226,8 @@ class Periscope:
     def over(self, ticks: Ticks) -> tuple[Numbers, Numbers]:
         """Return how far the mast is out [m] at ticks, and its number of raises."""
         stood = np.array([(each.tick, each.up, each.out, each.raised) for each in self._stood])
-        places = np.searchsorted(stood[:, 0], ticks, side="right") - 1
-        begun, up, out, raised = stood[np.maximum(places, 0)].T
+        indices = np.searchsorted(stood[:, 0], ticks, side="right") - 1
+        begun, up, out, raised = stood[np.maximum(indices, 0)].T
         if self._fitted is None:
             return out, raised
         rate = self._fitted.extension_m / self._fitted.raise_s
@@ -241,14 +241,14 @@ class Periscope:
 
     def head(self, mast: Mast) -> tuple[float, float]:
         """Return where the head is [m], body axes x and z."""
-        place = self._fitted.x_m if self._fitted else float(self._boat.vessel.x_sail)
-        return place, float(self._boat.vessel.z_sail) - mast.out
+        ahead = self._fitted.x_m if self._fitted else float(self._boat.vessel.x_sail)
+        return ahead, float(self._boat.vessel.z_sail) - mast.out
 
     def height(self, mast: Mast) -> float:
         """Return the height [m] of the head over the waves now."""
         return float(height_above_water(self._boat.records.state, *self.head(mast)))
 
-    def place(self, s: Any, mast: Mast, height: float) -> Eye:
+    def eye(self, s: Any, mast: Mast, height: float) -> Eye:
         """Return where the head is in a state, whose numbers have their names."""
         heading = float(s["psi"])
         ahead = self.head(mast)[0] * math.cos(float(s["theta"]))
@@ -314,7 +314,7 @@ class Periscope:
     def _range(self, height: float, mast: Mast) -> Reply:
         """Return the distance of the ship at the wire by the height of its masthead."""
         state = self._boat.records.state
-        eye = self.place(self._boat.state, mast, self.height(mast))
+        eye = self.eye(self._boat.state, mast, self.height(mast))
         half = 0.5 * VIEW_WIDTHS[mast.power]
         off = [
             (abs(math.remainder(target.train - mast.train, math.tau)), target)

@@ -27,7 +27,7 @@ SUBSTEPS_PER_TIME: Final = 4.0  # [-] substeps in the shortest time constant
 
 
 class SteeredState(NamedTuple):
-    """Place, course, speed, rate of turn with its lag, and rudder, all SI.
+    """Location, course, speed, rate of turn with its lag, and rudder, all SI.
 
     The other numbers are those of a ship that is not linear.
     """

@@ -2,7 +2,7 @@
 
 ``session/stations/plot`` sends them to the periscope's view; nothing here moves the boat. The core
 has the sea at one point, above the boat, from two sources. The cosine sum is exact everywhere. The
-filters (a bank of resonators, driven by noise) give the elevation above the boat alone. At a place
+filters (a bank of resonators, driven by noise) give the elevation above the boat alone. At a point
 d [m] further along the waves' way, it is what the bank gave 2 k d radians of the peak wave earlier,
 turned by k d, where k is the wave's number: groups then travel at half the speed of their waves, as
 in deep water. What is to come is known too, since noise is a function of the step.
@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.boat import STATE_PLACES
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.core.kernel import Numbers
 from trainer.core.noise import SEA_BANK, gaussian_pair
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, prepare_sum
@@ -53,7 +53,7 @@ class Swell(NamedTuple):
     amplitudes: Numbers  # [-]
 
     def level(self, ahead: float, right: float) -> float:
-        """Return the level [m] at a place so far [m] ahead and to the right."""
+        """Return the level [m] at a point so far [m] ahead and to the right."""
         along = ahead * math.cos(self.towards) + right * math.sin(self.towards)
         across = right * math.cos(self.towards) - ahead * math.sin(self.towards)
         return 0.25 * self.height * (self._of_groups(along) + self._of_cosines(along, across))
@@ -63,12 +63,12 @@ class Swell(NamedTuple):
         if not self.groups.size:
             return 0.0
         phase = self.number * along
-        place = self.clock - 2.0 * phase / PHASE_STEP + REACH_STEPS
-        turned = interpolate_values(self.groups, place) * np.exp(1j * (self.drift + phase))
+        at = self.clock - 2.0 * phase / PHASE_STEP + REACH_STEPS
+        turned = interpolate_values(self.groups, at) * np.exp(1j * (self.drift + phase))
         return float(turned.real)
 
     def _of_cosines(self, along: float, across: float) -> float:
-        """Return the cosine sum's elevation [-] at a place [m] along and across."""
+        """Return the cosine sum's elevation [-] at a point [m] along and across."""
         met = self.number * (along * WAVE_COSINES + across * WAVE_SINES)
         phases = self.phases - self.relative**2 * met if self.phases.size else self.phases
         return float(np.sum(self.amplitudes * np.cos(phases)))
@@ -92,19 +92,19 @@ def pack_numbers(values: Numbers, count: int) -> str:
     """
     most = len(PACKING_DIGITS) ** count
     whole = np.clip(np.floor((values + 1.0) * 0.5 * most), 0, most - 1).astype(int)
-    places = [len(PACKING_DIGITS) ** place for place in reversed(range(count))]
+    weights = [len(PACKING_DIGITS) ** digit for digit in reversed(range(count))]
     return "".join(
-        PACKING_DIGITS[each // place % len(PACKING_DIGITS)] for each in whole for place in places
+        PACKING_DIGITS[each // weight % len(PACKING_DIGITS)] for each in whole for weight in weights
     )
 
 
-def interpolate_values(values: Waves, place: float) -> complex:
+def interpolate_values(values: Waves, step: float) -> complex:
     """Return what lies between two of the values, by the core's cubic.
 
     Another one would make waves beside the boat that do not fit those that move it.
     """
-    first = min(max(math.floor(place), 1), values.size - 3)
-    f = place - first
+    first = min(max(math.floor(step), 1), values.size - 3)
+    f = step - first
     before, after, beyond = f + 1.0, f - 1.0, f - 2.0
     early = -f * after * beyond / 6.0 * values[first - 1]
     early += before * after * beyond / 2.0 * values[first]
@@ -113,10 +113,10 @@ def interpolate_values(values: Waves, place: float) -> complex:
 
 
 def swell_round(numbers: Sequence[float], g: float) -> Swell:
-    """Return the waves round the boat whose state has these numbers, by their STATE_PLACES."""
+    """Return the waves round the boat whose state has these numbers, by their STATE_OFFSETS."""
 
     def at(name: str) -> float:
-        return numbers[STATE_PLACES[name]]
+        return numbers[STATE_OFFSETS[name]]
 
     number = at("sea_omega") ** 2 / g
     heading = at("psi")
@@ -188,8 +188,8 @@ def _of_banks(numbers: Sequence[float], at: Callable[[str], float]) -> Waves:
         if share > 0.0:
             waves += share * bank_outputs(seed, bank, middle - REACH_STEPS, middle + REACH_STEPS)
     for step in range(middle - 1, middle + 3):
-        place = STATE_PLACES["sea_past"] + 4 * (step & 3)
-        waves[step - middle + REACH_STEPS] = complex(numbers[place], numbers[place + 1])
+        first = STATE_OFFSETS["sea_past"] + 4 * (step & 3)
+        waves[step - middle + REACH_STEPS] = complex(numbers[first], numbers[first + 1])
     return waves
 
 

@@ -57,8 +57,8 @@ class Way(NamedTuple):
     def over(self, times: Numbers) -> Numbers:
         """Return the pieces of times [s], a column each."""
         table = np.array(self.pieces)
-        places = np.searchsorted(table[:, 1], times, side="right")  # by their ends
-        return table[np.minimum(places, len(table) - 1)].T
+        indices = np.searchsorted(table[:, 1], times, side="right")  # by their ends
+        return table[np.minimum(indices, len(table) - 1)].T
 
 
 class ShipMotion(NamedTuple):
@@ -79,7 +79,7 @@ class ShipMotion(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """Place, course, speed and rate of turn [SI] of many ships, an array each.
+    """Location, course, speed and rate of turn [SI] of many ships, an array each.
 
     Course and speed are through the water of those that it carries, else over the ground.
     """
@@ -223,7 +223,7 @@ def turn_stretch(change: float, radius: float) -> list[Stretch]:
 
 
 def _leg(start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float]:
-    """Return course [rad] and length [m] between two places."""
+    """Return course [rad] and length [m] between two points."""
     north, east = end[0] - start[0], end[1] - start[1]
     return math.atan2(east, north), math.hypot(north, east)
 
@@ -240,15 +240,15 @@ def unreached_stretch(way: Way) -> int | None:
 
 
 def rest_of(way: Way, time: float) -> tuple[Piece, list[Stretch]]:
-    """Return a ship's place at a time [s] as a piece, and its further path."""
+    """Return a ship's location at a time [s] as a piece, and its further path."""
     piece = way.at(time)
-    place = situation(piece_column(piece), time)
+    there = situation(piece_column(piece), time)
     now = piece._replace(
         begins=time,
-        north=float(place.north[0]),
-        east=float(place.east[0]),
-        course=float(place.course[0]),
-        speed=float(place.speed[0]),
+        north=float(there.north[0]),
+        east=float(there.east[0]),
+        course=float(there.course[0]),
+        speed=float(there.speed[0]),
         stretch=0.0,
         along=0.0,
     )

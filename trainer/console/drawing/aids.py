@@ -53,10 +53,10 @@ def way_ahead(model: SessionModel, name: str) -> Sequence[tuple[float, float]]:
     """Return times [s] from now and values of a quantity to come."""
     if name not in WAY_FIELDS:
         return []
-    place = 1 + WAY_FIELDS.index(name)
+    column = 1 + WAY_FIELDS.index(name)
     rows = [point.split(":") for point in model.picture.word("predictor", "way").split(";")]
     try:
-        return [(float(row[0]), float(row[place])) for row in rows if len(row) > place]
+        return [(float(row[0]), float(row[column])) for row in rows if len(row) > column]
     except ValueError:
         return []
 
@@ -66,7 +66,7 @@ def interpolated_way(way: Sequence[tuple[float, float]], count: int) -> list[flo
     values = []
     for number in range(1, count + 1):
         when = way[-1][0] * number / count
-        place = next(k for k, (seconds, _) in enumerate(way) if seconds >= when - 1e-9)
-        (t1, v1), (t0, v0) = way[place], way[place - 1] if place else way[place]
+        index = next(k for k, (seconds, _) in enumerate(way) if seconds >= when - 1e-9)
+        (t1, v1), (t0, v0) = way[index], way[index - 1] if index else way[index]
         values.append(v1 if t1 == t0 else v0 + (v1 - v0) * (when - t0) / (t1 - t0))
     return values

@@ -94,7 +94,7 @@ def from_astern(heel: float, width: int, height: int) -> Sheet:
 
 
 def turn(shape: Points, angle: float, size: float, middle: tuple[float, float]) -> Points:
-    """Return a shape turned anticlockwise by an angle [rad] and brought to its place."""
+    """Return a shape turned anticlockwise by an angle [rad] and moved to its point."""
     c, s = math.cos(angle), math.sin(angle)
     return [
         (middle[0] + size * (x * c - y * s), middle[1] - size * (x * s + y * c)) for x, y in shape

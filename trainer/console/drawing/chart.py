@@ -62,7 +62,7 @@ class Sheet:
         return self.height * DOTS_DOWN
 
     def dot(self, x: float, y: float) -> None:
-        """Put a dot at a place counted from the upper left."""
+        """Put a dot at a point counted from the upper left."""
         column, row = round(x), round(y)
         if 0 <= column < self.across and 0 <= row < self.down:
             self.cells[row // DOTS_DOWN][column // DOTS_ACROSS] |= BRAILLE_BITS[row % DOTS_DOWN][
@@ -221,15 +221,15 @@ def beside_headings(
     ``left`` is how far it is to the last of them, the way that was ordered; None: the shorter.
     """
     placed: list[float | None] = []
-    place = len(ordered)
+    begin = len(ordered)
     for value, run in groupby(reversed(ordered)):
-        first, place = place, place - len(list(run))
-        reached = next((h for h in reversed(headings[place:first]) if h is not None), None)
+        first, begin = begin, begin - len(list(run))
+        reached = next((h for h in reversed(headings[begin:first]) if h is not None), None)
         drawn = value
         if value is not None and reached is not None:
             to_go = left if first == len(ordered) and left is not None else None
             drawn = reached + (beside_zero(value - reached) if to_go is None else to_go)
-        placed += [drawn] * (first - place)
+        placed += [drawn] * (first - begin)
     return placed[::-1]
 
 
@@ -296,7 +296,7 @@ class Plot:
             for row in range(self._rows)
         ]
 
-    def _place(self, value: float, dots: int, *, down: bool) -> float:
+    def _level(self, value: float, dots: int, *, down: bool) -> float:
         """Return how far down a value lies."""
         share = (value - self._low) / (self._high - self._low)
         return (share if down else 1.0 - share) * (dots - 1)
@@ -308,7 +308,7 @@ class Plot:
                 sheet.stroke(points)
                 points = []
             else:
-                points.append((x, self._place(value, sheet.down, down=down)))
+                points.append((x, self._level(value, sheet.down, down=down)))
         sheet.stroke(points)
 
     def _dashes(self, values: Sequence[float | None], *, down: bool) -> Sheet:
@@ -316,7 +316,7 @@ class Plot:
         sheet = Sheet(self._columns, self._rows)
         for x, value in enumerate(values):
             if value is not None and x // DOTS_ACROSS % 2 == 0:
-                sheet.dot(x, self._place(value, sheet.down, down=down))
+                sheet.dot(x, self._level(value, sheet.down, down=down))
         return sheet
 
     def _dots(self, values: Sequence[float | None], every: int, *, down: bool) -> Sheet:
@@ -324,7 +324,7 @@ class Plot:
         sheet = Sheet(self._columns, self._rows)
         for x, value in enumerate(values):
             if value is not None and x % every == 0:
-                sheet.dot(x, self._place(value, sheet.down, down=down))
+                sheet.dot(x, self._level(value, sheet.down, down=down))
         return sheet
 
     def _scale(self, row: int, drawn: Quantity, *, down: bool) -> Line:
@@ -338,7 +338,7 @@ class Plot:
 
 
 def merge(*layers: Run) -> tuple[Run, ...]:
-    """Return a row in inks, of each place the first layer that has something."""
+    """Return a row in inks, of each column the first layer that has something."""
     runs: list[Run] = []
     inks = [ink for _, ink in layers]
     for signs in zip(*(row for row, _ in layers), strict=True):
@@ -363,7 +363,7 @@ def plan(model: SessionModel, width: int, height: int) -> Lines:
         return [heading][:height]
     sheet = Sheet(width, height - 2)
     middle, metres = frame(track, sheet)
-    points = [place(point, middle, metres, sheet) for point in track]
+    points = [dot_at(point, middle, metres, sheet) for point in track]
     sheet.stroke(points)
     sheet.stroke(nose(points[-1], model.picture.number("motion", "heading") or 0.0))
     rows = [line((sheet.text(row), "plain")) for row in range(sheet.height)]
@@ -381,7 +381,7 @@ def frame(track: Sequence[Point], sheet: Sheet) -> tuple[Point, float]:
     return ((max(north) + min(north)) / 2.0, (max(east) + min(east)) / 2.0), metres
 
 
-def place(point: Point, middle: Point, metres: float, sheet: Sheet) -> tuple[float, float]:
+def dot_at(point: Point, middle: Point, metres: float, sheet: Sheet) -> tuple[float, float]:
     """Return where a point is drawn [dots], counted from the upper left."""
     x = sheet.across / 2.0 + (point[1] - middle[1]) / metres
     y = sheet.down / 2.0 - (point[0] - middle[0]) / metres

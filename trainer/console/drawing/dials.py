@@ -209,8 +209,8 @@ def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
 
     middle, block = column(0.0), column(actual)
     signs = ["·"] * room
-    for place in range(min(middle, block), max(middle, block) + 1):
-        signs[place] = "━"
+    for x in range(min(middle, block), max(middle, block) + 1):
+        signs[x] = "━"
     signs[middle], signs[block] = "┼", "█"
     inks = ["value" if sign in "━█" else "dim" for sign in signs]
     if ordered is not None:

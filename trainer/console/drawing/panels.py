@@ -137,10 +137,10 @@ def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, 
 
 
 def key_at(
-    keys: Sequence[tuple[str, str]], width: int, rows: int, place: tuple[int, int]
+    keys: Sequence[tuple[str, str]], width: int, rows: int, cell: tuple[int, int]
 ) -> tuple[str, str]:
     """Return the label of the key at a column and row, and its text there."""
-    column, row = place
+    column, row = cell
     drawn = key_rows(keys, width, rows)
     start = 1
     for label, says in drawn[row] if row < len(drawn) else ():
@@ -272,5 +272,5 @@ def instruments(model: SessionModel, width: int, *, large: bool) -> Lines:
 
 def surfaces(model: SessionModel, width: int) -> Lines:
     """Return the scales of rudder and planes."""
-    places = (("rudder", "steering"), ("stern", "diving"), ("bow", "diving"))
-    return [scale(model, name, channel, width) for name, channel in places]
+    shown = (("rudder", "steering"), ("stern", "diving"), ("bow", "diving"))
+    return [scale(model, name, channel, width) for name, channel in shown]

@@ -25,7 +25,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries, kernel, part, put_vector
 from trainer.identify.kernels.sampling import Complexes
 
-Places = NDArray[np.int64]
+Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 FLAG_COUNTED, FLAG_MISSING, FLAG_REJECTED, FLAG_SINGULAR = 0.0, 1.0, 2.0, 3.0  # flags of samples
@@ -203,7 +203,7 @@ def has_settled(J: Numbers, P: Numbers) -> bool:
 
 
 @part
-def run_length(which: Places, first: int) -> int:
+def run_length(which: Indices, first: int) -> int:
     """Return the end of the samples from ``first`` on with the same system.
 
     That system leads from each of them to the next.
@@ -216,7 +216,7 @@ def run_length(which: Places, first: int) -> int:
 
 @kernel
 def show_filter(
-    system: SampledSystem, table: Numbers, which: Places, limits: Numbers, shown: FilterRun
+    system: SampledSystem, table: Numbers, which: Indices, limits: Numbers, shown: FilterRun
 ) -> None:
     """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
@@ -264,7 +264,7 @@ def show_filter(
 
 @kernel
 def run_predictor(
-    system: Predictor, table: Numbers, which: Places, driven: Numbers, out: Entries
+    system: Predictor, table: Numbers, which: Indices, driven: Numbers, out: Entries
 ) -> None:
     """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
 

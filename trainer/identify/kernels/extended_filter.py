@@ -21,10 +21,10 @@ import numpy as np
 
 from trainer.boat.ship.forces import (
     NONLINEAR_COUNT,
-    PLACE_COUNT,
-    ROLL_PLACE,
-    ROLL_RATE_PLACE,
-    DrivenPlaces,
+    PART_COUNT,
+    ROLL_INDEX,
+    ROLL_RATE_INDEX,
+    DrivenStates,
     System,
     Terms,
     rows_of,
@@ -87,10 +87,10 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
     """Return scratch for ``n`` states and ``count`` parameters."""
     # without parameters the Jacobian needs slopes by u, v, r only (4), and the states values (1)
     wide, narrow = (SECOND_COLUMNS, FIRST_COLUMNS) if count > 0 else (4, 1)
-    rows, indices = rows_of(terms), 3 if n <= ROLL_PLACE else PLACE_COUNT
+    rows, parts = rows_of(terms), 3 if n <= ROLL_INDEX else PART_COUNT
     return FilterRoom(
-        Accelerations(np.empty((rows, wide)), np.empty((indices, wide))),
-        Accelerations(np.empty((rows, narrow)), np.empty((indices, narrow))),
+        Accelerations(np.empty((rows, wide)), np.empty((parts, wide))),
+        Accelerations(np.empty((rows, narrow)), np.empty((parts, narrow))),
         MatrixRoom(
             np.empty((n, n)),
             np.empty((n, n, count)),
@@ -122,7 +122,7 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
 
 @lean
 def _spread(
-    driven: DrivenPlaces, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
+    driven: DrivenStates, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
 ) -> None:
     """Advance ``P`` by the transition and the disturbances; ``half`` becomes (P + T/2 R1) phi'."""
     n = states_of(driven)
@@ -193,7 +193,7 @@ def _take_row(
     errors = system.terms.shape[0] + NONLINEAR_COUNT + axes
     cost, first = 0.0, lines.error.size - axes - 2 * states
     for m in range(states):
-        read = row[m if m < ROLL_RATE_PLACE else m + ROLL_COLUMN_OFFSET]
+        read = row[m if m < ROLL_RATE_INDEX else m + ROLL_COLUMN_OFFSET]
         sums.innovations[m, ERROR] = read - estimate.x[m]
         sums.innovations[m, VARIANCE] = math.nan
         if not math.isnan(read):

@@ -11,13 +11,13 @@ from typing import Final, NamedTuple
 
 from trainer.boat.ship.forces import (
     AXIS_COUNT,
-    ROLL_RATE_PLACE,
-    DrivenPlaces,
+    ROLL_RATE_INDEX,
+    DrivenStates,
     System,
     states_of,
     units_of,
 )
-from trainer.boat.ship.forward_numbers import SLOPES, VALUE, second_place
+from trainer.boat.ship.forward_numbers import SLOPES, VALUE, second_column
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean
 from trainer.identify.kernels.ship_slopes import Accelerations, coefficient_slopes
@@ -77,7 +77,7 @@ def count_reading(
 
 
 @lean
-def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
+def _take(driven: DrivenStates, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
     """Take one reading into state and covariance.
 
     The reading's own column of ``P`` changes last, because all other entries are made from it.
@@ -95,7 +95,7 @@ def _take(driven: DrivenPlaces, m: int, innovation: Innovation, x: Numbers, P: N
 
 @lean
 def take_slopes(
-    driven: DrivenPlaces, m: int, innovation: Innovation, estimate: Estimate, lines: ReadingSlopes
+    driven: DrivenStates, m: int, innovation: Innovation, estimate: Estimate, lines: ReadingSlopes
 ) -> None:
     """Take one reading into state, covariance and both derivatives.
 
@@ -131,14 +131,14 @@ def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
     """
     low, high = min(i, k), max(i, k)
     if high < 3:
-        return float(rates[axis, second_place(low, high)])
-    if low < 3 and high >= ROLL_RATE_PLACE:
+        return float(rates[axis, second_column(low, high)])
+    if low < 3 and high >= ROLL_RATE_INDEX:
         return float(rates[AXIS_COUNT * (high - 3) + axis, SLOPES + low])
     return 0.0
 
 
 @lean
-def matrix_slopes(driven: DrivenPlaces, rates: Numbers, S: Numbers, dA: Numbers) -> None:
+def matrix_slopes(driven: DrivenStates, rates: Numbers, S: Numbers, dA: Numbers) -> None:
     """Write what the state's derivatives ``S`` do to the Jacobian, dA (n, n, q)."""
     dA[:] = 0.0
     for axis in range(len(driven)):
@@ -161,12 +161,12 @@ def own_slopes(
         for e in range(len(driven)):
             for i in range(3):
                 dA[driven[e], i, j] += own[e, SLOPES + i]
-            for i in range(ROLL_RATE_PLACE, states_of(driven)):
+            for i in range(ROLL_RATE_INDEX, states_of(driven)):
                 dA[driven[e], i, j] += own[e, i]
 
 
 @lean
-def _horner(driven: DrivenPlaces, part: float, room: MatrixRoom) -> None:
+def _horner(driven: DrivenStates, part: float, room: MatrixRoom) -> None:
     """Write I + part A H and its derivatives over H and dH, the transition so far.
 
     Repeated from the highest order down it is the power series of exp(A T), by Horner's scheme.
@@ -190,7 +190,7 @@ def _horner(driven: DrivenPlaces, part: float, room: MatrixRoom) -> None:
 
 
 @lean
-def transition_slopes(driven: DrivenPlaces, T: float, room: MatrixRoom) -> None:
+def transition_slopes(driven: DrivenStates, T: float, room: MatrixRoom) -> None:
     """Write the transition and its derivatives over ``T`` [s]."""
     H, dH = room.phi, room.dphi
     dH[:] = 0.0
@@ -202,7 +202,7 @@ def transition_slopes(driven: DrivenPlaces, T: float, room: MatrixRoom) -> None:
 
 
 @lean
-def spread_slopes(driven: DrivenPlaces, room: MatrixRoom, dP: Numbers) -> None:
+def spread_slopes(driven: DrivenStates, room: MatrixRoom, dP: Numbers) -> None:
     """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
 
     G is (P + T/2 R1) phi', which ``half`` has; dA is scratch here.
@@ -231,7 +231,7 @@ def spread_slopes(driven: DrivenPlaces, room: MatrixRoom, dP: Numbers) -> None:
 
 @lean
 def noise_slopes(
-    driven: DrivenPlaces, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
+    driven: DrivenStates, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
 ) -> None:
     """Add the derivatives by the disturbances' logarithms, ``first`` on, to ``dP``."""
     for g in range(len(driven)):
@@ -257,7 +257,7 @@ def rate_slopes(
             out[driven[e], j] = 0.0
             for i in range(3):
                 out[driven[e], j] += rates[e, SLOPES + i] * S[i, j]
-            for i in range(ROLL_RATE_PLACE, states_of(driven)):
+            for i in range(ROLL_RATE_INDEX, states_of(driven)):
                 out[driven[e], j] += rates[AXIS_COUNT * (i - 3) + e, VALUE] * S[i, j]
     for i in range(3, states_of(driven), 2):  # heading and roll: each grows by the state before it
         for j in range(S.shape[1]):

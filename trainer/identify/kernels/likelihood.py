@@ -17,7 +17,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import (
-    Places,
+    Indices,
     SampledSystem,
     has_settled,
     predict_sample,
@@ -232,7 +232,7 @@ def _run_settled(
 def _filter(
     system: SampledSystem,
     table: Numbers,
-    which: Places,
+    which: Indices,
     now: FilterState,
     room: FilterRoom,
     sums: Numbers,
@@ -270,7 +270,7 @@ def _filter(
 
 @kernel
 def likelihood_sums(
-    mean: Numbers, noise: Numbers, start: Numbers, table: Numbers, which: Places, sums: Numbers
+    mean: Numbers, noise: Numbers, start: Numbers, table: Numbers, which: Indices, sums: Numbers
 ) -> None:
     """Write the sums of a record's likelihood to ``sums`` (4,).
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import (
+    Indices,
     Mask,
-    Places,
     SampledSystem,
     advance_state,
     all_there,
@@ -46,7 +46,7 @@ class Samples(NamedTuple):
     """The rows of a record, and the system that leads from each to the next."""
 
     table: Numbers
-    which: Places
+    which: Indices
 
 
 class ScoreRows(NamedTuple):
@@ -342,7 +342,7 @@ def _rows(
 
 @kernel
 def score_rows(
-    system: SampledSystem, slopes: SampledSystem, table: Numbers, which: Places, out: ScoreRows
+    system: SampledSystem, slopes: SampledSystem, table: Numbers, which: Indices, out: ScoreRows
 ) -> tuple[int, float]:
     """Return the number of stages and -log L less its constant; write rows and gradient.
 

@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 from trainer.boat.ship.forces import (
     AXIS_COUNT,
-    PLACE,
-    ROLL_RATE_PLACE,
+    PART,
+    ROLL_RATE_INDEX,
     ROW,
-    DrivenPlaces,
+    DrivenStates,
     Terms,
     Units,
     in_units,
     states_of,
 )
-from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SLOPES, VALUE, second_place
+from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SLOPES, VALUE, second_column
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import lean, part
 
@@ -31,13 +31,13 @@ class Accelerations(NamedTuple):
 
 
 @lean
-def set_jacobian(driven: DrivenPlaces, rates: Numbers, A: Numbers) -> None:
+def set_jacobian(driven: DrivenStates, rates: Numbers, A: Numbers) -> None:
     """Write df/dx (n, n) from the forward numbers of the accelerations."""
     A[:] = 0.0
     for e in range(len(driven)):
         for i in range(3):
             A[driven[e], i] = rates[e, SLOPES + i]
-        for i in range(ROLL_RATE_PLACE, states_of(driven)):
+        for i in range(ROLL_RATE_INDEX, states_of(driven)):
             A[driven[e], i] = rates[AXIS_COUNT * (i - 3) + e, VALUE]
     for i in range(3, states_of(driven), 2):  # heading and roll: each grows by the state before it
         A[i, i - 1] = 1.0
@@ -51,7 +51,7 @@ def _factor_slopes(table: Numbers, index: int, row: int, units: Units, out: Numb
         out[axis, i] = in_units(table[row, i], index, units)
     if index >= AXIS_COUNT:
         by = index // AXIS_COUNT - 1
-        out[axis, ROLL_RATE_PLACE + by] = out[axis, VALUE]
+        out[axis, ROLL_RATE_INDEX + by] = out[axis, VALUE]
         heel = units.roll_rate if by == 0 else units.roll
         for i in range(4):
             out[axis, i] *= heel
@@ -61,7 +61,7 @@ def _factor_slopes(table: Numbers, index: int, row: int, units: Units, out: Numb
 def coefficient_slopes(
     accelerations: Accelerations,
     terms: Terms,
-    driven: DrivenPlaces,
+    driven: DrivenStates,
     units: Units,
     which: int,
     out: Numbers,
@@ -76,13 +76,13 @@ def coefficient_slopes(
         for i in range(states_of(driven)):
             out[e, i] = 0.0
     if direction < 3:
-        index, row = terms[which, PLACE], terms[which, ROW]
+        index, row = terms[which, PART], terms[which, ROW]
         _factor_slopes(accelerations.table, index, row, units, out)
         return
     for e in range(len(driven)):
         out[e, VALUE] = rates[e, SLOPES + direction]
         if rates.shape[1] > FIRST_COLUMNS:
             for i in range(3):
-                out[e, SLOPES + i] = rates[e, second_place(i, direction)]
-        for i in range(ROLL_RATE_PLACE, states_of(driven)):
+                out[e, SLOPES + i] = rates[e, second_column(i, direction)]
+        for i in range(ROLL_RATE_INDEX, states_of(driven)):
             out[e, i] = rates[AXIS_COUNT * (i - 3) + e, SLOPES + direction]

@@ -91,7 +91,7 @@ UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
 }
 SAME_INSTRUMENT: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
 UNCODED_CHANNELS: Final = ("t", *POSITION_CHANNELS)  # any number may be a reading of them
-NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
+NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is degrees and minutes
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
     heads = enumerate(zip(table.names, table.units, strict=True))
     clocks = (  # by its unit or dates
         name
-        for place, (name, unit) in heads
-        if name not in named.values() and (unit in units_of("t") or table.is_clock(place))
+        for index, (name, unit) in heads
+        if name not in named.values() and (unit in units_of("t") or table.is_clock(index))
     )
     if "t" not in named and (clock := next(clocks, None)):
         named["t"] = clock
@@ -117,11 +117,11 @@ def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
     known: dict[str, str] = {}
     codes: dict[str, tuple[float, ...]] = {}
     for channel, head in headings.items():
-        place = table.place(head)
-        if channel not in UNCODED_CHANNELS and (found := find_codes(table.numbers(place))):
-            codes[channel], table = found, table.without(place, found)
-        said = [one for one in (table.units[place], _plain(head)[1]) if one in units_of(channel)]
-        if said or table.is_clock(place):
+        index = table.index(head)
+        if channel not in UNCODED_CHANNELS and (found := find_codes(table.numbers(index))):
+            codes[channel], table = found, table.without(index, found)
+        said = [one for one in (table.units[index], _plain(head)[1]) if one in units_of(channel)]
+        if said or table.is_clock(index):
             known[channel] = [*said, "s"][0]
     unsure = headings.keys() - known.keys()
     for channel in headings:
@@ -181,24 +181,24 @@ def _unit(
     if channel == "t":
         return "s"
     if channel in POSITION_CHANNELS:
-        both = [table.place(columns[one]) for one in POSITION_CHANNELS if one in columns]
-        cells = (row[place] for row in table.cells for place in both)
+        both = [table.index(columns[one]) for one in POSITION_CHANNELS if one in columns]
+        cells = (row[index] for row in table.cells for index in both)
         return "ddmm" if any(map(NAUTICAL_ANGLE.match, cells)) else "deg"
-    values = table.numbers(table.place(columns[channel]))
+    values = table.numbers(table.index(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
     if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
         limit, _ = MAX_REVOLUTIONS_S
         if "speed" in units:
             factor = units_of("speed")[units["speed"]]
-            speed = factor * np.abs(table.numbers(table.place(columns["speed"])))
+            speed = factor * np.abs(table.numbers(table.index(columns["speed"])))
             limit = MAX_REVOLUTIONS_S[float(np.nanmedian(speed)) < MAX_MODEL_SPEED_M_S]
         return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"
     if channel in SAME_INSTRUMENT and SAME_INSTRUMENT[channel] in units:
         return units[SAME_INSTRUMENT[channel]]
     limit, small, large = UNIT_LIMITS.get(channel, (MAX_SHIP_SPEED_M_S, "m/s", "kn"))
     if channel == "rudder" and "heading" in columns:  # angles of one file are in one unit
-        heading = table.numbers(table.place(columns["heading"]))
+        heading = table.numbers(table.index(columns["heading"]))
         values, limit = np.append(values * MAX_HEADING_RAD / limit, heading), MAX_HEADING_RAD
     return large if float(np.nanmax(np.abs(values), initial=0.0)) > limit else small
 

@@ -54,22 +54,22 @@ MIN_FIXES: Final = 5  # of a track at least, because velocities come from neighb
 
 
 class Point(NamedTuple):
-    """A place in the grid [m]: x east, y north, or the chain's own axes."""
+    """A location in the grid [m]: x east, y north, or the chain's own axes."""
 
     x: float
     y: float
 
 
 class Slave(NamedTuple):
-    """A slave station: its place, and its lanes' width on the base line [m]."""
+    """A slave station: its location, and its lanes' width on the base line [m]."""
 
-    place: Point
+    location: Point
     width: float
 
     @property
     def base(self) -> float:
         """Return the length of the base line [m]."""
-        return math.hypot(*self.place)
+        return math.hypot(*self.location)
 
 
 Chain = Mapping[str, Slave]  # by colour
@@ -102,16 +102,16 @@ def resolve_lane(colour: str, lane: float, expected: float) -> float:
 
 def lane_at(slave: Slave, ship: Point) -> float:
     """Return the lane [lanes] that a receiver at ``ship`` shows (5.1)."""
-    to_slave = math.hypot(ship.x - slave.place.x, ship.y - slave.place.y)
+    to_slave = math.hypot(ship.x - slave.location.x, ship.y - slave.location.y)
     return (slave.base + math.hypot(*ship) - to_slave) / slave.width
 
 
 def fixes(first: Slave, second: Slave, lanes: tuple[float, float]) -> tuple[Point, ...]:
-    """Return the places, none to two, that have these lanes of two colours (5.7-5.9).
+    """Return the locations, none to two, that have these lanes of two colours (5.7-5.9).
 
     ConfigError if master and both slaves are in one line.
     """
-    (u1, v1), (u2, v2) = first.place, second.place
+    (u1, v1), (u2, v2) = first.location, second.location
     delta = u1 * v2 - u2 * v1
     if abs(delta) <= 1e-9 * first.base * second.base:
         raise ConfigError("master and both slaves are in one line: no fix from these two colours")
@@ -137,7 +137,7 @@ def fixes(first: Slave, second: Slave, lanes: tuple[float, float]) -> tuple[Poin
 
 
 def sharpness(first: Slave, second: Slave, ship: Point) -> float:
-    """Return how well two colours cross at a place [-], 0 to 4.
+    """Return how well two colours cross at a location [-], 0 to 4.
 
     It is the area of their gradients: the sine of the angle at which the lanes cross, times how
     narrow the lanes are there. ``track`` takes the best pair.
@@ -145,7 +145,7 @@ def sharpness(first: Slave, second: Slave, ship: Point) -> float:
     distance = math.hypot(*ship) or 1.0
     gradients = []
     for slave in (first, second):
-        x, y = ship.x - slave.place.x, ship.y - slave.place.y
+        x, y = ship.x - slave.location.x, ship.y - slave.location.y
         other = math.hypot(x, y) or 1.0
         gradients.append((ship.x / distance - x / other, ship.y / distance - y / other))
     (x1, y1), (x2, y2) = gradients
@@ -153,9 +153,9 @@ def sharpness(first: Slave, second: Slave, ship: Point) -> float:
 
 
 class Fix(NamedTuple):
-    """A place, and the two colours that cross there; none where they do not."""
+    """A location, and the two colours that cross there; none where they do not."""
 
-    place: Point
+    location: Point
     colours: tuple[str, ...]
 
 
@@ -165,8 +165,8 @@ NO_FIX: Final = Fix(Point(math.nan, math.nan), ())
 def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -> list[Fix]:
     """Return a fix for each set of lanes by colour, NO_FIX where they give none.
 
-    The place before (``start`` at first) resolves the lanes and chooses the two colours that cross
-    best there. Two hyperbolas may cross twice; then the nearer place is taken.
+    The last location (``start`` at first) resolves the lanes and chooses the two colours that cross
+    best there. Two hyperbolas may cross twice; then the nearer location is taken.
     """
     track_fixes, last = list[Fix](), start
     for reading in readings:
@@ -175,8 +175,8 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
         pairs = [(chain[a], chain[b], (a, b)) for a, b in combinations(known, 2)]
         track_fixes.append(NO_FIX)
         for one, two, colours in sorted(pairs, key=lambda pair: -sharpness(pair[0], pair[1], last)):
-            if places := fixes(one, two, (lanes[colours[0]], lanes[colours[1]])):
-                last = min(places, key=lambda at: math.dist(at, last))
+            if locations := fixes(one, two, (lanes[colours[0]], lanes[colours[1]])):
+                last = min(locations, key=lambda at: math.dist(at, last))
                 track_fixes[-1] = Fix(last, colours)
                 break
     return track_fixes
@@ -301,11 +301,11 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
     """
     said, names, source = file.heading, file.columns, file.path.parent / file.heading.data
     table = read_table(source)
-    t = table.known(table.place(names.t_s))
-    true = np.radians(table.known(table.place(names.heading_deg)))
+    t = table.known(table.index(names.t_s))
+    true = np.radians(table.known(table.index(names.heading_deg)))
     lanes = {colour: _lanes(table, colour, getattr(names, colour)) for colour in file.chain}
     own_rate, rudder = (
-        np.radians(table.known(table.place(name))) if name else None
+        np.radians(table.known(table.index(name))) if name else None
         for name in (names.yaw_rate_deg_s, names.rudder_deg)
     )
     interval = even_interval(t, str(source))
@@ -315,7 +315,7 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
         raise ConfigError(
             f"{file.path.name}: fewer than {MIN_FIXES} rows give a fix; is the start right?"
         )
-    east, north = np.array([fix.place for fix in track_fixes]).T
+    east, north = np.array([fix.location for fix in track_fixes]).T
     heading = np.unwrap(true) - math.radians(said.convergence_deg)
     rate = derivative(heading, interval) if own_rate is None else own_rate
     sides = (side / said.grid_scale for side in (east, north))
@@ -332,11 +332,11 @@ def solve_track(file: DeccaFile, *, smooth: bool) -> ShipTrack:
 
 def _lanes(table: CsvTable, colour: str, name: str) -> list[float]:
     """Return the lanes that cells name or count, NaN of an empty one; ConfigError with the row."""
-    place, lanes = table.place(name), []
+    index, lanes = table.index(name), []
     for row, cells in enumerate(table.cells):
-        text = cells[place]
+        text = cells[index]
         if text[:1].upper() not in tuple(ZONE_LETTERS):
-            lanes.append(table.number(row, place, text))
+            lanes.append(table.number(row, index, text))
             continue
         try:
             lanes.append(lane_number(colour, text))

@@ -29,7 +29,7 @@ CHANNEL_UNITS: Final = {  # what may be recorded beside time, and its unit
 POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
 MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
 OUTPUT_CHANNELS: Final = tuple(name for name in CHANNEL_UNITS if name != "rudder")
-Places = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ class Samples:
     inputs: Numbers  # (n, u)
 
     @cached_property
-    def steps(self) -> tuple[Numbers, Places]:
+    def steps(self) -> tuple[Numbers, Indices]:
         """Return the different intervals (m,) [s] and which of them follows each sample (n,).
 
         After the last sample comes an interval like the one before it.

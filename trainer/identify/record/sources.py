@@ -136,14 +136,14 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
     problems = list[str]()
     for channel, column in lacking:
         with collecting(problems):
-            table.place(column.name, channel)
+            table.index(column.name, channel)
     if problems:
         raise NoColumnError(*problems)
     remarks, other = list(table.told), list[str]()
     taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
     if "t" in columns:
         name = columns["t"].name
-        if table.is_clock(table.place(name)):
+        if table.is_clock(table.index(name)):
             remarks.append("times by ISO 8601")
         taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
         other += [f"{name}: {rebuilt}"] if rebuilt else []
@@ -152,15 +152,15 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
 
 def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:
     """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
-    place = table.place(column.name)
+    index = table.index(column.name)
     if column.unit == NO_UNIT:
-        numbers = table.numbers(place)
+        numbers = table.numbers(index)
         if codes := find_codes(numbers):
             told.append(f"{column.name}: is {codes[0]:g} for no reading? then leave it empty")
         return numbers
-    if channel == "t" and table.is_clock(place):
-        return table.seconds(place)
-    said, known = table.units[place], units_of(channel)
+    if channel == "t" and table.is_clock(index):
+        return table.seconds(index)
+    said, known = table.units[index], units_of(channel)
     unit = column.unit or said
     if unit not in known:
         where = f"the file says {quote(said)}" if said else "the file does not say its unit"
@@ -175,12 +175,12 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
 
 def read_channel(table: CsvTable, channel: str, column: Column, unit: str) -> Numbers:
     """Return a column in SI, its ``missing`` numbers NaN; ConfigError naming what cannot be."""
-    place, scale = table.place(column.name), units_of(channel)[unit]
-    table = table.without(place, column.missing) if column.missing else table
-    numbers = table.angles(place, unit) if channel in POSITION_CHANNELS else table.numbers(place)
+    index, scale = table.index(column.name), units_of(channel)[unit]
+    table = table.without(index, column.missing) if column.missing else table
+    numbers = table.angles(index, unit) if channel in POSITION_CHANNELS else table.numbers(index)
     if fault := find_impossible(channel, numbers * scale, unit):
-        remedy = f"say missing = [{table.cells[fault[0]][place]}] in its [[columns]]; {CODES_TEXT}"
-        raise table.wrong(fault[0], place, f"{fault[1]} {remedy}")
+        remedy = f"say missing = [{table.cells[fault[0]][index]}] in its [[columns]]; {CODES_TEXT}"
+        raise table.wrong(fault[0], index, f"{fault[1]} {remedy}")
     return numbers * scale
 
 
@@ -200,9 +200,9 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
                 f"{path}: no column {quote(column.name)} for {channel}"
                 f"{nearest(column.name, names)}; it has {', '.join(names)}"
             )
-        place = names.index(column.name)
+        index = names.index(column.name)
         scale = 1.0 if column.unit == NO_UNIT else factor(channel, column.unit or "")
-        taken[channel] = scale * np.array([row[place] for row in cells])
+        taken[channel] = scale * np.array([row[index] for row in cells])
     return ticks, taken, []
 
 
@@ -215,11 +215,11 @@ def check_times(record: Record) -> None:
     rises = np.diff(record.t) > 0.0
     if rises.all():
         return
-    place = int(np.argmin(rises)) + 1
-    now, before = record.t[place], record.t[place - 1]
+    index = int(np.argmin(rises)) + 1
+    now, before = record.t[index], record.t[index - 1]
     how = "is repeated" if now == before else f"is before {before:g} s of the row before"
     raise ConfigError(
-        f"{record.source}: row {record.row(place)}: {record.name('t')} = {now:g} s {how}; "
+        f"{record.source}: row {record.row(index)}: {record.name('t')} = {now:g} s {how}; "
         "times must rise"
     )
 
@@ -242,10 +242,10 @@ def read_by(record: Record, sensors: Sensors) -> Record:
     Each channel has a random stream of its own, so that a further channel changes no other one.
     """
     columns = {}
-    for place, channel in enumerate(NOISE_STREAMS):
+    for index, channel in enumerate(NOISE_STREAMS):
         values = getattr(record, channel)
         if values is not None:
-            seed = np.random.SeedSequence((int(sensors.seed or 1), place))
+            seed = np.random.SeedSequence((int(sensors.seed or 1), index))
             stream = np.random.Generator(np.random.PCG64(seed))
             columns[channel] = values + sensors.error(channel) * stream.standard_normal(len(values))
     return replace(record, **columns)

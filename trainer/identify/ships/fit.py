@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.boat.ship.forces import ROLL_RATE_PLACE, ROW_COUNT, STIFFNESS_PLACE, set_terms
+from trainer.boat.ship.forces import ROLL_RATE_INDEX, ROW_COUNT, STIFFNESS_INDEX, set_terms
 from trainer.boat.ship.models import AXIS_LETTERS, NONLINEAR_NAMES, ShipModel
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.likelihood import ShipProblem, first_state, floors_of
@@ -104,7 +104,7 @@ def problem_of(
     spread = np.maximum(spread, 1e-9)
     step = float(np.median(np.concatenate([np.diff(trial.t) for trial in trials])))
     moving = spread[[*model.driven]]
-    if len(seen) > ROLL_RATE_PLACE and not seen[ROLL_RATE_PLACE]:
+    if len(seen) > ROLL_RATE_INDEX and not seen[ROLL_RATE_INDEX]:
         moving[-1] = max(np.std(np.concatenate([_roll_rate(trial) for trial in trials])), 1e-9)
     mean[p:] = np.log(
         [
@@ -120,7 +120,7 @@ def problem_of(
 def _roll_rate(trial: Trial) -> Numbers:
     """Return the roll rate [rad/s] of the rolls that were read."""
     return np.asarray(
-        np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE_PLACE + 1]), trial.t)
+        np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE_INDEX + 1]), trial.t)
     )
 
 
@@ -136,10 +136,10 @@ def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     if np.isnan(rows[:, 2]).all():
         rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
     indices = [0, 1, 2]
-    if rows.shape[1] > ROLL_RATE_PLACE:
-        indices += [ROLL_RATE_PLACE, ROLL_RATE_PLACE + 1]
-        if np.isnan(rows[:, ROLL_RATE_PLACE]).all():
-            rows[:, ROLL_RATE_PLACE] = _roll_rate(trial)
+    if rows.shape[1] > ROLL_RATE_INDEX:
+        indices += [ROLL_RATE_INDEX, ROLL_RATE_INDEX + 1]
+        if np.isnan(rows[:, ROLL_RATE_INDEX]).all():
+            rows[:, ROLL_RATE_INDEX] = _roll_rate(trial)
     rows = np.column_stack([_filled(trial.t, rows[:, i]) for i in indices])
     step = float(np.median(np.diff(trial.t)))
     wanted = SMOOTHING_WINDOW * length / float(np.mean(rows[:, 0])) / step
@@ -168,7 +168,7 @@ def tabulate_terms(
 
 def terms_of(problem: ShipProblem, states: Numbers, inputs: Numbers, rudder: Numbers) -> Numbers:
     """Return what multiplies each factor (n, factors); terms of yaw and roll are times L."""
-    L, stiffness = problem.constants[0], problem.constants[STIFFNESS_PLACE]
+    L, stiffness = problem.constants[0], problem.constants[STIFFNESS_INDEX]
     rows, terms = tabulate_terms(problem.constants, states, inputs, rudder), []
     for index, row in problem.model.terms:
         axis, by = index % len(AXIS_LETTERS), index // len(AXIS_LETTERS)
@@ -406,7 +406,7 @@ def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:
 
 def describe_roll(fitted: ShipFit) -> Iterator[str]:
     """Yield the period of roll and its damping, if the ship has roll."""
-    a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS_PLACE]
+    a, stiffness = fitted.problem.coefficients(fitted.a), fitted.problem.constants[STIFFNESS_INDEX]
     square = -a.get("K_phi", 0.0) * float(stiffness)
     if square > 0.0:
         root = math.sqrt(square)

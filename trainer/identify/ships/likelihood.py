@@ -56,7 +56,7 @@ class ShipProblem:
         return self.model.terms
 
     @cached_property
-    def _places(self) -> Terms:
+    def _indices(self) -> Terms:
         """Return the indices of the free coefficients."""
         return self.model.indices
 
@@ -76,7 +76,7 @@ class ShipProblem:
     def system(self, a: Numbers, first: Numbers) -> System:
         """Return what the kernels take as a system that begins with the state ``first``."""
         values = np.concatenate([self.model.whole(self.coefficients(a)), self.noise(a), first])
-        return System(self.constants, self._terms, values, self._places, self.model.driven)
+        return System(self.constants, self._terms, values, self._indices, self.model.driven)
 
     def penalty(self, a: Numbers) -> float:
         """Return what the prior adds to -log L.

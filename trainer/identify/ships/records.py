@@ -113,9 +113,9 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
     t = record.t
     if every > 1:  # rows are the means of as many around them
-        places = np.arange(every // 2, len(t) - every // 2, every)
-        around = places[:, None] + np.arange(every) - every // 2
-        t, table = t[places], table[around].mean(axis=1)
+        indices = np.arange(every // 2, len(t) - every // 2, every)
+        around = indices[:, None] + np.arange(every) - every // 2
+        t, table = t[indices], table[around].mean(axis=1)
     if len(t) < MIN_TRIAL_SAMPLES:
         raise ConfigError(
             f"{record.source}: has {len(t)} samples of {every} rows; needs "
@@ -171,9 +171,9 @@ def _read(
     further = {}
     for key, one in columns.items():
         if key in FURTHER_CHANNELS:
-            place = table.place(one.name, key)
+            index = table.index(one.name, key)
             known = FURTHER_CHANNELS[key]
-            unit = one.unit or table.units[place] or next(iter(known))
+            unit = one.unit or table.units[index] or next(iter(known))
             if unit not in known:
                 wrong = f"unit {quote(unit)}: must be {' or '.join(known)}"
                 raise ConfigError(f"{path}: {one.name}: {wrong}")

@@ -29,7 +29,7 @@ from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_o
 from trainer.analysis.sweep.manoeuvres import SINGLE_CHUNK_MEMBERS, manoeuvre_of, speed_of
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
-from trainer.boat.ship.forces import ROLL_PLACE
+from trainer.boat.ship.forces import ROLL_INDEX
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
 from trainer.config.files import ConfigError, Position
 from trainer.config.schema import read_record
@@ -79,8 +79,8 @@ class IdentifiedShip:
 
     def incline(self, heel: float) -> None:
         """Heel the ship; do nothing where the model has no roll."""
-        if len(self.now.state) > ROLL_PLACE:
-            self.now = self.now._replace(state=(*self.now.state[:ROLL_PLACE], heel))
+        if len(self.now.state) > ROLL_INDEX:
+            self.now = self.now._replace(state=(*self.now.state[:ROLL_INDEX], heel))
 
     def order(self, control: str, value: float) -> None:
         """Order the rudder [rad], positive to starboard, from its neutral angle."""

@@ -24,7 +24,7 @@ class NoRecording:
         self.branch = 1
         self._order = 0
 
-    def order(self, _tick: int, _giver: Giver, _text: str, _place: int | None = None) -> int:
+    def order(self, _tick: int, _giver: Giver, _text: str, _entry: int | None = None) -> int:
         """Drop an order; return its number."""
         self._order += 1
         return self._order
@@ -101,10 +101,10 @@ class OrderMemory(NoRecording):
         super().__init__()
         self._orders: list[RecordedOrder] = []
 
-    def order(self, tick: int, giver: Giver, text: str, place: int | None = None) -> int:
+    def order(self, tick: int, giver: Giver, text: str, entry: int | None = None) -> int:
         """Keep an order; return its number."""
-        number = super().order(tick, giver, text, place)
-        self._orders.append(RecordedOrder(number, self.branch, tick, giver, text, place, None, ""))
+        number = super().order(tick, giver, text, entry)
+        self._orders.append(RecordedOrder(number, self.branch, tick, giver, text, entry, None, ""))
         return number
 
     def answered(

@@ -65,7 +65,7 @@ class ColumnKind(NamedTuple):
 
 # What the columns of an answer hold. SQLite itself takes anything, and a damaged page may be that.
 COUNT_KIND: Final = ColumnKind(int, 0, 2**53)
-PLACE_KIND: Final = ColumnKind(int, 0, 2**31)
+ENTRY_KIND: Final = ColumnKind(int, 0, 2**31)
 TIME_KIND: Final = ColumnKind(int, -(2**62), 2**62, perhaps=True)  # [ns]
 TEXT_KIND: Final = ColumnKind(str, 0, 10_000)
 COLUMN_KINDS: Final[Mapping[str, ColumnKind]] = {
@@ -73,9 +73,9 @@ COLUMN_KINDS: Final[Mapping[str, ColumnKind]] = {
     **dict.fromkeys(("parent", "latest"), COUNT_KIND._replace(perhaps=True)),
     **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT_KIND),
     **dict.fromkeys(("cause", "giver", "role", "crew_news", "crew_order"), TEXT_KIND),
-    **dict.fromkeys(("scheduled", "done"), PLACE_KIND._replace(perhaps=True)),
+    **dict.fromkeys(("scheduled", "done"), ENTRY_KIND._replace(perhaps=True)),
     **dict.fromkeys(("lateness_ns", "work_ns"), TIME_KIND),
-    **dict.fromkeys(("place", "plan", "user_version"), PLACE_KIND),
+    **dict.fromkeys(("place", "plan", "user_version"), ENTRY_KIND),
     "accepted": ColumnKind(int, 0, 1, perhaps=True),
     "value": ColumnKind(str, 0, MAX_ANSWER_BYTES),
     "state": ColumnKind(bytes, 0, 65_536),
@@ -90,7 +90,7 @@ class Moment:
     tick: int
     state: bytes
     after: int  # the last order that the state includes, 0 for none
-    place: int  # of the next entry of the schedule
+    entry: int  # the next one of the schedule
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class RecordedOrder:
     tick: int
     giver: Giver
     text: str
-    place: int | None  # in the schedule; None when somebody gave it
+    entry: int | None  # in the schedule; None when somebody gave it
     accepted: bool | None  # None when the program ended before the answer was written
     answer: str
     crew: CrewFact = NO_CREW_FACT
@@ -135,7 +135,7 @@ class Branch:
     parent: int | None
     tick: int
     after: int
-    place: int
+    entry: int
     why: str
     state: bytes
     cause: BranchCause = BranchCause.JUMP
@@ -232,20 +232,20 @@ class Past:
         if here is None:  # the branch could not be written while the file was out of reach
             return None
         if tick == here.tick:
-            return Moment(here.id, tick, here.state, here.after, here.place)
+            return Moment(here.id, tick, here.state, here.after, here.entry)
         state = self._row("SELECT state FROM states WHERE branch = ? AND tick = ?", here.id, tick)
         if not state:
             return None
         query = (
             "SELECT max(id) AS latest, max(place) AS done FROM orders WHERE branch = ? AND tick < ?"
         )
-        after, place = self._row(query, here.id, tick)
+        after, done = self._row(query, here.id, tick)
         return Moment(
             here.id,
             tick,
             state[0],
             after=here.after if after is None else after,
-            place=here.place if place is None else place + 1,
+            entry=here.entry if done is None else done + 1,
         )
 
     def orders(self, branch: int, after: int = 0) -> list[RecordedOrder]:
@@ -370,10 +370,10 @@ class Past:
 
     def _begun(self, row: Row) -> Branch:
         """Return a branch; RecordingError if its parent is itself or a later branch."""
-        number, parent, tick, after, place, why, state, *causes = row
+        number, parent, tick, after, entry, why, state, *causes = row
         read = (self._value_of(BranchCause, value) for value in causes)
         cause = next(read, None) or format_1.cause_of(parent, why)
-        branch = Branch(number, parent, tick, after, place, why, state, cause)
+        branch = Branch(number, parent, tick, after, entry, why, state, cause)
         if branch.parent is not None and branch.parent >= branch.id:
             raise self._damaged(f"branch {branch.id} begins in a later one")
         return branch
@@ -427,7 +427,7 @@ class Past:
 
     def _as_journalled(self, row: Row) -> RecordedOrder:
         """Return an order; RecordingError if its giver is of no known kind."""
-        number, branch, tick, who, text, place, accepted, answer, *facts = row
+        number, branch, tick, who, text, entry, accepted, answer, *facts = row
         known = None if accepted is None else bool(accepted)
         if facts:
             kind, role, plan, news, order = facts
@@ -436,7 +436,7 @@ class Past:
         else:
             giver = format_1.giver_of(who)
             crew = format_1.crew_fact_of(text, answer, accepted=known)
-        return RecordedOrder(number, branch, tick, giver, text, place, known, answer, crew)
+        return RecordedOrder(number, branch, tick, giver, text, entry, known, answer, crew)
 
     def _value_of(self, kind: type[E], value: str) -> E:
         """Return the fact of a stored value; RecordingError if there is none."""

@@ -213,13 +213,13 @@ class Recording(Past):
 
     # Writing
 
-    def order(self, tick: int, giver: Giver, text: str, place: int | None = None) -> int:
+    def order(self, tick: int, giver: Giver, text: str, entry: int | None = None) -> int:
         """Write an order that is about to act, at once; return its number."""
         self._order += 1
         self._tick = tick
         giver_columns = (giver.words, giver.kind.value, giver.role, giver.plan)
         self._put(
-            ORDER_INSERT, (self._order, self.branch, tick, *giver_columns, text, place, wall_time())
+            ORDER_INSERT, (self._order, self.branch, tick, *giver_columns, text, entry, wall_time())
         )
         self.flush()
         return self._order
@@ -259,7 +259,7 @@ class Recording(Past):
         Only a disk that hangs within that very write may have it later all the same.
         """
         branch = self._owner(moment)
-        moment_columns = (branch, moment.tick, moment.state, moment.after, moment.place)
+        moment_columns = (branch, moment.tick, moment.state, moment.after, moment.entry)
         row = (name, *moment_columns, wall_time())
         self._put(SNAPSHOT_INSERT, row)
         self.flush()
@@ -280,7 +280,7 @@ class Recording(Past):
         """Begin a branch where one began that shows the way and was cut short."""
         here = self._branch(self.branch)
         if here.cause is BranchCause.SHOWN and here.parent is not None:
-            begun = Moment(here.parent, here.tick, here.state, here.after, here.place)
+            begun = Moment(here.parent, here.tick, here.state, here.after, here.entry)
             self.fork(begun, SHOWN_REASON)
 
     def go_on(self, moment: Moment) -> bool:
@@ -306,7 +306,7 @@ class Recording(Past):
     def _begin_branch(self, parent: int, moment: Moment, why: str, cause: BranchCause) -> None:
         """Put down the next branch, which begins at a moment."""
         self._branches += 1
-        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state, cause.value)
+        begun = (parent, moment.tick, moment.after, moment.entry, why, moment.state, cause.value)
         self._put(BRANCH_INSERT, (self._branches, *begun, wall_time()))
 
     @property

@@ -72,7 +72,7 @@ class SteadySubscription(Subscription):
 
 @dataclass(frozen=True)
 class Outlets:
-    """The content of every outlet: instruments, rate, and the place and time of the start."""
+    """The content of every outlet: instruments, rate, and the location and time of the start."""
 
     instruments: tuple[Instrument, ...]
     rate: float  # [Hz]

@@ -29,7 +29,7 @@ def page() -> str:
     """Return the sentences for a terminal, a paragraph each."""
     blocks = []
     for instrument in INSTRUMENTS:
-        fields = (f"{place:>4}  {field}" for place, field in enumerate(instrument.fields, 1))
+        fields = (f"{number:>4}  {field}" for number, field in enumerate(instrument.fields, 1))
         blocks.append(
             "\n".join([f"{heading(instrument)}: {instrument.says} ({instrument.source})", *fields])
         )

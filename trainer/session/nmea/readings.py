@@ -128,12 +128,12 @@ READINGS: Final[Mapping[str, NmeaReading]] = {
         )
     },
     **{  # [%]
-        f"full_{tank}": NmeaReading(tank_fields(place, tank)[1].read, 1, 100.0)
-        for place, tank in enumerate(BALLAST_TANKS)
+        f"full_{tank}": NmeaReading(tank_fields(index, tank)[1].read, 1, 100.0)
+        for index, tank in enumerate(BALLAST_TANKS)
     },
     **{  # [MPa]
-        f"air_{bank}": NmeaReading(bank_fields(place, bank)[0].read, 2, 99.99)
-        for place, bank in enumerate(BANKS)
+        f"air_{bank}": NmeaReading(bank_fields(index, bank)[0].read, 2, 99.99)
+        for index, bank in enumerate(BANKS)
     },
 }
 

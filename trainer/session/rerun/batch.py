@@ -22,7 +22,7 @@ from trainer.session.stations.view import Pace
 
 IntArray = NDArray[np.int64]
 
-STATE_PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
+STATE_OFFSETS: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,17 +65,17 @@ class Block:
     """The states of some ticks, one row each."""
 
     times: Times
-    whole: Numbers  # [SI] by row and by place of LAYOUT
+    whole: Numbers  # [SI] by row and by offset of LAYOUT
     branch: IntArray  # [-] of the recording
     replaying: NDArray[np.bool_]
 
     def __getitem__(self, name: str) -> Numbers:
         """Return a number of the state [SI], by its name in the layout, for each row."""
-        return self.whole[:, STATE_PLACES[name]]
+        return self.whole[:, STATE_OFFSETS[name]]
 
     def several(self, *names: str) -> Numbers:
         """Return numbers of the state [SI], with a row for each tick."""
-        return self.whole[:, [STATE_PLACES[name] for name in names]]
+        return self.whole[:, [STATE_OFFSETS[name] for name in names]]
 
 
 class TickTimings(NamedTuple):
@@ -112,8 +112,8 @@ def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
         return read
     whole = np.zeros((len(parts), len(LAYOUT)))
     for i, name in enumerate(layout):
-        if name in STATE_PLACES:
-            whole[:, STATE_PLACES[name]] = read[:, i]
+        if name in STATE_OFFSETS:
+            whole[:, STATE_OFFSETS[name]] = read[:, i]
     return whole
 
 
@@ -235,9 +235,9 @@ class Track:
     """
 
     def __init__(self, spacing: float) -> None:
-        """Take the distance [m] from place to place."""
+        """Take the distance [m] from point to point."""
         self._spacing = spacing
-        self._kept: Numbers = np.zeros(3)  # the last place
+        self._kept: Numbers = np.zeros(3)  # the last point
         self._tick = self._branch = -1  # of the last row, which may be beyond it; none yet
 
     def pieces(self, block: Block) -> Iterator[tuple[Times, NDArray[np.float32]]]:
@@ -245,24 +245,24 @@ class Track:
 
         A new line begins where the run was wound back, or went on from elsewhere.
         """
-        places, ticks = block.several("x", "y", "z"), block.times.ticks
+        points, ticks = block.several("x", "y", "z"), block.times.ticks
         broken = np.diff(ticks, prepend=self._tick) <= 0
         broken |= np.diff(block.branch, prepend=self._branch) != 0
         for rows in np.split(np.arange(ticks.size), np.flatnonzero(broken)):
             if not rows.size:
                 continue
             if broken[rows[0]]:
-                self._kept = places[rows[0]]
-            ends, strips = self._follow(places[rows])
+                self._kept = points[rows[0]]
+            ends, strips = self._follow(points[rows])
             if ends.size:
                 yield Times(ticks[rows[ends]], block.times.seconds[rows[ends]]), strips
         self._tick, self._branch = int(ticks[-1]), int(block.branch[-1])
 
-    def _follow(self, places: Numbers) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-        """Return at which places pieces end, and the pieces."""
-        line = np.concatenate((self._kept[None], places))
+    def _follow(self, points: Numbers) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Return at which points pieces end, and the pieces."""
+        line = np.concatenate((self._kept[None], points))
         run = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)) // self._spacing
         ends = np.flatnonzero(np.diff(run, prepend=0.0) > 0.0)
-        corners = np.concatenate((line[:1], places[ends])).astype(np.float32)
-        self._kept = places[ends[-1]] if ends.size else self._kept
+        corners = np.concatenate((line[:1], points[ends])).astype(np.float32)
+        self._kept = points[ends[-1]] if ends.size else self._kept
         return ends, np.stack((corners[:-1], corners[1:]), axis=1)

@@ -57,7 +57,7 @@ class Chart:
 
     @property
     def path(self) -> str:
-        """Return its place among the entities, which tells the unit."""
+        """Return its path among the entities, which tells the unit."""
         return f"charts/{self.name}_{PATH_UNITS.get(self.unit, self.unit)}"
 
     @property
@@ -86,34 +86,34 @@ def charts_of(boat: Boat) -> tuple[Chart, ...]:
     tonne = float(c.g) * TONNE_KG  # [N]
     capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
     full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
-    depth = _place("true", "z", DEPTH_SIGN), _order("ordered_depth", DEPTH_SIGN, depth_kept)
+    depth = _field("true", "z", DEPTH_SIGN), _order("ordered_depth", DEPTH_SIGN, depth_kept)
     heading = (
-        _place("true", "psi", DEGREE_RAD),
+        _field("true", "psi", DEGREE_RAD),
         _order("ordered_psi", DEGREE_RAD, _automatic("rudder")),
     )
-    speed = _place("true", "u", KNOT), _order("ordered_speed", KNOT, _automatic("speed"))
+    speed = _field("true", "u", KNOT), _order("ordered_speed", KNOT, _automatic("speed"))
     heavier = Series("heavier than at rest", lambda b: (b["weight"] - float(c.buoyancy)) / tonne)
     tanks = [
-        _place(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN_TANKS if capacity[t]
+        _field(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN_TANKS if capacity[t]
     ]
-    trim = [_place(_words(t), f"water_{t}", TONNE_KG) for t in PUMPED_TANKS if capacity[t]]
+    trim = [_field(_words(t), f"water_{t}", TONNE_KG) for t in PUMPED_TANKS if capacity[t]]
     names = {t: t.removeprefix("compartment_") for t in COMPARTMENTS if capacity[t]}
-    flooded = [_place(_words(name), f"flood_{name}", TONNE_KG) for name in names.values()]
+    flooded = [_field(_words(name), f"flood_{name}", TONNE_KG) for name in names.values()]
     banks = [
-        _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
+        _field(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
     ]
     charts = (
         Chart("depth", "m", depth, ", downwards"),
         Chart("heading", "deg", heading),
-        Chart("speed", "kn", (*speed, _place("turns make", "u_c", KNOT))),
+        Chart("speed", "kn", (*speed, _field("turns make", "u_c", KNOT))),
         Chart(
             "attitude",
             "deg",
-            (_place("pitch", "theta", DEGREE_RAD), _place("heel", "phi", DEGREE_RAD)),
+            (_field("pitch", "theta", DEGREE_RAD), _field("heel", "phi", DEGREE_RAD)),
         ),
         Chart("surfaces", "deg", tuple(_surfaces(boat))),
         Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift))),
-        Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height"))),
+        Chart("sea", "m", (_field("above the boat", "eta_wave"), _field("height", "sea_height"))),
         Chart("weight", "t", (heavier,)),
         Chart("ballast", "%", tuple(tanks)),
         Chart("trim", "t", tuple(trim)),
@@ -127,17 +127,17 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _place(name: str, place: str, unit: float = 1.0) -> Series:
+def _field(name: str, field: str, unit: float = 1.0) -> Series:
     """Return the series of a number of the state, in a unit of that size [SI]."""
-    return Series(name, lambda block: block[place] / unit)
+    return Series(name, lambda block: block[field] / unit)
 
 
-def _order(place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
+def _order(field: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
     """Return the series of a standing order, with gaps while the autopilot does not keep it.
 
     An order that nobody keeps would look like an error of the boat.
     """
-    return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[place] / unit, np.nan))
+    return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[field] / unit, np.nan))
 
 
 def _automatic(what: str) -> Callable[[Block], Numbers]:
@@ -151,7 +151,7 @@ def depth_kept(block: Block) -> Numbers:
 
 
 def over_ground(block: Block) -> Numbers:
-    """Return the speed [kn] over the ground, 0 while the place is held."""
+    """Return the speed [kn] over the ground, 0 while the position is held."""
     speed = np.hypot(block["xdot"], block["ydot"]) / KNOT
     return np.where(block["held_position"] > 0.0, 0.0, speed)
 
@@ -170,7 +170,7 @@ def _surfaces(boat: Boat) -> Iterator[Series]:
         unit = boat.toward[surface] * DEGREE_RAD
         if not unit:
             continue
-        yield _place(surface, f"delta_{letter}", unit)
+        yield _field(surface, f"delta_{letter}", unit)
 
         def ordered(  # defaults, because the loop goes on before the function is called
             block: Block, unit: float = unit, surface: str = surface, letter: str = letter
@@ -248,14 +248,14 @@ def _by_hand(what: str) -> Lane:
     return Lane(f"lanes/{what}", lambda b: _whole(b[f"{what}_by_hand"]), word, colours)
 
 
-def _several(name: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane:
+def _several(name: str, fields: tuple[str, ...], names: tuple[str, ...]) -> Lane:
     """Return the lane that lists which of several states hold, each a bit of the code."""
-    bits = 2 ** np.arange(len(places))
+    bits = 2 ** np.arange(len(fields))
 
     def word(code: int) -> str:
         return ", ".join(name for i, name in enumerate(names) if code & 1 << i)
 
-    return Lane(f"lanes/{name}", lambda b: _whole((b.several(*places) > 0.0) @ bits), word)
+    return Lane(f"lanes/{name}", lambda b: _whole((b.several(*fields) > 0.0) @ bits), word)
 
 
 def _blow(block: Block) -> IntArray:

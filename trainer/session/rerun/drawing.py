@@ -108,9 +108,9 @@ class Entity(NamedTuple):
     fixed: Any = None  # what it is at all times
 
 
-def place_columns(places: Numbers) -> Columns:
+def shift_columns(shifts: Numbers) -> Columns:
     """Return the columns of a thing that has moved."""
-    return rr.Transform3D.columns(translation=places)
+    return rr.Transform3D.columns(translation=shifts)
 
 
 def scalars(columns: Numbers) -> Columns:
@@ -124,7 +124,7 @@ def entities(subject: Subject, size: Size) -> Iterator[Entity]:
     """Yield all drawn things: the boat with its parts, its surroundings, charts."""
     boat, length, reach = subject.boat, size.length, GRID_SQUARES * size.length
     yield Entity(WORLD_PATH, fixed=rr.ViewCoordinates.FRD)
-    yield Entity(FOLLOWER_PATH, place_of, place_columns, always=True, fixed=rr.ViewCoordinates.FRD)
+    yield Entity(FOLLOWER_PATH, origin_of, shift_columns, always=True, fixed=rr.ViewCoordinates.FRD)
     yield Entity(BOAT_PATH, pose_of, pose_columns, always=True)
     yield Entity(f"{BOAT_PATH}/hull", fixed=draw_mesh(hull_mesh(size), HULL_COLOUR))
     if size.sail is not None:
@@ -135,17 +135,17 @@ def entities(subject: Subject, size: Size) -> Iterator[Entity]:
     scope = periscope_of(boat)
     if scope and scope.fitted:
         extension = scope.fitted.extension_m
-        yield Entity(MAST_PATH, partial(feet_of, scope, extension), place_columns)
+        yield Entity(MAST_PATH, partial(feet_of, scope, extension), shift_columns)
         yield Entity(
             f"{MAST_PATH}/shape", fixed=draw_mesh(mast_mesh(size, extension), MOVING_COLOUR)
         )
     near = partial(square_of, length)
-    yield Entity(NEAR_PATH, near, place_columns)
+    yield Entity(NEAR_PATH, near, shift_columns)
     if ground := ground_under(boat):
         triangles = level_triangles(2 * GRID_SQUARES + 1)
         sand = rr.Mesh3D.from_fields(triangle_indices=triangles, albedo_factor=SAND_COLOUR)
         yield Entity(GROUND_PATH, near, partial(grounds, ground, size), fixed=sand)
-    yield Entity(SEA_PATH, level_of, place_columns)
+    yield Entity(SEA_PATH, level_of, shift_columns)
     yield Entity(f"{SEA_PATH}/surface", fixed=draw_mesh(square(reach), WATER_COLOUR))
     squares = rr.LineStrips3D(grid(reach, length), colors=GRID_COLOUR, radii=0.0015 * length)
     yield Entity(f"{SEA_PATH}/grid", fixed=squares)
@@ -165,24 +165,24 @@ def entities(subject: Subject, size: Size) -> Iterator[Entity]:
     yield Entity(LEDGER_PATH, fixed=lines(LEDGER_LABELS))
 
 
-def place_of(block: Block) -> Numbers:
+def origin_of(block: Block) -> Numbers:
     """Return where the boat is [m]."""
     return block.several("x", "y", "z")
 
 
 def square_of(length: float, block: Block) -> Numbers:
     """Return the middle of the grid's square in which the boat is [m]."""
-    return length * np.round(place_of(block) / length) * (1.0, 1.0, 0.0)
+    return length * np.round(origin_of(block) / length) * (1.0, 1.0, 0.0)
 
 
 def pose_of(block: Block) -> Numbers:
     """Return where the boat is [m], and the attitude as quaternions."""
     attitude = quaternions(block["phi"], block["theta"], block["psi"])
-    return np.concatenate((place_of(block), attitude), axis=1)
+    return np.concatenate((origin_of(block), attitude), axis=1)
 
 
 def pose_columns(poses: Numbers) -> Columns:
-    """Return the columns of places and attitudes."""
+    """Return the columns of locations and attitudes."""
     return rr.Transform3D.columns(translation=poses[:, :3], quaternion=poses[:, 3:])
 
 
@@ -226,12 +226,12 @@ def frames(size: Size, depths: Numbers) -> Columns:
     return columns.partition(is_ordered.astype(np.int32))
 
 
-def grounds(ground: Bottom, size: Size, places: Numbers) -> Columns:
-    """Return the columns of the ground about each of the places."""
+def grounds(ground: Bottom, size: Size, locations: Numbers) -> Columns:
+    """Return the columns of the ground about each of the locations."""
     offsets = np.linspace(-GRID_SQUARES, GRID_SQUARES, 2 * GRID_SQUARES + 1) * size.length
     north, east = (each.ravel() for each in np.meshgrid(offsets, offsets, indexing="ij"))
     triangles = level_triangles(offsets.size)
-    depths = [depths_at(ground, north + n, east + e) for n, e in places[:, :2].tolist()]
+    depths = [depths_at(ground, north + n, east + e) for n, e in locations[:, :2].tolist()]
     points = [np.column_stack((north, east, each)).astype(np.float32) for each in depths]
     columns = rr.Mesh3D.columns(
         vertex_positions=np.concatenate(points),
@@ -392,7 +392,7 @@ def ship_columns(seen: Sequence[Sequence[ContactState]]) -> Iterator[tuple[str, 
     """
     counts = np.array([len(each) for each in seen], np.int32)
     ships = [ship for each in seen for ship in each]
-    places = np.array([(ship.north, ship.east, 0.0) for ship in ships]).reshape(-1, 3)
+    origins = np.array([(ship.north, ship.east, 0.0) for ship in ships]).reshape(-1, 3)
     sailed = [(ARROW_TIME_S * ship.speed, ship.course) for ship in ships]
     ways = [(way * math.cos(course), way * math.sin(course), 0.0) for way, course in sailed]
     colours = np.full(len(ships), colour_code(SHIP_COLOUR), np.uint32)
@@ -402,10 +402,10 @@ def ship_columns(seen: Sequence[Sequence[ContactState]]) -> Iterator[tuple[str, 
         for ship, course in zip(ships, courses, strict=True)
     ]
     radii = [0.25 * ship.length for ship in ships]
-    points = rr.Points3D.columns(positions=places, labels=labels, radii=radii, colors=colours)
+    points = rr.Points3D.columns(positions=origins, labels=labels, radii=radii, colors=colours)
     yield SHIPS_PATH, points.partition(counts)
     vectors = np.array(ways).reshape(-1, 3)
-    arrows = rr.Arrows3D.columns(origins=places, vectors=vectors, colors=colours)
+    arrows = rr.Arrows3D.columns(origins=origins, vectors=vectors, colors=colours)
     yield COURSES_PATH, arrows.partition(counts)
 
 

@@ -52,7 +52,7 @@ def open_log(
     A line says what is missing. ConfigError for a bad address, or a file that cannot be written.
     """
     path, wanted = options.rrd, options.rerun or options.rerun_at
-    host, port = parse_place(options.rerun_at or "")
+    host, port = parse_address(options.rerun_at or "")
     if path is None and not wanted:
         return None
     if find_spec("rerun") is None:
@@ -151,7 +151,7 @@ def viewer_listens(host: str, port: int) -> bool:
     return True
 
 
-def parse_place(text: str) -> tuple[str, int]:
+def parse_address(text: str) -> tuple[str, int]:
     """Return host and port of ``HOST[:PORT]`` or ``:PORT``; ConfigError if it is neither."""
     host, colon, port = text.rpartition(":")
     if not colon:

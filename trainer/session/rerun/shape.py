@@ -50,8 +50,8 @@ class Mesh(NamedTuple):
         corner = self.points[self.triangles]
         across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         total = np.zeros_like(self.points)
-        for place in range(3):
-            np.add.at(total, self.triangles[:, place], across)
+        for k in range(3):
+            np.add.at(total, self.triangles[:, k], across)
         length = np.linalg.norm(total, axis=1, keepdims=True)
         return (total / np.where(length > 0.0, length, 1.0)).astype(np.float32)
 
@@ -227,8 +227,8 @@ def _foil(
 
 def _tube(rings: int, around: int) -> NDArray[np.uint32]:
     """Return the triangles between rings of points that follow one another."""
-    ring, place = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
-    here, beside = ring * around + place, ring * around + (place + 1) % around
+    ring, step = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
+    here, beside = ring * around + step, ring * around + (step + 1) % around
     one = np.stack((here, here + around, beside), axis=-1)
     other = np.stack((beside, here + around, beside + around), axis=-1)
     return np.concatenate((one.reshape(-1, 3), other.reshape(-1, 3))).astype(np.uint32)

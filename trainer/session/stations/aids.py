@@ -11,12 +11,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
 
 PREDICTED_POINTS: Final = 12  # of the way ahead, evenly spaced
 FLOWN_AT_ONCE: Final = 60  # [ticks] before other threads have their turn
-PITCH_PLACE: Final = np.array([STATE_PLACES["theta"]], np.int64)
+PITCH_OFFSET: Final = np.array([STATE_OFFSETS["theta"]], np.int64)
 READ_DEPTH, READ_HEADING = (1 + InstrumentReadings._fields.index(x) for x in ("depth", "heading"))
 
 
@@ -57,25 +57,25 @@ class Predictor:
         """Return the way ahead of a state, as far as the boat can be flown."""
         boat, step = self._boat, self._boat.method.step
         ticks = max(round(self.seconds / step), 1)
-        rows = np.empty((ticks, PITCH_PLACE.size + len(InstrumentReadings._fields)))
+        rows = np.empty((ticks, PITCH_OFFSET.size + len(InstrumentReadings._fields)))
         boat.records.state.view(np.float64)[:] = numbers
         flown = 0
         with np.errstate(all="ignore"):
-            while flown < ticks and not boat.fly(PITCH_PLACE, rows[flown : flown + FLOWN_AT_ONCE]):
+            while flown < ticks and not boat.fly(PITCH_OFFSET, rows[flown : flown + FLOWN_AT_ONCE]):
                 flown = min(flown + FLOWN_AT_ONCE, ticks)
                 time.sleep(0)
-        places = (
+        points = (
             max(round(ticks * k / PREDICTED_POINTS), 1) for k in range(1, PREDICTED_POINTS + 1)
         )
         return [
             PredictedPoint(
-                place * step,
-                float(rows[place - 1, READ_DEPTH]),
-                float(rows[place - 1, READ_HEADING]),
-                float(rows[place - 1, 0]),
+                tick * step,
+                float(rows[tick - 1, READ_DEPTH]),
+                float(rows[tick - 1, READ_HEADING]),
+                float(rows[tick - 1, 0]),
             )
-            for place in places
-            if place <= flown
+            for tick in points
+            if tick <= flown
         ]
 
 

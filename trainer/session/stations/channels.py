@@ -57,7 +57,7 @@ def clearance(frame: Frame) -> Value:
 
 
 def way_over_ground(frame: Frame) -> tuple[float, float]:
-    """Return the speed [m/s] north and east, 0 while the place is held."""
+    """Return the speed [m/s] north and east, 0 while the position is held."""
     return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
 
 

@@ -137,5 +137,5 @@ def view(frame: Frame, shown: InstrumentReadings) -> StatusView:
 
 def ordered_value(frame: Frame, axis: str, kept: float | None) -> float | None:
     """Return the crew's order on an axis [SI], else what the autopilot keeps."""
-    place = CREW_AXES.index(axis)
-    return frame.at("crew_order", place) if frame.at("crew_order_tick", place) else kept
+    index = CREW_AXES.index(axis)
+    return frame.at("crew_order", index) if frame.at("crew_order_tick", index) else kept

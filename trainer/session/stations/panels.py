@@ -71,19 +71,19 @@ def compass(angle: float, decimals: int = 1) -> float:
     return round(math.degrees(angle), decimals) % 360.0
 
 
-def degrees(name: str, place: str, unit: str = "deg", decimals: int = 1) -> Field:
-    """Return a field of an angle or its rate, from a place of the state."""
-    return Field(name, unit, decimals, lambda frame: math.degrees(frame[place]))
+def degrees(name: str, field: str, unit: str = "deg", decimals: int = 1) -> Field:
+    """Return a field of an angle or its rate, from a field of the state."""
+    return Field(name, unit, decimals, lambda frame: math.degrees(frame[field]))
 
 
-def metres(name: str, place: str, unit: str = "m", decimals: int = 1) -> Field:
-    """Return a field of a length or its rate, from a place of the state."""
-    return Field(name, unit, decimals, lambda frame: frame[place])
+def metres(name: str, field: str, unit: str = "m", decimals: int = 1) -> Field:
+    """Return a field of a length or its rate, from a field of the state."""
+    return Field(name, unit, decimals, lambda frame: frame[field])
 
 
-def knots(name: str, place: str, unit: str = "kn", decimals: int = 1) -> Field:
-    """Return a field of a speed or its rate, from a place of the state."""
-    return Field(name, unit, decimals, lambda frame: frame[place] / KNOT)
+def knots(name: str, field: str, unit: str = "kn", decimals: int = 1) -> Field:
+    """Return a field of a speed or its rate, from a field of the state."""
+    return Field(name, unit, decimals, lambda frame: frame[field] / KNOT)
 
 
 HEADING_FIELD: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
@@ -98,9 +98,9 @@ def surface_fields(surface: str) -> tuple[Field, ...]:
     """Return the angle of a surface, its order, and who orders it."""
     letter = SURFACES[surface]
 
-    def angle(place: str, frame: Frame) -> float | None:
+    def angle(field: str, frame: Frame) -> float | None:
         toward = frame.boat.toward[surface]
-        return math.degrees(frame[place]) * toward if toward else None
+        return math.degrees(frame[field]) * toward if toward else None
 
     def ordered(frame: Frame) -> float | None:
         by_hand = frame[f"{surface}_by_hand"]
@@ -154,37 +154,37 @@ def bell(frame: Frame) -> Value:
     return rung[0].replace("_", "-") if rung else None
 
 
-def tonnes(name: str, place: str) -> Field:
+def tonnes(name: str, field: str) -> Field:
     """Return a field of a mass."""
-    return Field(name, "t", 1, lambda frame: frame[place] / TONNE_KG)
+    return Field(name, "t", 1, lambda frame: frame[field] / TONNE_KG)
 
 
-def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
+def tank_fields(index: int, tank: str) -> tuple[Field, ...]:
     """Return the content of a tank or compartment. A tank also tells how full it is."""
     name = tank.replace("compartment_", "flood_")
 
     def water(frame: Frame) -> float | None:
-        return frame.at("water", place) / TONNE_KG if frame.fittings.capacity[place] else None
+        return frame.at("water", index) / TONNE_KG if frame.fittings.capacity[index] else None
 
     def share(frame: Frame) -> float | None:
-        whole = frame.fittings.capacity[place]
-        return 100.0 * frame.at("water", place) / whole if whole else None
+        whole = frame.fittings.capacity[index]
+        return 100.0 * frame.at("water", index) / whole if whole else None
 
     mass = Field(name, "t", 1, water)
     return (mass,) if tank in COMPARTMENTS else (mass, Field(f"{name}_full", "%", 1, share))
 
 
-def bank_fields(place: int, bank: str) -> tuple[Field, ...]:
+def bank_fields(index: int, bank: str) -> tuple[Field, ...]:
     """Return the pressure of a bank, and how full it is."""
 
     def share(frame: Frame, whole: float, unit: float) -> float | None:
         return frame[f"bank_{bank}"] * unit / whole if whole else None
 
     def pressure(frame: Frame) -> float | None:
-        return share(frame, frame.fittings.bank_volume[place], frame.fittings.gas / 1e6)
+        return share(frame, frame.fittings.bank_volume[index], frame.fittings.gas / 1e6)
 
     def full(frame: Frame) -> float | None:
-        return share(frame, frame.fittings.bank_full[place], 100.0)
+        return share(frame, frame.fittings.bank_full[index], 100.0)
 
     return Field(bank, "MPa", 1, pressure), Field(f"{bank}_full", "%", 1, full)
 
@@ -219,22 +219,22 @@ def trim_mode(frame: Frame) -> Value:
 
 def drained_compartment(frame: Frame) -> Value:
     """Return the compartment that is pumped out."""
-    place = int(frame["drained"])
-    return COMPARTMENTS[place - 1].removeprefix("compartment_") if place else None
+    index = int(frame["drained"])
+    return COMPARTMENTS[index - 1].removeprefix("compartment_") if index else None
 
 
 def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
     """Return a reader of a number of an order to the crew. It reads None without an order."""
-    place = CREW_AXES.index(axis)
-    return lambda frame: read(frame) if frame.at("crew_order_tick", place) else None
+    index = CREW_AXES.index(axis)
+    return lambda frame: read(frame) if frame.at("crew_order_tick", index) else None
 
 
 def crew_since(axis: str) -> Field:
     """Return the field of how long [s] an order to the crew has stood."""
-    place = CREW_AXES.index(axis)
+    index = CREW_AXES.index(axis)
 
     def since(frame: Frame) -> float:
-        ticks = frame["tick"] - frame.at("crew_order_tick", place) + 1.0
+        ticks = frame["tick"] - frame.at("crew_order_tick", index) + 1.0
         return ticks * frame.boat.method.step
 
     return Field(f"{axis}_since", "s", 0, crew_order(axis, since))
@@ -254,8 +254,8 @@ def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
 
 def crew_value(axis: str, unit: str, size: float) -> Field:
     """Return an order to the crew in a unit of that size [SI]."""
-    place = CREW_AXES.index(axis)
-    read = crew_order(axis, lambda frame: frame.at("crew_order", place) / size)
+    index = CREW_AXES.index(axis)
+    read = crew_order(axis, lambda frame: frame.at("crew_order", index) / size)
     return Field(axis, unit, 1, read)
 
 

@@ -49,9 +49,9 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     contacts = contacts_in(frame.boat)
     if contacts is None or not contacts.fleet(frame.tick).order:
         return 0, ()
-    ships, places = contacts.fleet(frame.tick), contacts.at(frame.tick)
+    ships, now = contacts.fleet(frame.tick), contacts.at(frame.tick)
     own, limit = OwnMotion.of(frame), contacts.encounters.cpa_m
-    over_ground = zip(*(each.tolist() for each in places.over_ground()), strict=True)
+    over_ground = zip(*(each.tolist() for each in now.over_ground()), strict=True)
     plotted = []
     for ship, motion, way in zip(ships.order, ships.motions(frame.tick), over_ground, strict=True):
         seen = plot_ship(own, motion, limit)
@@ -61,19 +61,19 @@ def plotted_ships(frame: Frame) -> tuple[int, tuple[PlottedShip, ...]]:
     return len(plotted), tuple(nearest)
 
 
-def _of(place: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], Value]:
-    """Return a reader of something of the ship at a place, None without such a ship."""
+def _of(index: int, read: Callable[[PlottedShip], Value]) -> Callable[[Frame], Value]:
+    """Return a reader of something of the ship at an index, None without such a ship."""
 
     def value(frame: Frame) -> Value:
         _, ships = plotted_ships(frame)
-        return read(ships[place]) if place < len(ships) else None
+        return read(ships[index]) if index < len(ships) else None
 
     return value
 
 
-def ship_fields(place: int) -> tuple[Field, ...]:
-    """Return the plot's fields of the ship at a place."""
-    name = f"contact_{place + 1}"
+def ship_fields(index: int) -> tuple[Field, ...]:
+    """Return the plot's fields of the ship at an index."""
+    name = f"contact_{index + 1}"
     numbers: tuple[tuple[str, str, int, Callable[[PlottedShip], Value]], ...] = (
         ("bearing", "deg", 1, lambda ship: compass(ship.bearing)),
         ("range", "m", 0, lambda ship: ship.range),
@@ -83,10 +83,10 @@ def ship_fields(place: int) -> tuple[Field, ...]:
         ("tcpa", "s", 0, lambda ship: None if math.isnan(ship.until) else ship.until),
     )
     return (
-        word(name, _of(place, lambda ship: ship.name)),
-        word(f"{name}_type", _of(place, lambda ship: ship.type)),
+        word(name, _of(index, lambda ship: ship.name)),
+        word(f"{name}_type", _of(index, lambda ship: ship.type)),
         *(
-            Field(f"{name}_{key}", unit, digits, _of(place, read))
+            Field(f"{name}_{key}", unit, digits, _of(index, read))
             for key, unit, digits, read in numbers
         ),
     )
@@ -99,7 +99,7 @@ CONTACTS_CHANNEL: Final = Channel(
     "below zero where it is past",
     (
         Field("ships", "-", 0, lambda frame: float(plotted_ships(frame)[0]) or None),
-        *(field for place in range(MAX_PLOTTED_SHIPS) for field in ship_fields(place)),
+        *(field for index in range(MAX_PLOTTED_SHIPS) for field in ship_fields(index)),
     ),
 )
 
@@ -127,8 +127,8 @@ def sights(frame: Frame) -> list[Sight]:
     if scope is None or stands is None:
         return []
     if "sights" not in frame.kept:
-        place = scope.place(frame, stands, frame.height(*scope.head(stands)))
-        frame.kept["sights"] = scope.sights(place, stands)
+        head = scope.eye(frame, stands, frame.height(*scope.head(stands)))
+        frame.kept["sights"] = scope.sights(head, stands)
     in_sight: list[Sight] = frame.kept["sights"]
     return in_sight
 
@@ -183,15 +183,15 @@ def lamps(sight: Sight) -> str:
     )
 
 
-def of_sight(place: int, read: Callable[[Sight], Value], frame: Frame) -> Value:
+def of_sight(index: int, read: Callable[[Sight], Value], frame: Frame) -> Value:
     """Return a reader of something of a ship in sight, None without such a ship."""
     in_sight = sights(frame)
-    return read(in_sight[place]) if place < len(in_sight) else None
+    return read(in_sight[index]) if index < len(in_sight) else None
 
 
-def sight_fields(place: int) -> tuple[Field, ...]:
+def sight_fields(index: int) -> tuple[Field, ...]:
     """Return the fields of one ship in sight."""
-    name = f"ship_{place + 1}"
+    name = f"ship_{index + 1}"
     parts: tuple[tuple[str, str, int, Callable[[Sight], Value]], ...] = (
         (name, "", 0, lambda sight: sight.type),
         (f"{name}_train", "deg", 3, lambda sight: math.degrees(sight.train)),
@@ -202,7 +202,7 @@ def sight_fields(place: int) -> tuple[Field, ...]:
         (f"{name}_lights", "", 0, lamps),
     )
     return tuple(
-        Field(field, unit, decimals, partial(of_sight, place, read), packed=True)
+        Field(field, unit, decimals, partial(of_sight, index, read), packed=True)
         for field, unit, decimals, read in parts
     )
 
@@ -254,7 +254,7 @@ SCOPE_CHANNEL: Final = Channel(
         word("going", of_mast(mast_motion)),
         word("view", of_mast(view)),
         word("sighted", sighted_ships),
-        *(field for place in range(MAX_SIGHTED_SHIPS) for field in sight_fields(place)),
+        *(field for index in range(MAX_SIGHTED_SHIPS) for field in sight_fields(index)),
     ),
     fastest=10.0,
 )

@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import STATE_PLACES, Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
@@ -77,7 +77,7 @@ class Fittings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One tick. ``frame[name]`` is a place of the state [SI], by its name in the core.
+    """One tick. ``frame[name]`` is a field of the state [SI], by its name in the core.
 
     Readers use ``boat`` for its constants alone, because its state may be of a later tick already.
     """
@@ -91,11 +91,11 @@ class Frame:
     kept: dict[str, Any] = field(default_factory=dict)  # results that several fields share
 
     def __getitem__(self, name: str) -> float:
-        return self.numbers[STATE_PLACES[name]]
+        return self.numbers[STATE_OFFSETS[name]]
 
-    def at(self, block: str, place: int) -> float:
-        """Return the number at a place of a block of the state [SI]."""
-        return self.numbers[STATE_PLACES[block] + place]
+    def at(self, block: str, index: int) -> float:
+        """Return the number at an index of a block of the state [SI]."""
+        return self.numbers[STATE_OFFSETS[block] + index]
 
     @cached_property
     def ledger(self) -> Summary:

@@ -52,11 +52,11 @@ class Histogram:
 
     def add(self, duration: int, count: int = 1) -> None:
         """Count ``duration`` [ns] so often; a negative one counts as 0."""
-        place = duration if duration > 0 else 0  # noqa: FURB136  max() takes as long as all the rest
-        if place >= EXACT_BELOW_NS:
-            shift = place.bit_length() - OCTAVE_BITS
-            place = shift * OCTAVE_BINS + (place >> shift)
-        self._counts[place] += count
+        index = duration if duration > 0 else 0  # noqa: FURB136  max() takes as long as all the rest
+        if index >= EXACT_BELOW_NS:
+            shift = index.bit_length() - OCTAVE_BITS
+            index = shift * OCTAVE_BINS + (index >> shift)
+        self._counts[index] += count
         if duration > self._largest:  # noqa: PLR1730
             self._largest = duration
 
@@ -67,9 +67,9 @@ class Histogram:
         p50, p99, p999 = (self._top(int(np.searchsorted(reached, rank))) for rank in ranks)
         return Spread(p50, p99, p999, self._largest)
 
-    def _top(self, place: int) -> int:
-        shift = max(place // OCTAVE_BINS - 1, 0)
-        return min(((place - shift * OCTAVE_BINS + 1) << shift) - 1, self._largest)
+    def _top(self, index: int) -> int:
+        shift = max(index // OCTAVE_BINS - 1, 0)
+        return min(((index - shift * OCTAVE_BINS + 1) << shift) - 1, self._largest)
 
 
 class Ledger:
