@@ -31,8 +31,8 @@ static int fault_of(int surface, const struct state *s)
 
 static void write_fault(int kind, double amount, struct state *s)
 {
-    if (KIND_PLACES[kind] >= 0)
-        s->whole[KIND_PLACES[kind]] = KIND_SENSES[kind] * amount;
+    if (KIND_OFFSETS[kind] >= 0)
+        s->whole[KIND_OFFSETS[kind]] = KIND_SENSES[kind] * amount;
 }
 
 static void leave(int slot, struct state *s)

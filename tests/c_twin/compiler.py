@@ -105,7 +105,7 @@ CASUALTY_TABLES: Final = (
     "KIND_SURFACES",
     "KIND_GAUGES",
     "KIND_FAULTS",
-    "KIND_PLACES",
+    "KIND_OFFSETS",
     "KIND_SENSES",
     "KIND_HOLDS",
     "GAUGE_CODE",

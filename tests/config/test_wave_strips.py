@@ -12,7 +12,7 @@ import pytest
 from trainer.boat.assemble import Method, fit_out
 from trainer.config.files import ConfigError, shipped_path
 from trainer.config.vessel import VesselFile, load_vessel, read_vessel
-from trainer.core.vessel import STRIP_PLACES, STRIP_SHARES
+from trainer.core.vessel import STRIP_SHARES, STRIP_STATIONS
 
 METHOD = Method("modified", "lagged", "exact", "adams2", 0.5)
 
@@ -57,10 +57,10 @@ def test_a_file_without_strips_has_those_of_a_usual_hull_about_its_centre() -> N
     centre = file.hull.cb[0] / file.hull.length
 
     assert file.wave_strips is None
-    assert places == pytest.approx(np.array(STRIP_PLACES) + centre)
+    assert places == pytest.approx(np.array(STRIP_STATIONS) + centre)
     for share in shares:
         assert share == pytest.approx(np.array(STRIP_SHARES) / np.sum(STRIP_SHARES))
-    assert np.dot(STRIP_PLACES, STRIP_SHARES) == pytest.approx(0.0, abs=1e-5)
+    assert np.dot(STRIP_STATIONS, STRIP_SHARES) == pytest.approx(0.0, abs=1e-5)
 
 
 @pytest.mark.parametrize(

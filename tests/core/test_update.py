@@ -13,6 +13,7 @@ from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
+from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
 from trainer.core.actuators import move_surfaces
 from trainer.core.propulsion import answer_telegraph, excess_eta, thrust
@@ -58,6 +59,22 @@ def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
     assert boat.records.state.tobytes() == before
     assert WATCHED_NAMES[status - 1] == named
     assert boat.failure(status).startswith(f"{named} is out of all bounds after tick 20 (10 s)")
+
+
+@pytest.mark.core
+def test_a_tick_that_fails_in_a_sea_leaves_the_waves_as_they_were(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = under_way(make_boat)
+    boat.put_to_sea(load_sea("sea-state-5"))
+    for _ in range(4):
+        assert boat.tick() == 0
+    boat.state.v = 1e200
+    before = boat.records.state.tobytes()
+    with np.errstate(all="ignore"):
+        assert boat.tick() != 0
+
+    assert boat.records.state.tobytes() == before
 
 
 @pytest.mark.core
@@ -118,6 +135,7 @@ from trainer.boat.casualties import insert_casualty
 from trainer.boat.assemble import Method
 from trainer.config.sea import load_sea
 from trainer.analysis.bench.tick import CASUALTY_KINDS
+from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
 
 @njit

@@ -14,7 +14,7 @@ from trainer.core.sea.forces import suction, wave_forces
 from trainer.core.sea.free_surface import deck_height, sail_height, surface_forces
 from trainer.core.sea.sea import advance_sea, order_sea
 from trainer.core.state import new_scratch, new_state
-from trainer.core.vessel import STRIP_PLACES, STRIP_SHARES, vessel_record
+from trainer.core.vessel import STRIP_SHARES, STRIP_STATIONS, vessel_record
 
 pytestmark = pytest.mark.core
 
@@ -170,7 +170,7 @@ def test_the_strips_of_a_hull_that_gives_none_are_its_full_integral() -> None:
     area *= (1.0 - tail**2.3) ** 2.9
     x = np.trapezoid(area * s, s) / np.trapezoid(area, s) - s
     density = area / np.trapezoid(area, s)
-    places, shares = np.array(STRIP_PLACES), np.array(STRIP_SHARES)
+    places, shares = np.array(STRIP_STATIONS), np.array(STRIP_SHARES)
 
     assert np.trapezoid(area, s) == pytest.approx(0.81, abs=0.01)
     for kappa in (1.0, 2.0, 4.2, 6.0, 8.4):  # the last: k = 0.12 at 70 m

@@ -15,7 +15,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, count_before
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, charted_at, is_charted
-from trainer.core.bottom import SOUNDING_PLACES
+from trainer.core.bottom import SOUNDING_STATIONS
 from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
@@ -74,7 +74,7 @@ def touch_of(read: StateReader, length: float) -> GroundTouch:
     pitch = read("theta")
     north, east = read("xdot"), read("ydot")
     closing = 0.0
-    for i, x in enumerate(SOUNDING_PLACES):
+    for i, x in enumerate(SOUNDING_STATIONS):
         down = read("zdot") - x * length * math.cos(pitch) * read("q")
         slopes = read(f"bottom[1,{i}]"), read(f"bottom[2,{i}]")
         into = down - slopes[0] * north - slopes[1] * east

@@ -32,7 +32,7 @@ from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRule
-from trainer.core.bottom import SOUNDING_PLACES as STATIONS
+from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Reply, parse
 

@@ -1,6 +1,6 @@
 """The ground under the hull: a soft spring with damping and friction.
 
-At a place x ahead of the origin the keel is p below ground that rises with the unit normal n, and
+At a station x ahead of the origin the keel is p below ground that rises with the unit normal n, and
 moves over it at v. The ground then pushes with
 
     N = max(k p - d v.n, 0)        F = N n - mu N v_t/max(|v_t|, v0)
@@ -32,8 +32,8 @@ from trainer.core.state import (
     YAWING,
 )
 
-SOUNDING_PLACES: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
-SOUNDING_REACH: Final = 0.45  # [-] of the hull's length, to the outermost place
+SOUNDING_STATIONS: Final = (-0.45, -0.225, 0.0, 0.225, 0.45)  # [-] of the hull's length, aft first
+SOUNDING_REACH: Final = 0.45  # [-] of the hull's length, to the outermost station
 SPRING_FREQUENCY: Final = 0.5  # [rad/s] w
 SPRING_DAMPING: Final = 0.5  # [-] zeta
 SMOOTH_FRICTION_SPEED: Final = 0.1  # [m/s] below which friction is smooth
@@ -67,9 +67,9 @@ def dot(a: Vector, b: Vector) -> float:
 
 @part
 def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float) -> float:
-    """Return the load [N] on a place ``p`` [m] below the ground.
+    """Return the load [N] on a point ``p`` [m] below the ground.
 
-    The place rises at ``rise`` [m/s]. The load is negative where the ground holds the hull.
+    The point rises at ``rise`` [m/s]. The load is negative where the ground holds the hull.
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
     normal = (
@@ -87,9 +87,9 @@ def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float
 def push(
     vessel: Record, scheme: Record, state: Record, load: float, n: Vector, v: Vector
 ) -> Vector:
-    """Return the force [N] of the ground on a place with a ``load`` [N].
+    """Return the force [N] of the ground on a point with a ``load`` [N].
 
-    The place moves at ``v`` [m/s]. All vectors are over ground: north, east and down.
+    The point moves at ``v`` [m/s]. All vectors are over ground: north, east and down.
     """
     mass = state[0].weight / vessel[0].g + vessel[0].m33
     rise = dot(v, n)
@@ -171,7 +171,7 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
     ahead, _, down = turned
     free = -holding(vessel, scheme, state)
     for i in range(SOUNDING_COUNT):
-        x = SOUNDING_PLACES[i] * vessel[0].ell
+        x = SOUNDING_STATIONS[i] * vessel[0].ell
         z = s.z + x * ahead[DOWN] + keel * down[DOWN]
         if z - s.bottom[GROUND_DEPTH, i] <= free:
             continue

@@ -18,7 +18,7 @@ import numpy as np
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED_TANKS, PUMPS
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
-from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, place_of
+from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, offset_of
 from trainer.core.surfaces import SURFACES
 
 # Of two faults on one surface or gauge only the one that is later in these lists acts.
@@ -43,14 +43,14 @@ FAULTS: Final = (  # in the order of the faults in the state, which begin at its
 
 
 class CasualtyKind(NamedTuple):
-    """A kind of casualty [-]: its name, equipment, fault, and place in the state."""
+    """A kind of casualty [-]: its name, equipment, fault, and offset in the state."""
 
     name: str
     surface: int = -1  # of SURFACES
     gauge: int = -1  # of GAUGES
     fault: int = -1  # of SURFACE_FAULTS or GAUGE_FAULTS
-    place: int = -1  # in the state: the fault that tanks and air read
-    sense: int = 1  # [-] sign of the amount at that place
+    offset: int = -1  # in the state: the fault that tanks and air read
+    sense: int = 1  # [-] sign of the amount there
     holds: bool = False  # it holds what it finds, whatever amount it is given
 
 
@@ -63,10 +63,10 @@ CASUALTY_TABLE: Final = (
     CasualtyKind("propulsion-lost"),
     CasualtyKind("propulsion-stuck", holds=True),
     CasualtyKind("autopilot-failed"),
-    *(CasualtyKind(name, place=place) for place, name in enumerate(FAULTS, place_of("breach"))),
-    *(  # a vent stuck open is a vent shut with the sign turned: one place has both faults
-        CasualtyKind(f"vent-{name}-open", place=place, sense=-1)
-        for place, name in enumerate(VALVES, place_of("vent_fault"))
+    *(CasualtyKind(name, offset=offset) for offset, name in enumerate(FAULTS, offset_of("breach"))),
+    *(  # a vent stuck open is a vent shut with the sign turned: one number has both faults
+        CasualtyKind(f"vent-{name}-open", offset=offset, sense=-1)
+        for offset, name in enumerate(VALVES, offset_of("vent_fault"))
     ),
     *(
         CasualtyKind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)
@@ -82,7 +82,7 @@ _CODED_KINDS: Final = (CasualtyKind(""), *CASUALTY_TABLE)
 KIND_SURFACES: Final = np.array([kind.surface for kind in _CODED_KINDS])
 KIND_GAUGES: Final = np.array([kind.gauge for kind in _CODED_KINDS])
 KIND_FAULTS: Final = np.array([kind.fault for kind in _CODED_KINDS])
-KIND_PLACES: Final = np.array([kind.place for kind in _CODED_KINDS])
+KIND_OFFSETS: Final = np.array([kind.offset for kind in _CODED_KINDS])
 KIND_SENSES: Final = np.array([float(kind.sense) for kind in _CODED_KINDS])
 KIND_HOLDS: Final = np.array([kind.holds for kind in _CODED_KINDS])
 GAUGE_CODE: Final = np.array(
@@ -129,10 +129,10 @@ def fault_of(surface: int, state: Record) -> int:
 def write_fault(kind: int, amount: float, state: Record) -> None:
     """Write the amount of a fault of tanks or air to the state.
 
-    Kinds of other equipment have no place, because that equipment looks its casualties up.
+    Kinds of other equipment have none, because that equipment looks its casualties up.
     """
-    if KIND_PLACES[kind] >= 0:
-        state[0].whole[KIND_PLACES[kind]] = KIND_SENSES[kind] * amount
+    if KIND_OFFSETS[kind] >= 0:
+        state[0].whole[KIND_OFFSETS[kind]] = KIND_SENSES[kind] * amount
 
 
 @kernel

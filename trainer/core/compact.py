@@ -2,7 +2,7 @@
 
 It is the short set of equations that [ASSES] made of the full one, so that a computer of 1969 kept
 up with time: the terms that matter, over constants divided beforehand, each acceleration from its
-own equation. ``rates`` uses it where the scheme asks for it.
+own equation. ``rates`` uses it where the scheme asks for it. Symbols: ``kinematics``.
 
 ``modified`` and ``basic`` differ only in their constants and trigonometry. The terms of the mass
 are gathered by the six components of the acceleration of turning axes. Departures from the report:

@@ -1,7 +1,7 @@
-"""Water that moves over ground carries the place along; shear changes the speed through it.
+"""Water that moves over ground carries the boat along; shear changes the speed through it.
 
 Speeds u, v, w are through the water, so all forces stay as they are, and a uniform current enters
-the rates of place alone (Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control). In a
+the rates of x and y alone (Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control). In a
 horizontal current that changes with depth, a boat that dives takes its speed over ground along:
 what the water gains below, the speed through it loses. The water's own acceleration is zero there
 (Auton, Hunt and Prud'homme, J. Fluid Mech. 197 (1988) 241), so its inertia pushes nothing. Left
@@ -23,7 +23,7 @@ def is_moving(state: Record) -> bool:
 
 @part
 def carry_along(state: Record) -> None:
-    """Add the current to the rates of place, and its shear to the accelerations."""
+    """Add the current to the rates of x and y, and its shear to the accelerations."""
     s = state[0]
     s.xdot += s.water_north + s.shear_north * s.z
     s.ydot += s.water_east + s.shear_east * s.z

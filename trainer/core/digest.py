@@ -16,7 +16,7 @@ KERNEL_FOLDERS = (  # folders that have any
     "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset()
+SAME_BITS: frozenset[str] = frozenset({"fbdb20f4c45be54b"})
 
 
 @cache

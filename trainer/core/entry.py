@@ -39,20 +39,20 @@ def tick(records: tuple[Record, ...], chart: Numbers) -> int:
 
 
 @kernel
-def fly(records: tuple[Record, ...], chart: Numbers, places: Numbers, out: Numbers) -> int:
+def fly(records: tuple[Record, ...], chart: Numbers, offsets: Numbers, out: Numbers) -> int:
     """Advance by a tick for each row of ``out`` [n, columns].
 
-    Return the status of the last one. A row has the numbers at those places of the state, then what
-    the gauges read, if it is longer.
+    Return the status of the last one. A row has the numbers at those offsets of the state, then
+    what the gauges read, if it is longer.
     """
     _, _, _, state, scratch = records
-    count = places.size
+    count = offsets.size
     for i in range(out.shape[0]):
         status = tick(records, chart)
         if status != 0:
             return status
         for k in range(count):
-            out[i, k] = state[0].whole[int(places[k])]
+            out[i, k] = state[0].whole[int(offsets[k])]
         if out.shape[1] > count:
             instruments(state, scratch)
             for k in range(scratch[0].reading.size):

@@ -2,7 +2,7 @@
 
 They have all terms of the coefficients, and compact sets are judged by them. ``rates`` calls
 ``forces`` and ``inertia``, adds what acts from outside, and solves for the accelerations. Masked,
-the motion out of the vertical plane is taken out.
+the motion out of the vertical plane is taken out. Symbols: ``kinematics``.
 
 Each force function returns the right side of its equation without accelerations, less the velocity
 products of the left side. ``inertia`` writes the factors of the accelerations. Errata A1-A26 are

@@ -25,7 +25,7 @@ from trainer.core.scheme import (
 )
 from trainer.core.state import PAST_CYCLES, PHI, PSI, THETA, P, Q, R
 
-NOW, BEFORE = 0, 1  # places in a method's weights: this cycle's, and the last one's
+NOW, BEFORE = 0, 1  # indices in a method's weights: this cycle's, and the last one's
 MIN_STEP_S, MAX_STEP_S = 0.05, 2.0  # [s] variable step, [ASSES] III-B
 STEP_TOLERANCE = 1e-3  # of each variable's largest value
 MIN_SCALE = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as

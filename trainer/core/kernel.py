@@ -111,14 +111,14 @@ def record_dtype(*fields: Field) -> np.dtype:
     """Return a structured dtype of float64 fields, in the order given.
 
     A field is a name, a name with a shape, or a block's name with a list of names. Names in a list
-    are single numbers that share the block's place. ``whole`` is the record as one block.
+    are single numbers that share the block's room. ``whole`` is the record as one block.
     """
     names: list[str] = []
     formats: list[Any] = []
     offsets: list[int] = []
     offset = 0
 
-    def place(name: str, shape: tuple[int, ...], at: int) -> int:
+    def lay(name: str, shape: tuple[int, ...], at: int) -> int:
         names.append(name)
         formats.append(("f8", shape) if shape else "f8")
         offsets.append(at)
@@ -126,13 +126,13 @@ def record_dtype(*fields: Field) -> np.dtype:
 
     for field in fields:
         if isinstance(field, str):
-            offset += place(field, (), offset)
+            offset += lay(field, (), offset)
         elif isinstance(field[1], list):
             for position, member in enumerate(field[1]):
-                place(member, (), offset + 8 * position)
-            offset += place(field[0], (len(field[1]),), offset)
+                lay(member, (), offset + 8 * position)
+            offset += lay(field[0], (len(field[1]),), offset)
         else:
-            offset += place(field[0], field[1], offset)
-    place("whole", (offset // 8,), 0)
+            offset += lay(field[0], field[1], offset)
+    lay("whole", (offset // 8,), 0)
     layout = {"names": names, "formats": formats, "offsets": offsets, "itemsize": offset}
     return np.dtype((np.record, layout))

@@ -1,4 +1,19 @@
-"""The rates of attitude and place that follow from the boat's own motion, [ASSES] (7).
+"""The rates of attitude and location that follow from the boat's own motion, [ASSES] (7).
+
+The symbols of this module, ``compact`` and ``full`` are those of [GH67], which [ASSES] took over.
+Axes of the boat: x forward, y to starboard, z to the keel, from an origin on the hull's axis. Axes
+of the earth: x north, y east, z down. Dots are rates. All are SI, angles in radians.
+
+    u v w            velocity of the origin through the water, along the boat's axes
+    p q r            turn about them: roll, pitch, yaw
+    phi theta psi    heel to starboard, pitch bow up, heading; turned in the order psi, theta, phi
+    x y z            the origin over the earth; z is its depth
+    X Y Z, K M N     forces along the boat's axes, moments about them, and their coefficients: the
+                     letters after one are its factors, "vav" v |v|, "star" none
+    delta_r          rudder, trailing edge to port: it turns the boat to port
+    delta_s delta_b  stern planes (dive) and bow planes (rise), trailing edge down
+    u_c              command speed: the propeller's revolutions times a constant; eta = u_c / u
+    x_g y_g z_g      centre of gravity; x_B y_B z_B of buoyancy
 
 Sine and cosine of pitch and roll may be exact, or one of the two approximations of the report's
 compact programs, which a scheme can ask for to compute as they did.
@@ -55,7 +70,7 @@ def guard_cosine(cos_theta: float) -> float:
 
 @part
 def kinematics(attitude: Attitude, state: Record) -> None:
-    """Write the rates of attitude and of place through the water, [ASSES] (7), errata A16-A19."""
+    """Write the rates of attitude and of x, y, z through the water, [ASSES] (7), A16-A19."""
     s = state[0]
     sin_phi, cos_phi, sin_th, cos_th = attitude
     cos_psi, sin_psi = cosine_and_sine(s.psi)

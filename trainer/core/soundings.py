@@ -11,7 +11,7 @@ is that of the edge, and level across it.
 
 from typing import Final
 
-from trainer.core.bottom import SOUNDING_PLACES
+from trainer.core.bottom import SOUNDING_STATIONS
 from trainer.core.elementary import cosine, cosine_and_sine
 from trainer.core.kernel import Numbers, Record, part
 from trainer.core.state import GROUND_DEPTH, GROUND_EAST, GROUND_NORTH, SOUNDING_COUNT
@@ -36,7 +36,7 @@ Cell = tuple[int, int]  # row and column of its first sample
 
 
 @part
-def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: Record) -> None:
+def sound_in(chart: Numbers, cell: Cell, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes at ``i`` rows and ``j`` columns of a chart."""
     s = state[0]
     width = int(chart[COLUMNS])
@@ -47,27 +47,27 @@ def sound_in(chart: Numbers, cell: Cell, i: float, j: float, place: int, state: 
     right, beyond = chart[at + EASTWARD] - near, chart[at + width + EASTWARD] - far
     near, up = near + b * right, far - near + b * (beyond - right)
     depth = near + a * up
-    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
-    s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
-    s.bottom[GROUND_EAST, place] = chart[ACROSS] * (right + a * (beyond - right))
+    s.bottom[GROUND_DEPTH, station] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
+    s.bottom[GROUND_NORTH, station] = chart[ALONG] * up
+    s.bottom[GROUND_EAST, station] = chart[ACROSS] * (right + a * (beyond - right))
 
 
 @part
-def sound_at_edge(chart: Numbers, i: float, j: float, place: int, state: Record) -> None:
+def sound_at_edge(chart: Numbers, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes where a chart may have ended, as at its edge."""
     s = state[0]
     rows, columns = chart[ROWS], chart[COLUMNS]
     row, column = max(min(i, rows - 1.0), 0.0), max(min(j, columns - 1.0), 0.0)
     cell = int(min(row, rows - 2.0)), int(min(column, columns - 2.0))
-    sound_in(chart, cell, row, column, place, state)
+    sound_in(chart, cell, row, column, station, state)
     if row != i:
-        s.bottom[GROUND_NORTH, place] = 0.0
+        s.bottom[GROUND_NORTH, station] = 0.0
     if column != j:
-        s.bottom[GROUND_EAST, place] = 0.0
+        s.bottom[GROUND_EAST, station] = 0.0
 
 
 @part
-def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -> None:
+def sound_plane(chart: Numbers, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes of a plane, whose chart is a cell of it."""
     s = state[0]
     up, right = (
@@ -75,14 +75,14 @@ def sound_plane(chart: Numbers, i: float, j: float, place: int, state: Record) -
         chart[FIRST_SAMPLE + EASTWARD] - chart[FIRST_SAMPLE],
     )
     depth = chart[FIRST_SAMPLE] + i * up + j * right
-    s.bottom[GROUND_DEPTH, place] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
-    s.bottom[GROUND_NORTH, place] = chart[ALONG] * up
-    s.bottom[GROUND_EAST, place] = chart[ACROSS] * right
+    s.bottom[GROUND_DEPTH, station] = depth if depth != 0.0 else MIN_GROUND_DEPTH_M
+    s.bottom[GROUND_NORTH, station] = chart[ALONG] * up
+    s.bottom[GROUND_EAST, station] = chart[ACROSS] * right
 
 
 @part
 def sound(vessel: Record, chart: Numbers, state: Record) -> None:
-    """Write the ground under the places along the hull, as they lie now.
+    """Write the ground under the stations along the hull, as they lie now.
 
     Ground more than DISTANT_GROUND_M below the boat is sounded in one tick of SELDOM_MASK + 1 only,
     because no boat makes so much way in between. ``entry`` calls it before each tick,
@@ -101,11 +101,11 @@ def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     up, right = level * cos_psi * chart[ALONG], level * sin_psi * chart[ACROSS]
     room = abs(up) + abs(right)
     inside = room < i < chart[ROWS] - 1.0 - room and room < j < chart[COLUMNS] - 1.0 - room
-    for place in range(SOUNDING_COUNT):
-        row, column = i + SOUNDING_PLACES[place] * up, j + SOUNDING_PLACES[place] * right
+    for station in range(SOUNDING_COUNT):
+        row, column = i + SOUNDING_STATIONS[station] * up, j + SOUNDING_STATIONS[station] * right
         if chart[CHART_ENDS] == 0.0:
-            sound_plane(chart, row, column, place, state)
+            sound_plane(chart, row, column, station, state)
         elif inside:
-            sound_in(chart, (int(row), int(column)), row, column, place, state)
+            sound_in(chart, (int(row), int(column)), row, column, station, state)
         else:
-            sound_at_edge(chart, row, column, place, state)
+            sound_at_edge(chart, row, column, station, state)

@@ -18,9 +18,9 @@ from trainer.core.kernel import Field, Record, record_dtype
 MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", "z"]
 # time derivatives of the above; those of the last cycle until this one has computed its own
 RATES: Final = [f"{name}dot" for name in MOTION]
-PHI, THETA, PSI = 6, 7, 8  # places in them
-P, Q, R = 0, 1, 2  # places in a turn about the body's axes
-AXIAL, LATERAL, NORMAL = 0, 1, 2  # places in forces and accelerations: X, Y, Z
+PHI, THETA, PSI = 6, 7, 8  # indices in them
+P, Q, R = 0, 1, 2  # indices in a turn about the body's axes
+AXIAL, LATERAL, NORMAL = 0, 1, 2  # indices in forces and accelerations: X, Y, Z
 ROLLING, PITCHING, YAWING = 3, 4, 5  # K, M, N
 
 PAST_CYCLES: Final = 3  # past cycles an integrator may look back on, beside the last
@@ -37,7 +37,7 @@ SEA_QUANTITIES: Final = [
     "sea_peaked",  # [-] share of the rest of it from the bank of the peaked spectrum
 ]
 SEA_COMPONENTS: Final = 50
-SOUNDING_COUNT: Final = 5  # places along the hull where the ground below it is looked at
+SOUNDING_COUNT: Final = 5  # stations along the hull where the ground below it is looked at
 GROUND_DEPTH, GROUND_NORTH, GROUND_EAST = 0, 1, 2  # rows of soundings: depth, its slopes
 STRIP_COUNT: Final = 7  # of the hull, on which waves push
 STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulated
@@ -232,7 +232,7 @@ STATE: Final = record_dtype(
             "shear_north", "shear_east",  # [1/s]
         ],
     ),
-    ("through", ["through_north", "through_east"]),  # [m/s] rates of place through the water
+    ("through", ["through_north", "through_east"]),  # [m/s] rates of location through the water
     ("bottom", (3, SOUNDING_COUNT)),  # [m] depth along the hull, its slopes north and east; 0: none
     "bottom_load",  # [N] that the ground carries
     "aground",  # [-] ticks for which it has
@@ -243,8 +243,8 @@ STATE: Final = record_dtype(
 STATE_FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
 
 
-def place_of(name: str) -> int:
-    """Return the place in the state [-] of a field."""
+def offset_of(name: str) -> int:
+    """Return the offset in the state [-] of a field."""
     return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
 
 

@@ -171,7 +171,7 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
 
 @part
 def take_off(x: float, z: float, lateral: float, force: Numbers) -> None:
-    """Take a lateral force [N] at a place [m] off Y, K and N."""
+    """Take a lateral force [N] at a point [m] off Y, K and N."""
     force[LATERAL] -= lateral
     force[ROLLING] += z * lateral
     force[YAWING] -= x * lateral

@@ -1,4 +1,4 @@
-"""The control surfaces: names, and letters at the end of their places in the records.
+"""The control surfaces: names, and letters at the end of their fields in the records.
 
 So ``delta_r`` is the angle of the rudder.
 

@@ -23,36 +23,36 @@ TRIM_TOLERANCE = 1e-13  # [m/s2], [rad/s2], [m/s]
 
 
 @kernel
-def nudge(state: Record, by: int, place: int, amount: float) -> None:
+def nudge(state: Record, by: int, unknown: int, amount: float) -> None:
     """Add ``amount`` to one of the seven unknowns.
 
     It is for a difference quotient, or a step of Newton's.
     """
     s = state[0]
-    if place == 0:
+    if unknown == 0:
         s.u_c += amount
-    elif place == 1:
+    elif unknown == 1:
         s.v += amount
-    elif place == 2:
+    elif unknown == 2:
         if by == STERN_PLANES:
             s.w += amount
         else:
             s.delta_b += amount
-    elif place == 3:
+    elif unknown == 3:
         s.phi += amount
-    elif place == 4:
+    elif unknown == 4:
         s.delta_s += amount
-    elif place == 5:
+    elif unknown == 5:
         s.delta_r += amount
     else:
         s.theta += amount
 
 
 @kernel
-def residual(state: Record, place: int) -> float:
+def residual(state: Record, unknown: int) -> float:
     """Return one of the seven rates that vanish in trim."""
     s = state[0]
-    return s.zdot if place == 6 else s.rates[place]
+    return s.zdot if unknown == 6 else s.rates[unknown]
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 In a partial freeze depth, position or tanks stand still while all else goes on. Tanks that are held
 are not advanced at all. Nothing depends on position: a boat held in place sails on unseen. So every
-number but the place is that of a run without the hold, and once released the boat goes on from
+number but the location is that of a run without the hold, and once released the boat goes on from
 where it was held. Nearly everything depends on depth: it is put back after every step, and the boat
 feels the depth that is held.
 """
@@ -24,7 +24,7 @@ from trainer.core.propulsion import kept_lag_share, turn_propeller
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.sea.sea import advance_sea
-from trainer.core.state import GROUND_DEPTH, MOTION, PAST_CYCLES, RATES, place_of
+from trainer.core.state import GROUND_DEPTH, MOTION, PAST_CYCLES, RATES, offset_of
 from trainer.core.surfaced import is_cut, is_near_surface
 
 X: Final = MOTION.index("x")  # y follows
@@ -36,7 +36,7 @@ def cast_off(state: Record) -> None:
     """Move a boat that is held in place to where it would be.
 
     This comes before a step. A boat that is no longer held, and not where it sailed, takes its past
-    places along, since a method that looks back would take the difference for motion.
+    locations along, since a method that looks back would take the difference for motion.
     """
     s = state[0]
     for i in range(2):
@@ -66,15 +66,15 @@ def make_fast(x: float, y: float, z: float, state: Record) -> None:
 
 
 WATCHED_NAMES = (*RATES, *MOTION)  # a failing status points into this list
-# a tick writes the state up to the orders to the crew, and after them at these places alone
-WRITTEN_COUNT: Final = place_of("crew_order")
-LATE_PLACES: Final = np.array(
-    [place_of(name) for name in ("through_north", "through_east", "bottom_load", "aground")]
+# a tick writes the state up to the orders to the crew, and after them at these offsets alone
+WRITTEN_COUNT: Final = offset_of("crew_order")
+LATE_OFFSETS: Final = np.array(
+    [offset_of(name) for name in ("through_north", "through_east", "bottom_load", "aground")]
 )
 # of them, those that only waves write, so that a tick in a calm need not save them
-MEMORY_BEGIN, MEMORY_END = place_of("sea_memory"), place_of("water")
-FILTER_BEGIN, FILTER_END = place_of("sea_modes"), place_of("speed_followed")
-SEA_HEIGHT, SEA_RAMP = place_of("sea_height"), place_of("sea_ramp")
+MEMORY_BEGIN, MEMORY_END = offset_of("sea_memory"), offset_of("water")
+FILTER_BEGIN, FILTER_END = offset_of("sea_modes"), offset_of("speed_followed")
+SEA_HEIGHT, SEA_RAMP = offset_of("sea_height"), offset_of("sea_ramp")
 MAX_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
 MAX_SPEED = 1e3  # [m/s] or [rad/s]
 MAX_DISTANCE = 1e9  # [rad] or [m]
@@ -82,7 +82,7 @@ MAX_DISTANCE = 1e9  # [rad] or [m]
 
 @part
 def lost(state: Record) -> int:
-    """Return 1 + the place in WATCHED_NAMES of the first number out of range.
+    """Return 1 + the index in WATCHED_NAMES of the first number out of range.
 
     It is 0 if there is none. The range is wider than any boat's; a number that is not finite is out
     of it.
@@ -112,8 +112,8 @@ def copy_written(source: Numbers, target: Numbers) -> None:
             target[i] = source[i]
         for i in range(FILTER_BEGIN, FILTER_END):
             target[i] = source[i]
-    for i in range(LATE_PLACES.size):
-        target[LATE_PLACES[i]] = source[LATE_PLACES[i]]
+    for i in range(LATE_OFFSETS.size):
+        target[LATE_OFFSETS[i]] = source[LATE_OFFSETS[i]]
 
 
 @kernel
@@ -129,13 +129,13 @@ def is_sound(state: Record) -> bool:
     They are in nearly every tick. Then no number is ``lost``, which asks one by one.
     """
     s = state[0]
-    speeds = places = rates = 0.0
+    speeds = distances = rates = 0.0
     for i in range(6):
         speeds += abs(s.motion[i])
-        places += abs(s.motion[6 + i])
+        distances += abs(s.motion[6 + i])
     for i in range(12):
         rates += abs(s.rates[i])
-    return speeds < MAX_SPEED and places < MAX_DISTANCE and rates < MAX_RATE
+    return speeds < MAX_SPEED and distances < MAX_DISTANCE and rates < MAX_RATE
 
 
 @part
@@ -169,7 +169,7 @@ def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> N
 def update(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> int:
     """Advance ``state`` by one tick.
 
-    Return 0, or 1 + the place in WATCHED_NAMES of what failed. A tick that fails leaves the state
+    Return 0, or 1 + the index in WATCHED_NAMES of what failed. A tick that fails leaves the state
     as it was. Forces see surfaces and propeller as they stand at the start of the tick, and all
     arrive together at its end. A surface moved before the forces would act one step early and take
     the order of the integration away.

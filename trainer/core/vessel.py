@@ -39,7 +39,7 @@ GAINS: Final = [
     "course_rate",
     "course_acceleration",
 ]
-# places in a row of gains: where those of a pair of planes begin, and from there on
+# indices in a row of gains: where those of a pair of planes begin, and from there on
 STERN_GAINS: Final = GAINS.index("stern_depth")
 PLANE_COUNT: Final = len(PLANE_GAINS)
 DEPTH_GAIN: Final = PLANE_GAINS.index("depth")
@@ -116,7 +116,7 @@ VESSEL: Final = record_dtype(
 
 # The strips of a hull whose file has none: ellipsoid nose, parallel middle, cusped tail, prismatic
 # coefficient 0.81 (that of Joubert's BB2); the added masses lie as the displaced mass does.
-STRIP_PLACES: Final = (0.37033, 0.24671, 0.10427, -0.03947, -0.18323, -0.31885, -0.43564)
+STRIP_STATIONS: Final = (0.37033, 0.24671, 0.10427, -0.03947, -0.18323, -0.31885, -0.43564)
 STRIP_SHARES: Final = (0.10849, 0.17622, 0.17638, 0.17948, 0.17638, 0.14648, 0.03657)
 
 
@@ -134,13 +134,13 @@ def _scale(body: Mapping[str, float], power: int) -> float:
     return float(0.5 * body["rho"] * body["ell"] ** power)
 
 
-def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
-    """Return places and three masses of the strips, as shares [-].
+def strips(stations: ArrayLike, *masses: ArrayLike) -> Numbers:
+    """Return stations and three masses of the strips, as shares [-].
 
-    The places are over the length. Each mass is divided by its sum over the strips.
+    The stations are over the length. Each mass is divided by its sum over the strips.
     """
     shares = [np.array(mass) / np.sum(mass) for mass in masses]
-    return np.array([places, *shares])
+    return np.array([stations, *shares])
 
 
 def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
@@ -154,7 +154,7 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
         vessel[name] = body[name]
     vessel["eta_1"], vessel["eta_2"], vessel["eta_whole"] = eta
     centre = body["x_b"] / body["ell"]
-    vessel["strips"] = strips([x + centre for x in STRIP_PLACES], *[STRIP_SHARES] * 3)
+    vessel["strips"] = strips([x + centre for x in STRIP_STATIONS], *[STRIP_SHARES] * 3)
     for name, power in LENGTH_POWERS.items():
         vessel[name] = _scale(body, power) * prime.get(name, 0.0)
     for name in THRUST_KEYS:

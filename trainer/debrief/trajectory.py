@@ -30,7 +30,7 @@ from trainer.config.score_rules import (
     MeasuredQuantity,
     ScoreRule,
 )
-from trainer.core.bottom import SOUNDING_PLACES as STATIONS
+from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import MAX_CASUALTIES

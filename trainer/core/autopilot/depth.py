@@ -55,7 +55,7 @@ SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used in full
 def plane_law(state: Record, gains: Numbers, first: int) -> float:
     """Return a plane angle [rad] without its integral.
 
-    ``first`` is the place where its gains begin.
+    ``first`` is the index where its gains begin.
     """
     s = state[0]
     # in level flight zdot = -u theta: this pitch gives the rate of the reference

@@ -15,9 +15,9 @@ from trainer.core.kernel import Numbers, part
 from trainer.core.state import SECTION_NUMBERS
 
 Section = tuple[float, float, float, float, float]
-B0, B1, B2, A1, A2 = range(SECTION_NUMBERS)  # places of its numbers
+B0, B1, B2, A1, A2 = range(SECTION_NUMBERS)  # indices of its numbers
 SECTION_SIZE: Final = 3  # numbers of a section in the state
-EARLY, LATE, OUTPUT = 0, 1, 2  # their places: two memories, and the output
+EARLY, LATE, OUTPUT = 0, 1, 2  # their indices: two memories, and the output
 MAX_HALF_ANGLE: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
 
 
@@ -63,15 +63,15 @@ def section_in(numbers: Numbers) -> Section:
 
 
 @part
-def pass_section(section: Section, x: float, fresh: bool, place: int, out: Numbers) -> None:  # noqa: FBT001 a fact
-    """Pass ``x`` through a section whose numbers are at ``place`` of ``out``.
+def pass_section(section: Section, x: float, fresh: bool, first: int, out: Numbers) -> None:  # noqa: FBT001 a fact
+    """Pass ``x`` through a section whose numbers are from ``first`` on in ``out``.
 
     A ``fresh`` section begins as if x had stood for a long time.
     """
     b0, b1, b2, a1, a2 = section
     if fresh:
-        out[place + EARLY], out[place + LATE] = (1.0 - b0) * x, (b2 - a2) * x
-    y = b0 * x + out[place + EARLY]
-    out[place + EARLY] = b1 * x - a1 * y + out[place + LATE]
-    out[place + LATE] = b2 * x - a2 * y
-    out[place + OUTPUT] = y
+        out[first + EARLY], out[first + LATE] = (1.0 - b0) * x, (b2 - a2) * x
+    y = b0 * x + out[first + EARLY]
+    out[first + EARLY] = b1 * x - a1 * y + out[first + LATE]
+    out[first + LATE] = b2 * x - a2 * y
+    out[first + OUTPUT] = y

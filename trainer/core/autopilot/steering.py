@@ -51,7 +51,7 @@ def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
 
 @part
 def first_gain(surface: int) -> int:
-    """Return the place [-] of the first gain of a pair of planes."""
+    """Return the index [-] of the first gain of a pair of planes."""
     return STERN_GAINS + PLANE_COUNT * (surface - STERN)
 
 

@@ -31,7 +31,7 @@ MIN_CROSSING_S: Final = 1.5  # [s] between two crossings that count
 LOWER_NOTCH, UPPER_NOTCH = 0.8, 1.25  # [-] of the frequency met, where the notches are
 ZERO_DAMPING, POLE_DAMPING = 0.1, 0.4  # [-] damping ratios of the notches
 NOTCH_SIZE: Final = 2 * SECTION_SIZE  # numbers of a pair's notches in the state
-LOWER, UPPER = 0, SECTION_SIZE  # their places: the notch below the frequency met, and that above
+LOWER, UPPER = 0, SECTION_SIZE  # their indices: the notch below the frequency met, and that above
 # by the frequency met over the loop's own: limits, then gains above, between and below them
 FREQUENCY_LIMITS: Final = (2.0, 1.2)
 SOFT_GAINS: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
@@ -158,13 +158,13 @@ def pass_notches(h: float, scratch: Record, state: Record, surface: int, law: fl
     s, work = state[0], scratch[0]
     if s.wave_share == 0.0:
         return
-    place = NOTCH_SIZE * (surface - STERN)
+    first = NOTCH_SIZE * (surface - STERN)
     damping = work.gains[first_gain(surface) + PITCH_RATE_GAIN] * s.q
     x = work.law_factor * (law - damping) + work.pitch_rate_factor * damping
     fresh = s.wave_share <= h / FADE_TIME_S
-    pass_section(section_in(work.lower_notch), x, fresh, place + LOWER, s.notch)
-    x = s.notch[place + LOWER + OUTPUT]
-    pass_section(section_in(work.upper_notch), x, fresh, place + UPPER, s.notch)
+    pass_section(section_in(work.lower_notch), x, fresh, first + LOWER, s.notch)
+    x = s.notch[first + LOWER + OUTPUT]
+    pass_section(section_in(work.upper_notch), x, fresh, first + UPPER, s.notch)
 
 
 @part

@@ -41,7 +41,7 @@ LOWER, UPPER, SMOOTH = (
     0,
     SECTION_SIZE,
     2 * SECTION_SIZE,
-)  # places of the filter: two notches, the low-pass
+)  # indices of the filter: two notches, the low-pass
 SLOW_FREQUENCY, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
 MAX_SUCTION_ERROR_M: Final = 5.0  # [m] most error for which the growth of suction is counted
 LEARNING_TIME_S: Final = 20.0  # [s] of pumping; where less is ordered the integral learns

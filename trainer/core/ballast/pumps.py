@@ -110,10 +110,10 @@ def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
 def drain(ballast: Record, h: float, state: Record) -> None:
     """Pump out the compartment ordered."""
     s = state[0]
-    place = FIRST_DRY - 1 + int(s.drained)
-    if FIRST_DRY <= place < TANKS_END:
+    tank = FIRST_DRY - 1 + int(s.drained)
+    if FIRST_DRY <= tank < TANKS_END:
         most = sound_rate(ballast, DRAIN_PUMP, state) * h
-        admit(ballast, place, -most * delivery(ballast, s.z), state)
+        admit(ballast, tank, -most * delivery(ballast, s.z), state)
 
 
 @part

@@ -23,7 +23,7 @@ TANKS: Final = (*BLOWN_TANKS, *PUMPED_TANKS, *COMPARTMENTS)
 BANKS: Final = ("main", "emergency")
 PUMPS: Final = ("trim", "drain", "depth_control")
 
-# places in the above
+# indices in the above
 NEGATIVE_TANK = 3
 TRIM_FORWARD, TRIM_AFT, AUXILIARY_TANK, DEPTH_CONTROL = 4, 5, 6, 7
 FIRST_DRY, TANKS_END = 8, 11  # the compartments
@@ -33,7 +33,7 @@ TRIM_PUMP, DRAIN_PUMP, DEPTH_CONTROL_PUMP = 0, 1, 2
 ATMOSPHERIC_PRESSURE: Final = 101325.0  # [Pa] outside, and in a tank or compartment vented inboard
 DISCHARGE_COEFFICIENT: Final = 0.6  # [-] of a sharp-edged hole
 
-HULL_STATIONS: Final = 5  # places along the hull at which its buoyancy at the surface is found
+HULL_STATIONS: Final = 5  # stations along the hull at which its buoyancy at the surface is found
 MAX_DENSITY_LAYERS: Final = 4  # most points of the density profile
 
 BALLAST_FIELDS: Final[tuple[Field, ...]] = (

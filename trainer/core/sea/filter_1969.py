@@ -33,7 +33,7 @@ SIMILAR_FREQUENCIES: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g
 # wind [kn], w_L [rad/s], w_H [rad/s]
 WIND, CORNERS = 0, 1
 WIND_TABLE: Final = np.array([[35.0, 0.48, 0.27], [40.0, 0.43, 0.24], [45.0, 0.39, 0.21]])
-# places in the memory: three high-pass sections, then the low-pass, each with two numbers
+# indices in the memory: three high-pass sections, then the low-pass, each with two numbers
 LOW_PASS: Final = 6
 LAST_BUT_ONE: Final = 1
 ELEVATION_POWER, QUADRATURE_POWER = 6, 7  # of x, in the numerators of the two outputs

@@ -68,8 +68,8 @@ TAPER_DIAMETERS: Final = (
 ROWS_PER_TURN: Final = 3.0  # [1/rad] rows of the strips' table for each radian of k L cos chi
 LAST_TRUE: Final = 72  # row of the table, 24 rad, beyond which it fades to zero
 SUM_NUMBERS: Final = 4  # of each sum over strips
-COS, SIN, X_COS, X_SIN = 0, 1, 2, 3  # their places
-PLACE, SHARES = 0, 1  # rows of the strips: x over the length, then three shares
+COS, SIN, X_COS, X_SIN = 0, 1, 2, 3  # their indices
+STATION, SHARES = 0, 1  # rows of the strips: x over the length, then three shares
 SURGE, SWAY, SWAY_ADDED, HEAVE, HEAVE_ADDED, PITCH, PITCH_ADDED = range(7)  # sums over the waves
 YAW, YAW_ADDED, RISE, SWING, FLOW = range(7, 12)
 # ln of the integral of S(x) x^n exp(-2 kappa x^2) over the Pierson-Moskowitz spectrum, n 4 and 6,
@@ -156,7 +156,7 @@ def are_summed(vessel: Record, scratch: Record) -> bool:
 def add_strip(row: int, strip: int, scratch: Record) -> None:
     """Add a strip to the sums of a row of the table."""
     work = scratch[0]
-    x = work.strips_of[PLACE, strip]
+    x = work.strips_of[STATION, strip]
     turn_cos, turn_sin = cosine_and_sine(row / ROWS_PER_TURN * x)
     for kind in range(3):
         share = kept(row) * work.strips_of[SHARES + kind, strip]

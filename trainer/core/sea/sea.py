@@ -19,7 +19,7 @@ from trainer.core.sea.filter_1969 import advance_filter, filter_noise, prepare_f
 from trainer.core.sea.wave_filter import advance_clock, begin_filter, read_outputs
 from trainer.core.state import SEA_QUANTITIES
 
-# places of the SEA_QUANTITIES in an order, and of the taper after them
+# indices of the SEA_QUANTITIES in an order, and of the taper after them
 HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION = range(6)
 OLD, PEAKED, TAPER = range(6, len(SEA_QUANTITIES) + 1)
 FULL_TURN: Final = 6.283185307179586

@@ -34,7 +34,7 @@ WARM_UP: Final = 600  # internal steps after which e^-12 of the slowest mode is 
 STEEPEST_TURN: Final = 1.3  # [rad] of the peak wave in a tick; up to it all bands are there
 RAISED_PEAKEDNESS: Final = 1.8  # [-] peakedness beyond which the peaked bank is nearer: estimate
 OUTPUT_COUNT: Final = 4  # elevation, quadrature, and the force's two
-COS, SIN, PUSH_COS, PUSH_SIN = range(OUTPUT_COUNT)  # their places; the first two in a pair's rows
+COS, SIN, PUSH_COS, PUSH_SIN = range(OUTPUT_COUNT)  # their indices; the first two in a pair's rows
 # [-] k_p z of the rows
 FORCE_DEPTHS: Final = np.array([0.0, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0])
 
@@ -220,22 +220,22 @@ def choose_rows(bank: int, row: int, inside: float, scratch: Record) -> None:
 
 
 @part
-def add_outputs(bank: int, size: float, place: int, scratch: Record, state: Record) -> None:
+def add_outputs(bank: int, size: float, row: int, scratch: Record, state: Record) -> None:
     """Add ``size`` times the outputs of a bank to the history.
 
-    ``place`` is their place in it. Sums in registers cost half of those in the record.
+    ``row`` is theirs in it. Sums in registers cost half of those in the record.
     """
     s, work = state[0], scratch[0]
-    wave_cos, wave_sin = s.sea_past[place, COS], s.sea_past[place, SIN]
-    push_cos, push_sin = s.sea_past[place, PUSH_COS], s.sea_past[place, PUSH_SIN]
+    wave_cos, wave_sin = s.sea_past[row, COS], s.sea_past[row, SIN]
+    push_cos, push_sin = s.sea_past[row, PUSH_COS], s.sea_past[row, PUSH_SIN]
     for i in range(8):
         x = size * s.sea_modes[bank, i]
         wave_cos += WAVE_ROWS[bank, i, COS] * x
         wave_sin += WAVE_ROWS[bank, i, SIN] * x
         push_cos += work.force_rows[bank, i, COS] * x
         push_sin += work.force_rows[bank, i, SIN] * x
-    s.sea_past[place, COS], s.sea_past[place, SIN] = wave_cos, wave_sin
-    s.sea_past[place, PUSH_COS], s.sea_past[place, PUSH_SIN] = push_cos, push_sin
+    s.sea_past[row, COS], s.sea_past[row, SIN] = wave_cos, wave_sin
+    s.sea_past[row, PUSH_COS], s.sea_past[row, PUSH_SIN] = push_cos, push_sin
 
 
 @part
@@ -245,13 +245,13 @@ def note_outputs(step: int, scratch: Record, state: Record) -> None:
     Each bank counts by its share.
     """
     s = state[0]
-    place = step & 3
+    row = step & 3
     for j in range(OUTPUT_COUNT):
-        s.sea_past[place, j] = 0.0
+        s.sea_past[row, j] = 0.0
     if s.sea_peaked < 1.0:
-        add_outputs(0, math.sqrt(1.0 - s.sea_peaked), place, scratch, state)
+        add_outputs(0, math.sqrt(1.0 - s.sea_peaked), row, scratch, state)
     if s.sea_peaked > 0.0:
-        add_outputs(1, math.sqrt(s.sea_peaked), place, scratch, state)
+        add_outputs(1, math.sqrt(s.sea_peaked), row, scratch, state)
 
 
 @kernel
