@@ -23,7 +23,7 @@ def is_moving(state: Record) -> bool:
 
 @part
 def carry_along(state: Record) -> None:
-    """Add the current to the rates of x and y, and its shear to the accelerations."""
+    """Add the current to the rates of x and y, its shear to the accelerations."""
     s = state[0]
     s.xdot += s.water_north + s.shear_north * s.z
     s.ydot += s.water_east + s.shear_east * s.z

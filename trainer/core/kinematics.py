@@ -70,7 +70,7 @@ def guard_cosine(cos_theta: float) -> float:
 
 @part
 def kinematics(attitude: Attitude, state: Record) -> None:
-    """Write the rates of attitude and of x, y, z through the water, [ASSES] (7), A16-A19."""
+    """Write the rates of attitude and of x, y, z, [ASSES] (7), errata A16-A19."""
     s = state[0]
     sin_phi, cos_phi, sin_th, cos_th = attitude
     cos_psi, sin_psi = cosine_and_sine(s.psi)
