@@ -17,6 +17,7 @@ from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
 from trainer.session.crew import CrewTalk
 from trainer.session.header import header_of
+from trainer.session.manning import HandWork
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 
@@ -42,7 +43,7 @@ def record(
     timed = crew.items() if isinstance(crew, Mapping) else crew
     given_at = [(round(second / plan.method.step), text) for second, text in timed]
 
-    talk = CrewTalk(boat)
+    talk = CrewTalk(boat, HandWork(boat))
 
     def give(by: Giver, order: Order, number: int | None) -> None:
         entry = recording.order(boat.ticks, by, order.text, number)

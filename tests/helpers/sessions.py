@@ -13,6 +13,7 @@ from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
+from trainer.session.manning import HandWork
 from trainer.session.parts import Monitors
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.subscriptions import Sender
@@ -33,11 +34,11 @@ def session_over(
     wake: threading.Event | None = None,
     by_hand: dict[str, Any] | None = None,
 ) -> Session:
-    """Return a session of a boat; ``by_hand`` is what CrewTalk is told of the exercise."""
+    """Return a session of a boat; ``by_hand`` is what HandWork is told of the exercise."""
     return Session(
         *(boat, time, history, sending),
         Agenda(boat, schedule, armed),
-        CrewTalk(boat, **(by_hand or {})),
+        CrewTalk(boat, HandWork(boat, **(by_hand or {}))),
         Monitors.over(boat, monitor or LimitMonitor()),
         wake or threading.Event(),
         introduction,

@@ -189,7 +189,7 @@ def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begi
 
 def test_what_the_crew_has_in_hand_is_not_given_away_by_a_plan(crewed: Begin) -> None:
     ship = crewed(seconds=None)
-    ship.session.crew.hand = frozenset({"planes"})
+    ship.session.crew.work.hand = frozenset({"planes"})
     ship.order("in 1 depth 90")
     ship.fly(4)
     assert ship.boat.state.ordered_depth == 60.0

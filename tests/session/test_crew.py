@@ -20,6 +20,7 @@ from trainer.io.recording.recording import Recording
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
+from trainer.session.manning import HandWork
 from trainer.session.standing import StandRecord
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
@@ -202,7 +203,9 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
     session = here.session
     for jump in ("backtrack 2 s", "branch 1", "backtrack 5 s", "reset", "branch 3", "branch 1"):
         here.say("instructor", jump)
-        afresh = StandRecord(CrewTalk(here.boat), Agenda(here.boat), session.history)
+        afresh = StandRecord(
+            CrewTalk(here.boat, HandWork(here.boat)), Agenda(here.boat), session.history
+        )
         afresh.follow(session.history.now())
         assert session.crew.talk == afresh.crew.talk, jump
         assert session.agenda.plans == afresh.agenda.plans, jump

@@ -29,7 +29,7 @@ CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes th
     ),
     "ExerciseEnd": ("LossMonitor",),
     "HullWatch": ("GroundMonitor",),
-    "StandRecord": ("CrewTalk", "PumpMonitor", "Agenda"),
+    "StandRecord": ("CrewTalk", "HandWork", "PumpMonitor", "Agenda"),
     "EventLog": ("OwnAlerts",),
 }
 LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not follow

@@ -62,7 +62,7 @@ class Attendance:
 
     def greet(self, station: Station) -> None:
         """Send a station its briefing, and some orders that it may give."""
-        for line in (*self._briefed(station), hint(station.role, self.crew.hand)):
+        for line in (*self._briefed(station), hint(station.role, self.crew.work.hand)):
             station.line.send(line)
 
     def brief(self, asked: Request) -> LongAnswer:
@@ -143,7 +143,7 @@ class Attendance:
         """Return the facts of the exercise at this moment, as keys and values."""
         role, seconds = station.role, self.history.boat.time
         facts = [*self.introduction.exercise.facts(role, seconds)]
-        facts += self.crew.conditions(role.name)
+        facts += self.crew.work.conditions(role.name)
         if role is TRAINEE_ROLE and (done := self.conduct.training.lessons_done()):
             facts.append(("done", done))
         return facts

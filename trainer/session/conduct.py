@@ -40,7 +40,7 @@ class Conduct:
         self.control = control
         self.work = BackgroundTask(wake)
         self.command = Command(log, wake)
-        self.company = Company(log, self.command, shown.crew.hand)
+        self.company = Company(log, self.command, shown.crew.work.hand)
         self.chair = Chair(log, history)
         self.past = PastReader(history, self.work, log)
         self.aids = Aids(history, log, shown, self.work, self.past)

@@ -13,7 +13,7 @@ boat. Where the watch itself gives an order, such as rudder amidships when a swi
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
@@ -21,9 +21,7 @@ from trainer.boat.ballast_orders import PumpMonitor
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
 from trainer.boat.crew_orders import ordered_fact, standing_order
-from trainer.boat.depths import DepthGuard
 from trainer.boat.helm import obey_order
-from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.io.recording.facts import (
@@ -35,7 +33,14 @@ from trainer.io.recording.facts import (
     Giver,
     meeting,
 )
-from trainer.session.manning import BY_HAND, REPEATING_ROLES, WORDS_AXIS, axis_of, in_hand
+from trainer.session.manning import (
+    PLANE_AXES,
+    REPEATING_ROLES,
+    WORDS_AXIS,
+    HandWork,
+    axis_of,
+    in_order,
+)
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Saying
 
@@ -43,7 +48,6 @@ REPEAT_TIMEOUT_S: Final = 10.0  # [s] without a repeat, after which the order is
 RUDDER_AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 # [rad], [m]: closer than this an order counts as carried out, and neither way is wrong.
 REACHED_MARGINS: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}
-PLANE_AXES: Final = ("stern", "bow", "lever")
 WORKED_AXES: Final = {"course": ("rudder",), "depth": PLANE_AXES, "pitch": PLANE_AXES}
 STEERING_WORDS: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
 MOVING_WORDS: Final = frozenset(PLANE_AXES) | STEERING_WORDS
@@ -107,11 +111,7 @@ class CrewTalk:
     """The orders to the crew that stand now, and the repeats and reports about them."""
 
     boat: Boat
-    hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
-    hand_from: float = 0.0  # [s]
-    allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
-    guard: DepthGuard = field(default_factory=DepthGuard)
-    freed: set[str] = field(default_factory=set)  # axes that the instructor has let be automatic
+    work: HandWork
     due: float = math.inf  # [tick] at which a repeat is next found missing
     pumps: PumpMonitor = field(default_factory=PumpMonitor)  # what is to be reported of them
     meeting: Giver | None = None  # who has said "meet her", while the boat still swings
@@ -154,7 +154,9 @@ class CrewTalk:
             return f"told: {order.subject}"
         if order.name == "report":
             return "reported"
-        return self._allow(order.word) if order.name == "allow" else self._aye(order, role)
+        if order.name == "allow":
+            return self.work.allow(order.word)
+        return self._aye(order, role)
 
     def meant(self, order: Order) -> Order:
         """Return the order that ``belay`` stands for.
@@ -171,7 +173,7 @@ class CrewTalk:
     def fact_of(self, order: Order, role: str) -> CrewFact:
         """Return the crew fact of an order that was just obeyed."""
         if order.name == "aye":
-            repeat = self._find(order.subject, role)
+            repeat = find_repeated(self.talk.spoken, order.subject, role)
             if isinstance(repeat, Refused):
                 return NO_CREW_FACT
             news = CrewNews.REPEATED if repeat.right else CrewNews.WRONG_REPEAT
@@ -203,11 +205,12 @@ class CrewTalk:
     @property
     def talk(self) -> Talk:
         """Return a copy of the talk as it stands now."""
-        return Talk(tuple(self._spoken.values()), frozenset(self.freed), self.meeting)
+        return Talk(tuple(self._spoken.values()), frozenset(self.work.freed), self.meeting)
 
     def put_back(self, talk: Talk, tick: int) -> None:
         """Put back the talk of another moment, at its tick, because time has jumped."""
-        self.freed, self.meeting = set(talk.freed), talk.meeting
+        self.work.put_back(talk.freed)
+        self.meeting = talk.meeting
         self._spoken = {
             spoken.axis: replace(spoken, reminded=self._late_at(spoken) <= tick)
             for spoken in talk.spoken
@@ -242,7 +245,7 @@ class CrewTalk:
 
     def _aye(self, order: Order, role: str) -> Reply:
         """Answer a repeat."""
-        spoken = self._find(order.subject, role)
+        spoken = find_repeated(self.talk.spoken, order.subject, role)
         if isinstance(spoken, Refused):
             return spoken
         if spoken.right:
@@ -251,7 +254,7 @@ class CrewTalk:
 
     def _repeated(self, order: Order, role: str) -> list[CrewMessage]:
         """Mark an order as repeated, or report that the repeat was wrong."""
-        match = self._find(order.subject, role)
+        match = find_repeated(self.talk.spoken, order.subject, role)
         if isinstance(match, Refused):
             return []
         spoken, right = match
@@ -263,29 +266,6 @@ class CrewTalk:
         words = f"{order.subject}; {spoken.told}"
         text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [CrewMessage("crew", text, Fact("wrong-repeat", words))]
-
-    def _find(self, words: str, role: str) -> Repeat | Refused:
-        """Return the order that words repeat, the newest where there are no words.
-
-        An instructor who is alone on board repeats what the schedule has ordered.
-        """
-        new = [
-            spoken
-            for spoken in reversed(self._spoken.values())
-            if not spoken.repeated
-            and spoken.by != role
-            and role in (*REPEATING_ROLES[spoken.axis], INSTRUCTOR_ROLE.name)
-        ]
-        if not new:
-            return Refused("there is no new order to repeat")
-        if not words:
-            return Repeat(new[0], right=True)
-        said = said_order(words)
-        axis = axis_of(said) if said else WORDS_AXIS  # other words can only repeat words
-        matches = [each for each in new if each.axis == axis]
-        if not matches:
-            return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
-        return Repeat(matches[0], right=is_repeated(words, matches[0]))
 
     # What is missing or wrong
 
@@ -303,10 +283,10 @@ class CrewTalk:
             if any(attends(role) for role in REPEATING_ROLES[spoken.axis] if role != spoken.by):
                 text = f"NOT REPEATED in {REPEAT_TIMEOUT_S:g} s: {spoken.says}"
                 messages.append(CrewMessage("crew", text, Fact("crew-order", spoken.told)))
-        if self._taken_at == tick:
-            axes = ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.hand)
-            words = f"by hand from now on: {axes.replace(',', ', ')}"
-            messages.append(CrewMessage("crew", words, Fact("exercise", f"hand={axes}")))
+        if self.work.taken_at == tick:
+            axes = in_order(self.work.hand)
+            words = f"by hand from now on: {', '.join(axes)}"
+            messages.append(CrewMessage("crew", words, Fact("exercise", f"hand={','.join(axes)}")))
         messages += [pump_text(*each) for each in self.pumps.look(self.boat)]
         self._look_ahead(tick)
         return messages
@@ -321,29 +301,13 @@ class CrewTalk:
             spoken = self._spoken.get(axis)
             if spoken is None or spoken.begun or order.name not in surfaces:
                 continue
-            to_go = self._to_go(axis)
+            to_go = left_to_go(self.boat, axis)
             if self._late_at(spoken) >= self.boat.ticks and to_go * order.value < 0.0:
                 text = f"WRONG WAY: {role}: {order.text}; ordered is {spoken.told}"
                 return [
                     CrewMessage("watch", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))
                 ]
         return []
-
-    def _to_go(self, axis: str) -> float:
-        """Return what is still to go [rad, m], right or rise positive; 0 if in doubt."""
-        standing = standing_order(self.boat, axis)
-        if standing is None:
-            return 0.0
-        shown = instrument_readings(self.boat)
-        if axis == "course":
-            to_go = standing.value - shown.heading
-            to_go = to_go if standing.side else math.remainder(to_go, math.tau)
-            # Without an ordered side a course nearly astern may be reached by either way round.
-            clear = standing.side or abs(to_go) < math.pi - REACHED_MARGINS[axis]
-            return to_go if clear and abs(to_go) > REACHED_MARGINS[axis] else 0.0
-        now = -shown.depth if axis == "depth" else float(self.boat.state.theta)
-        to_go = (-standing.value if axis == "depth" else standing.value) - now
-        return to_go if abs(to_go) > REACHED_MARGINS[axis] else 0.0
 
     def _moved(self, order: Order, role: str) -> list[CrewMessage]:
         """Note that a surface was moved, and whether the helm now meets a swing."""
@@ -356,93 +320,84 @@ class CrewTalk:
 
     def due_by_hand(self) -> StationOrder | None:
         """Return the order that is due after this tick: rudder amidships, or the guard's."""
-        if self.meeting and self._swing_met():
+        if self.meeting and is_swing_met(self.boat):
             return StationOrder(f"{self.meeting}: swing met", self.meeting, RUDDER_AMIDSHIPS)
-        order = self.guard.order(self.boat)
-        return (
-            StationOrder(GUARD_GIVER.words, GUARD_GIVER, order) if order and self._guarded else None
-        )
-
-    def _swing_met(self) -> bool:
-        """Return whether the swing that is being met has stopped."""
-        s = self.boat.state
-        rudder = self.boat.toward["rudder"] * float(s.ordered_r)
-        # The rudder is laid against the swing: once the boat turns the rudder's way, it is over.
-        return rudder * float(s.psidot) >= 0.0
-
-    @property
-    def _guarded(self) -> bool:
-        """Return whether the guard may take the planes: only where they must be worked by hand."""
-        return "planes" in self.worked
+        order = self.work.guard_depth()
+        return StationOrder(GUARD_GIVER.words, GUARD_GIVER, order) if order else None
 
     def _late_at(self, spoken: CrewOrder) -> float:
         """Return the tick at which a missing repeat is reported."""
         return spoken.tick + self.boat.ticks_in(REPEAT_TIMEOUT_S)
 
-    @property
-    def _taken_at(self) -> float:
-        """Return the tick at which the crew takes its axes in hand, 0 for the start."""
-        return self.boat.ticks_in(self.hand_from) if self.hand else 0
-
     def _look_ahead(self, tick: int | None = None) -> None:
         """Set ``due``, the next tick at which ``missing`` has a message."""
         now = self.boat.ticks if tick is None else tick
         waiting = (each for each in self._spoken.values() if not (each.repeated or each.reminded))
-        ticks = [*map(self._late_at, waiting), *([self._taken_at] if self._taken_at > now else [])]
+        taken_at = self.work.taken_at
+        ticks = [*map(self._late_at, waiting), *([taken_at] if taken_at > now else [])]
         ticks += [now + 1] if self.pumps.asked else []
         self.due = min(ticks, default=math.inf)
 
-    # Who steers what
-
-    @property
-    def in_force(self) -> frozenset[str]:
-        """Return the axes that the exercise has had worked by hand since ``hand_from``."""
-        return self.hand if self.boat.time >= self.hand_from else frozenset()
-
-    @property
-    def worked(self) -> frozenset[str]:
-        """Return the axes that nobody may give to the autopilot."""
-        return self.in_force - self.freed
-
-    def conditions(self, role: str) -> list[tuple[str, str]]:
-        """Return the keys and values that tell programs which axes are worked by hand."""
-        later = self.hand_from > 0.0 and role == INSTRUCTOR_ROLE.name
-        values = {
-            "hand-from": f"{self.hand_from:g}" if later else "",
-            "hand": ",".join(axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in self.in_force),
-            "allowed": ",".join(sorted(self.allowed | self.freed)) if self.in_force else "",
-            "free": "yes" if self.freed else "",
-        }
-        return [(key, value) for key, value in values.items() if value]
-
-    def in_hand(self, order: Order) -> Refused | None:
-        """Return why work by hand forbids an automatic order, None if it does not.
-
-        An order to the planes is refused while the depth guard holds them.
-        """
-        if self._guarded and order.name in (*PLANE_AXES, "planes") and self.guard.holds(self.boat):
-            deepest = self.guard.deepest
-            return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
-        taken = in_hand(order, self.worked, self.allowed)
-        return Refused(f"{taken.why}, or the instructor says allow {taken.axis}") if taken else None
-
-    def _allow(self, axis: str) -> Reply:
-        """Answer the order that allows an axis to be automatic."""
-        says, _ = BY_HAND[axis]
-        if axis not in self.hand:
-            return Refused(f"{says} not in hand in this exercise: nothing is to be allowed")
-        if axis in self.freed:
-            return Refused(f"{axis} may be automatic already")
-        return f"{axis} may be automatic; the run is free: it has no marks"
-
     def _freed(self, axis: str) -> list[CrewMessage]:
-        self.freed.add(axis)
+        self.work.free(axis)
         free = f"{axis} may be automatic: the run is free, flown without marks"
-        axes = ",".join(sorted(self.allowed | self.freed))
         return [
             CrewMessage("exercise", free, Fact("exercise", "free=yes")),
-            CrewMessage("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={axes}")),
+            CrewMessage(
+                "crew",
+                f"{axis} may be automatic",
+                Fact("exercise", f"allowed={self.work.automatic}"),
+            ),
         ]
+
+
+def find_repeated(spoken: Sequence[CrewOrder], words: str, role: str) -> Repeat | Refused:
+    """Return which of the orders words repeat, the newest where there are no words.
+
+    An instructor who is alone on board repeats what the schedule has ordered.
+    """
+    new = [
+        each
+        for each in reversed(spoken)
+        if not each.repeated
+        and each.by != role
+        and role in (*REPEATING_ROLES[each.axis], INSTRUCTOR_ROLE.name)
+    ]
+    if not new:
+        return Refused("there is no new order to repeat")
+    if not words:
+        return Repeat(new[0], right=True)
+    said = said_order(words)
+    axis = axis_of(said) if said else WORDS_AXIS  # other words can only repeat words
+    matches = [each for each in new if each.axis == axis]
+    if not matches:
+        return Refused(f'"{words}" repeats no order; the new order is {new[0].says}: say aye')
+    return Repeat(matches[0], right=is_repeated(words, matches[0]))
+
+
+def left_to_go(boat: Boat, axis: str) -> float:
+    """Return what is still to go [rad, m], right or rise positive; 0 if in doubt."""
+    standing = standing_order(boat, axis)
+    if standing is None:
+        return 0.0
+    shown = instrument_readings(boat)
+    if axis == "course":
+        to_go = standing.value - shown.heading
+        to_go = to_go if standing.side else math.remainder(to_go, math.tau)
+        # Without an ordered side a course nearly astern may be reached by either way round.
+        clear = standing.side or abs(to_go) < math.pi - REACHED_MARGINS[axis]
+        return to_go if clear and abs(to_go) > REACHED_MARGINS[axis] else 0.0
+    now = -shown.depth if axis == "depth" else float(boat.state.theta)
+    to_go = (-standing.value if axis == "depth" else standing.value) - now
+    return to_go if abs(to_go) > REACHED_MARGINS[axis] else 0.0
+
+
+def is_swing_met(boat: Boat) -> bool:
+    """Return whether the swing that is being met has stopped."""
+    s = boat.state
+    rudder = boat.toward["rudder"] * float(s.ordered_r)
+    # The rudder is laid against the swing: once the boat turns the rudder's way, it is over.
+    return rudder * float(s.psidot) >= 0.0
 
 
 def report_text(order: Order, role: str) -> list[CrewMessage]:

@@ -196,7 +196,7 @@ def frozen_gate(order: Order, _station: Station | None, session: Parts) -> Refus
 
 def hand_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
     """Return that the axis which an order makes automatic has to be worked by hand."""
-    return session.crew.in_hand(order)
+    return session.crew.work.refuse(order)
 
 
 def replay_gate(order: Order, _station: Station | None, session: Parts) -> Refused | None:
@@ -411,7 +411,7 @@ class Dispatch:
         if isinstance(answer, Refused):
             return []
         manned = log.attended_by_others(station)
-        return list(filter(None, [unheard(order, crew.worked, crew.allowed, manned)]))
+        return list(filter(None, [unheard(order, crew.work.worked, crew.work.allowed, manned)]))
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Tell the others of an order and its answer; after a jump also the orders that wait."""

@@ -2,16 +2,19 @@
 
 Such an axis may not be given to the autopilot, because the crew is to learn to work it. An order to
 the crew, such as a course, has to be carried out by a person, who needs the axis that steers it
-(the rudder). ``dispatch`` refuses orders by these functions, and says who should obey when nobody
-mans the axis.
+(the rudder). ``HandWork`` knows what is in hand as time goes on. ``dispatch`` refuses orders by it,
+and says who should obey when nobody mans the axis.
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.boat.boat import Boat
+from trainer.boat.depths import DepthGuard
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
-from trainer.io.orders.grammar import Order, parse, to_the_autopilot
-from trainer.session.stations.roles import CREW_ROLES, ROLES, TRAINEE
+from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_autopilot
+from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, TRAINEE
 
 WORDS_AXIS: Final = "words"  # the axis of an order in words
 STEERING_ROLES: Final = ("helm", "pilot", TRAINEE)
@@ -34,11 +37,96 @@ BY_HAND: Final = {
 STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}
 
 
+PLANE_AXES: Final = ("stern", "bow", "lever")
+
+
 class HandAxis(NamedTuple):
     """An axis that is worked by hand, and why the autopilot may not have it."""
 
     axis: str
     why: str
+
+
+@dataclass
+class HandWork:
+    """The axes that the exercise has worked by hand, and those that the instructor has let go."""
+
+    boat: Boat
+    hand: frozenset[str] = frozenset()  # of AUTOMATIC_ORDERS_BY_AXIS
+    hand_from: float = 0.0  # [s]
+    allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
+    guard: DepthGuard = field(default_factory=DepthGuard)
+    freed: set[str] = field(default_factory=set)  # axes that may be automatic after all
+
+    @property
+    def taken_at(self) -> float:
+        """Return the tick at which the crew takes its axes in hand, 0 for the start."""
+        return self.boat.ticks_in(self.hand_from) if self.hand else 0
+
+    @property
+    def in_force(self) -> frozenset[str]:
+        """Return the axes that the exercise has had worked by hand since ``hand_from``."""
+        return self.hand if self.boat.time >= self.hand_from else frozenset()
+
+    @property
+    def worked(self) -> frozenset[str]:
+        """Return the axes that nobody may give to the autopilot."""
+        return self.in_force - self.freed
+
+    @property
+    def automatic(self) -> str:
+        """Return all that may be automatic all the same, with commas."""
+        return ",".join(sorted(self.allowed | self.freed))
+
+    def conditions(self, role: str) -> list[tuple[str, str]]:
+        """Return the keys and values that tell programs which axes are worked by hand."""
+        later = self.hand_from > 0.0 and role == INSTRUCTOR_ROLE.name
+        values = {
+            "hand-from": f"{self.hand_from:g}" if later else "",
+            "hand": ",".join(in_order(self.in_force)),
+            "allowed": self.automatic if self.in_force else "",
+            "free": "yes" if self.freed else "",
+        }
+        return [(key, value) for key, value in values.items() if value]
+
+    def refuse(self, order: Order) -> Refused | None:
+        """Return why work by hand forbids an automatic order, None if it does not.
+
+        An order to the planes is refused while the depth guard holds them.
+        """
+        planes = order.name in (*PLANE_AXES, "planes")
+        if planes and "planes" in self.worked and self.guard.holds(self.boat):
+            deepest = self.guard.deepest
+            return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
+        taken = in_hand(order, self.worked, self.allowed)
+        return Refused(f"{taken.why}, or the instructor says allow {taken.axis}") if taken else None
+
+    def allow(self, axis: str) -> Reply:
+        """Answer the order that allows an axis to be automatic."""
+        says, _ = BY_HAND[axis]
+        if axis not in self.hand:
+            return Refused(f"{says} not in hand in this exercise: nothing is to be allowed")
+        if axis in self.freed:
+            return Refused(f"{axis} may be automatic already")
+        return f"{axis} may be automatic; the run is free: it has no marks"
+
+    def free(self, axis: str) -> None:
+        """Let an axis be automatic."""
+        self.freed.add(axis)
+
+    def put_back(self, freed: Collection[str]) -> None:
+        """Put back the axes that were let go at another moment, because time has jumped."""
+        self.freed = {*freed}
+
+    def guard_depth(self) -> Order | None:
+        """Return the order by which the guard takes the planes, where these are in hand."""
+        order = self.guard.order(self.boat)
+        return order if "planes" in self.worked else None
+
+
+def in_order(axes: Collection[str]) -> list[str]:
+    """Return axes in the order in which people are told of them."""
+    return [axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in axes]
 
 
 def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> HandAxis | None:

@@ -70,7 +70,7 @@ class Parts:
         self.shown = ScreenOutput(self.history, self.time, self.crew, self.sending)
         self.conduct = Conduct(self.control, self.event_log, self.shown, self.wake.set)
         self.evaluation = Evaluation(
-            *(self.history, self.event_log, self.conduct.work, self.crew.in_hand),
+            *(self.history, self.event_log, self.conduct.work, self.crew.work.refuse),
             over=lambda: self.conduct.ending.over or self.control.failure,
         )
         self.shown.seen = self.evaluate_frozen

@@ -67,7 +67,7 @@ class QuietTicks:
         sending, conduct, crew = session.sending, session.conduct, session.crew
         heard = log.stations or not isinstance(sending, PromptSender) or not sending.roster.empty
         shown = session.history.flown.shows_way
-        guarded = crew.meeting or not math.isinf(crew.guard.deepest) or session.agenda.planned
+        guarded = crew.meeting or not math.isinf(crew.work.guard.deepest) or session.agenda.planned
         recording = session.history.recording
         troubled = conduct.ending.watched or recording.trouble or recording.behind
         return bool(heard or shown or guarded or troubled or conduct.guide.steps)

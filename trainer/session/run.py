@@ -37,7 +37,7 @@ from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
 from trainer.session.header import header_of
 from trainer.session.history import History
-from trainer.session.manning import in_hand
+from trainer.session.manning import HandWork, in_hand
 from trainer.session.marks import DebriefSource
 from trainer.session.options import RunOptions
 from trainer.session.page_server import PageServer, serving_pages
@@ -302,7 +302,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
 def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
     """Return the crew's talk before any word, with the axes that are worked by hand."""
     hand, allowed = frozenset(plan.hand), frozenset(plan.allowed)
-    return CrewTalk(boat, hand, plan.hand_from, allowed, plan.guard)
+    return CrewTalk(boat, HandWork(boat, hand, plan.hand_from, allowed, plan.guard))
 
 
 def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:

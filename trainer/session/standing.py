@@ -14,6 +14,7 @@ from trainer.io.recording.recording import Moment
 from trainer.session.agenda import Agenda, Plans
 from trainer.session.crew import CREW_WORDS, CrewTalk, Talk
 from trainer.session.history import History
+from trainer.session.manning import HandWork
 
 Stand = tuple[Talk, Plans]
 EMPTY_STAND: Stand = Talk(), Plans()
@@ -53,7 +54,8 @@ class StandRecord:
 
     def _read(self) -> None:
         """Understand the journal's orders again, up to the last that the state includes."""
-        crew, agenda = CrewTalk(self.crew.boat), Agenda(self.agenda.boat)
+        boat = self.crew.boat
+        crew, agenda = CrewTalk(boat, HandWork(boat)), Agenda(boat)
         for entry in self.history.said():
             order = parse(entry.text)
             taken = entry.accepted is not False

@@ -23,6 +23,7 @@ from trainer.io.tables import MOTION_COLUMNS, CsvFile
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
 from trainer.session.history import History
+from trainer.session.manning import HandWork
 from trainer.session.parts import Monitors
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
@@ -62,7 +63,7 @@ def session_of(
         History(boat, recording),
         publisher,
         Agenda(boat),
-        CrewTalk(boat),
+        CrewTalk(boat, HandWork(boat)),
         Monitors.over(boat, LimitMonitor()),
     )
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
