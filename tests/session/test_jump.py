@@ -43,6 +43,7 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
     "the present moment is shown anew": ("ScreenOutput", "StateReader", "PastReader"),
     "the machine's time goes on": (
         *("Alarm", "FreePacer", "Timekeeping", "SlipJudge", "Ledger", "Histogram", "QuietTicks"),
+        "OrderAllowance",
     ),
     "what goes on beside the ticks comes to its end": ("BackgroundTask", "Session"),
     "a jump is barred while it shows the way": ("Demonstration",),

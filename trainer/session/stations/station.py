@@ -119,6 +119,26 @@ class WordCounts:
     guesses: int = 0  # wrong tokens
 
 
+class OrderAllowance:
+    """The number of orders that a line may still give now (a token bucket)."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._since = clock()
+        self.left = float(ORDERS_AT_ONCE)
+
+    def refill(self) -> None:
+        """Add the orders that the time since the last call allows."""
+        now = self._clock()
+        self.left = min(self.left + (now - self._since) * ORDERS_A_SECOND, ORDERS_AT_ONCE)
+        self._since = now
+
+    @property
+    def wait(self) -> float:
+        """Return the time [s] until one more order may be given."""
+        return (1.0 - self.left) / ORDERS_A_SECOND
+
+
 class Station:
     """One attached line, from its coming to its going."""
 
@@ -142,8 +162,7 @@ class Station:
         self.settled = access.role is not None  # it is known for good what the line is
         self._log = log
         self._clock = clock
-        self._refilled = clock()
-        self._orders_left = float(ORDERS_AT_ONCE)
+        self._allowance = OrderAllowance(clock)
         self._flooding = False  # it was logged that orders wait
         # It does not refer to this station, which is therefore freed as soon as it is dropped.
         self._log_hidden: Log = lambda kind, text: log(kind, access.hide(text))
@@ -194,9 +213,10 @@ class Station:
         What comes after an order is heard once that has been answered.
         """
         self._noise.settle()
-        self._refill()
+        self._allowance.refill()
+        self.held_up = 0.0
         self._answer_late()
-        allowed = min(most, int(self._orders_left))
+        allowed = min(most, int(self._allowance.left))
         lines = self.line.take(allowed) if allowed else []
         self.waiting = len(lines) == allowed
         if not allowed:
@@ -278,8 +298,9 @@ class Station:
             order = to_the_crew(order)
         if refused := refusal(self.role, order):
             guessed = self.role is STRANGER_ROLE and self.counts.guesses
-            told = f"{refused.reason}{self._other_chair(order)}"
-            self._refuse(heard, order, Refused(WRONG_TOKEN_TEXT if guessed else told))
+            hint = "" if self._door.settles(self.role) else f"; {other_chair(order)}"
+            told = WRONG_TOKEN_TEXT if guessed else f"{refused.reason}{hint}"
+            self._refuse(heard, order, Refused(told))
             return []
         duties: dict[str, Callable[[Message, Order], None]] = {
             "role": self._take_role,
@@ -296,28 +317,12 @@ class Station:
             duties[order.name](heard, order)
             return []
         self.counts.orders += 1
-        self._orders_left -= self.visits
+        self._allowance.left -= self.visits
         return [Request(order, heard, self)]
-
-    def _other_chair(self, order: Order) -> str:
-        """Return in which chair a lone person may give an order, "" if the role is kept."""
-        if self._door.settles(self.role):
-            return ""
-        has_it = order.name in TRAINEE_ROLE.commands
-        chair = TRAINEE_ROLE if has_it else INSTRUCTOR_ROLE
-        return f"; who is alone may, after `role {chair.name}`"
-
-    def _refill(self) -> None:
-        """Add the orders that the time since the last call allows (a token bucket)."""
-        now = self._clock()
-        worth = (now - self._refilled) * ORDERS_A_SECOND
-        self._orders_left = min(self._orders_left + worth, ORDERS_AT_ONCE)
-        self._refilled = now
-        self.held_up = 0.0
 
     def _hold(self) -> None:
         """Take no more orders for a while, so that they wait at their sender."""
-        self.held_up = (1.0 - self._orders_left) / ORDERS_A_SECOND
+        self.held_up = self._allowance.wait
         if not self._flooding:
             self._flooding = True
             self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
@@ -335,17 +340,8 @@ class Station:
 
     def _answer(self, heard: Message, reply: Reply, *lines: str) -> None:
         """Send an answer, as a sentence if the order came as one, else as a line."""
-        accepted = not isinstance(reply, Refused)
-        text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
-        if heard.machine:
-            for answer_line in lines:
-                self.line.send(sentences.say(heard.tag, answer_line))
-            self.line.send(sentences.answer(heard.tag, accepted=accepted, text=text))
-            return
-        for answer_line in lines:
-            self.line.send(answer_line)
-        if text:
-            self.line.send(text if accepted else f"? {text}")
+        hidden = Refused(self._door.hide(reply.reason)) if isinstance(reply, Refused) else reply
+        send_answer(self.line, heard, hidden, lines)
 
     def _be_called(self, heard: Message, order: Order) -> None:
         """Give the line a name of its own in the list of stations."""
@@ -386,15 +382,7 @@ class Station:
         self.counts.refused += 1
         self._log_refusal(f"{order.text}: wrong token")
         wait = self._door.delay()
-        last = self.counts.guesses >= MAX_TOKEN_GUESSES
-        why = (
-            f"wrong token, the {MAX_TOKEN_GUESSES}rd: this line is closed"
-            if last
-            else "wrong token"
-        )
-        why += f"; answered after {wait:g} s, because there were many" if wait else ""
-        leaving = f"{MAX_TOKEN_GUESSES} wrong tokens" if last else ""
-        self._late = LateAnswer(self._clock() + wait, heard, Refused(why), leaving)
+        self._late = late_answer(heard, self.counts.guesses, self._clock(), wait)
         self._answer_late()
 
     def _answer_late(self) -> None:
@@ -452,3 +440,33 @@ class NoReception:
     def newcomers(self) -> list[Station]:
         """Return nobody."""
         return []
+
+
+def other_chair(order: Order) -> str:
+    """Return in which chair a lone person may give an order."""
+    chair = TRAINEE_ROLE if order.name in TRAINEE_ROLE.commands else INSTRUCTOR_ROLE
+    return f"who is alone may, after `role {chair.name}`"
+
+
+def late_answer(heard: Message, guesses: int, now: float, wait: float) -> LateAnswer:
+    """Return the answer to a wrong token; ``now`` and ``wait`` are in seconds."""
+    last = guesses >= MAX_TOKEN_GUESSES
+    why = f"wrong token, the {MAX_TOKEN_GUESSES}rd: this line is closed" if last else "wrong token"
+    why += f"; answered after {wait:g} s, because there were many" if wait else ""
+    leaving = f"{MAX_TOKEN_GUESSES} wrong tokens" if last else ""
+    return LateAnswer(now + wait, heard, Refused(why), leaving)
+
+
+def send_answer(line: Line, heard: Message, reply: Reply, lines: Sequence[str]) -> None:
+    """Send an answer, as a sentence if the order came as one, else as a line."""
+    accepted = not isinstance(reply, Refused)
+    text = reply.reason if isinstance(reply, Refused) else reply
+    if heard.machine:
+        for answer_line in lines:
+            line.send(sentences.say(heard.tag, answer_line))
+        line.send(sentences.answer(heard.tag, accepted=accepted, text=text))
+        return
+    for answer_line in lines:
+        line.send(answer_line)
+    if text:
+        line.send(text if accepted else f"? {text}")
