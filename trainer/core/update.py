@@ -99,21 +99,21 @@ def lost(state: Record) -> int:
 
 
 @part
-def copy_written(source: Numbers, target: Numbers) -> None:
+def copy_written(source: Numbers, out: Numbers) -> None:
     """Copy what a tick may write from one state to another."""
     for i in range(MEMORY_BEGIN):
-        target[i] = source[i]
+        out[i] = source[i]
     for i in range(MEMORY_END, FILTER_BEGIN):
-        target[i] = source[i]
+        out[i] = source[i]
     for i in range(FILTER_END, WRITTEN_COUNT):
-        target[i] = source[i]
+        out[i] = source[i]
     if source[SEA_HEIGHT] != 0.0 or source[SEA_RAMP] > 0.0:
         for i in range(MEMORY_BEGIN, MEMORY_END):
-            target[i] = source[i]
+            out[i] = source[i]
         for i in range(FILTER_BEGIN, FILTER_END):
-            target[i] = source[i]
+            out[i] = source[i]
     for i in range(LATE_OFFSETS.size):
-        target[LATE_OFFSETS[i]] = source[LATE_OFFSETS[i]]
+        out[LATE_OFFSETS[i]] = source[LATE_OFFSETS[i]]
 
 
 @kernel
