@@ -376,7 +376,7 @@ def find_repeated(spoken: Sequence[CrewOrder], words: str, role: str) -> Repeat 
 
 
 def left_to_go(boat: Boat, axis: str) -> float:
-    """Return what is still to go [rad, m], right or rise positive; 0 if in doubt."""
+    """Return what is to go [rad, m], right or rise positive; 0 if in doubt."""
     standing = standing_order(boat, axis)
     if standing is None:
         return 0.0

@@ -339,7 +339,7 @@ class Station:
         log("refused", f"{self.who}: {text}")
 
     def _answer(self, heard: Message, reply: Reply, *lines: str) -> None:
-        """Send an answer, as a sentence if the order came as one, else as a line."""
+        """Send an answer, as a sentence if the order came as one, else a line."""
         hidden = Refused(self._door.hide(reply.reason)) if isinstance(reply, Refused) else reply
         send_answer(self.line, heard, hidden, lines)
 
@@ -458,7 +458,7 @@ def late_answer(heard: Message, guesses: int, now: float, wait: float) -> LateAn
 
 
 def send_answer(line: Line, heard: Message, reply: Reply, lines: Sequence[str]) -> None:
-    """Send an answer, as a sentence if the order came as one, else as a line."""
+    """Send an answer, as a sentence if the order came as one, else a line."""
     accepted = not isinstance(reply, Refused)
     text = reply.reason if isinstance(reply, Refused) else reply
     if heard.machine:
