@@ -49,7 +49,7 @@ class HandAxis(NamedTuple):
 
 @dataclass
 class HandWork:
-    """The axes that the exercise has worked by hand, and those that the instructor has let go."""
+    """The axes that the exercise has worked by hand, and those let go."""
 
     boat: Boat
     hand: frozenset[str] = frozenset()  # of AUTOMATIC_ORDERS_BY_AXIS
@@ -60,7 +60,7 @@ class HandWork:
 
     @property
     def taken_at(self) -> float:
-        """Return the tick at which the crew takes its axes in hand, 0 for the start."""
+        """Return the tick at which the crew takes its axes, 0 for the start."""
         return self.boat.ticks_in(self.hand_from) if self.hand else 0
 
     @property
