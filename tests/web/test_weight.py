@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from trainer.web import modules, packing
 from trainer.web.gate import hash_of, page_policy
-from trainer.web.modules import SCRIPT_TAG, collect_modules
+from trainer.web.modules import SCRIPT_TAG, collect_modules, wrap_module
 from trainer.web.packing import Assets
 from trainer.web.pages import PAGES, render
 from trainer.web.pages import Page as WebPage
@@ -49,7 +49,7 @@ def test_a_file_keeps_its_name_as_long_as_it_is_the_same(
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
     with (folder / "js" / "gauges" / "course-ring.js").open("a") as script:
-        script.write("// another\n")
+        script.write("const another = 1;\n")
     for module in (packing, modules):
         monkeypatch.setattr(module, "ASSETS_FOLDER", folder)
     changed = Assets()
@@ -145,3 +145,22 @@ READY = """() => new Promise((settle) => {
   };
   look();
 })"""
+
+
+def test_lines_of_comments_are_left_out_and_a_cast_at_the_begin_of_a_line_stays() -> None:
+    source = """// What it is.
+/**
+ * @param {number} one
+ */
+export function add(one) {
+  /** @type {HTMLElement} */ (panel).hidden = true; // why
+  // because
+  return "// " + one;
+}
+
+/** @typedef {string} Name */
+"""
+    kept = ["  /** @type {HTMLElement} */ (panel).hidden = true; // why", '  return "// " + one;']
+    text = wrap_module("js/a.js", source).splitlines()
+    assert text[1:5] == ["function add(one) {", *kept, "}"]
+    assert not any("because" in line or "typedef" in line for line in text)

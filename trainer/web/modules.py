@@ -21,6 +21,10 @@ EXPORT_KEYWORD: Final = re.compile(
 EXPORTED_NAME: Final = re.compile(
     r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
 )
+# lines that are nothing but a comment, and comments that are whole lines: no browser needs them
+COMMENT_LINES: Final = re.compile(
+    r"^[ \t]*(?://[^\n]*|/\*\*(?:(?!\*/).)*\*/[ \t]*)\n", re.MULTILINE | re.DOTALL
+)
 
 STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
 SCRIPT_TAG: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
@@ -75,6 +79,7 @@ def wrap_module(path: str, source: str) -> str:
     text = EXPORT_KEYWORD.sub("", IMPORT_STATEMENT.sub(partial(replace_import, path), source))
     if re.search(r"^(?:import|export)\b", text, re.MULTILINE):
         raise UnknownFormError(f"{path}: an import or export of a kind that is not known")
+    text = COMMENT_LINES.sub("", text)
     names = ", ".join(EXPORTED_NAME.findall(source))
     return f"M[{json.dumps(path)}] = (() => {{\n{text}\nreturn {{ {names} }};\n}})();\n"
 
