@@ -26,7 +26,7 @@ ZERO_CELSIUS: Final = 273.15  # [K]
 
 # Stations along the hull in lengths from the centre of buoyancy, and their shares of the buoyancy:
 # a full middle and finer ends, project's own. Their radius of gyration is 0.235 lengths.
-STATIONS: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
+EVEN_STATIONS: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
 STATION_SHARES: Final = (0.11, 0.25, 0.28, 0.25, 0.11)
 PRISMATIC_COEFFICIENT: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
 
@@ -45,7 +45,7 @@ def ballast_record(file: VesselFile) -> Record:
         axis = keel - 0.5 * diameter
     record["hull_diameter"], record["hull_axis"] = diameter, axis
     for i in range(HULL_STATIONS):
-        record["station_x"][0, i] = hull.cb[0] + STATIONS[i] * hull.length
+        record["station_x"][0, i] = hull.cb[0] + EVEN_STATIONS[i] * hull.length
         record["station_share"][0, i] = STATION_SHARES[i]
     if file.ballast is None:
         return record

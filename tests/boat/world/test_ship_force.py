@@ -10,9 +10,9 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.ship_force import (
+    EVEN_STATIONS,
     MAX_PULLING_SHIPS,
     STATION_WEIGHTS,
-    STATIONS,
     PassingShip,
     ShipPull,
     pull_share,
@@ -86,7 +86,9 @@ def test_moments_are_those_of_the_forces_along_the_axis(boat: Boat) -> None:
     """Each station's force, by the water's acceleration there, at its arm: r x F."""
     pull, pose = ShipPull(boat), Pose(0.0, 0.0, 20.0, 0.0, 0.0, 0.0)
     ship: PassingShip = (TANKER, 40.0, 70.0, 0.2, SPEED)
-    arms = np.stack([STATIONS * boat.file.hull.length, *[np.zeros(STATIONS.size)] * 2], axis=1)
+    arms = np.stack(
+        [EVEN_STATIONS * boat.file.hull.length, *[np.zeros(EVEN_STATIONS.size)] * 2], axis=1
+    )
     c = boat.vessel
     masses = [c.buoyancy / c.g - c[name] for name in ("X_udot", "Y_vdot", "Z_wdot")]
     points = arms + np.array((0.0, 0.0, 20.0))

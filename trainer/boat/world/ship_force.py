@@ -26,10 +26,10 @@ STATION_COUNT: Final = 11  # along the boat's axis
 PULL_REACH: Final = 1.5  # [-] mean lengths
 FULL_PULL_REACH: Final = 1.0  # [-] mean lengths, up to which the pull is whole
 MAX_PULLING_SHIPS: Final = 4  # ships that pull the boat at once, the nearest
-SOURCES: Final = (np.arange(SOURCE_COUNT) + 0.5) / SOURCE_COUNT - 0.5  # [-] of a ship's length
-STATIONS: Final = np.linspace(-0.5, 0.5, STATION_COUNT)  # [-] of the boat's length
-STATION_WEIGHTS: Final = (1.0 - 4.0 * STATIONS * STATIONS) / float(
-    np.sum(1.0 - 4.0 * STATIONS * STATIONS)
+EVEN_SOURCES: Final = (np.arange(SOURCE_COUNT) + 0.5) / SOURCE_COUNT - 0.5  # [-] of a ship's length
+EVEN_STATIONS: Final = np.linspace(-0.5, 0.5, STATION_COUNT)  # [-] of the boat's length
+STATION_WEIGHTS: Final = (1.0 - 4.0 * EVEN_STATIONS * EVEN_STATIONS) / float(
+    np.sum(1.0 - 4.0 * EVEN_STATIONS * EVEN_STATIONS)
 )
 
 PassingShip = tuple[ShipType, float, float, float, float]  # type, north, east, course, speed [SI]
@@ -39,7 +39,7 @@ def water_acceleration(ship: PassingShip, points: Numbers) -> Numbers:
     """Return the water's acceleration [m/s2], north, east and down, at points [m], a row each."""
     kind, north, east, course, speed = ship
     ahead = np.array((math.cos(course), math.sin(course), 0.0))
-    along = SOURCES * kind.length
+    along = EVEN_SOURCES * kind.length
     section = 3.0 * kind.block * kind.beam * kind.draught  # [m2] amidships, of the double body
     strength = 8.0 * speed * section * along / kind.length**2 * (kind.length / SOURCE_COUNT)
     sources = np.array((north, east, 0.0)) + along[:, None] * ahead
@@ -69,7 +69,7 @@ class ShipPull:
         added = [float(c[name]) for name in ("X_udot", "Y_vdot", "Z_wdot")]
         self._masses = np.array([displaced - each for each in added])
         self._length = float(boat.file.hull.length)
-        self._axis = STATIONS * self._length
+        self._axis = EVEN_STATIONS * self._length
 
     def on(self, pose: Pose, ships: Sequence[PassingShip]) -> Numbers:
         """Return X, Y, Z [N] and K, M, N [N m] in body axes."""
