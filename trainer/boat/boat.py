@@ -212,13 +212,13 @@ class Boat:
         """Write the world to the state before the first tick, for the first picture."""
         if not self.world.acts:
             return
-        self.world.write(self.state)
+        self.world.write(self.plain)
         s = self.state
         s.xdot = s.through_north + s.water_north + s.shear_north * s.z
         s.ydot = s.through_east + s.water_east + s.shear_east * s.z
 
     def _in_its_world(self) -> int:
-        self.world.write(self.state)
+        self.world.write(self.plain)
         return self.advance()
 
     def sound_by(self, chart: Numbers | None) -> None:
@@ -239,18 +239,19 @@ class Boat:
         of the state at ``offsets``, then what the gauges read, if it is longer.
         """
         if self.world.stands(self.ticks):
-            self.world.write(self.state)  # once for all
+            self.world.write(self.plain)  # once for all
             chart = EMPTY_CHART if self.chart is None else self.chart
             return int(fly(self.records, chart, offsets.astype(np.float64), rows))
         # A current, the pull of ships or a raised periscope is written by Python, before each tick.
         numbers = self.records.state.view(np.float64)
+        readings = self.records.scratch["reading"][0]
         for row in rows:
             if status := self.tick():
                 return status
             row[: offsets.size] = numbers[offsets]
             if row.size > offsets.size:
                 instruments(self.records.state, self.records.scratch)
-                row[offsets.size :] = self.records.scratch["reading"][0]
+                row[offsets.size :] = readings
         return 0
 
     def fly_and_keep(

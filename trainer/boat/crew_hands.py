@@ -37,8 +37,15 @@ class GaugeHistory:
     seen: list[tuple[float, InstrumentReadings]] = field(default_factory=list)
 
     def look(self) -> None:
-        """Read the gauges at this tick."""
-        self.remember([(self.boat.time, instrument_readings(self.boat))])
+        """Read the gauges at this tick, unless what was flown has told their readings."""
+        if not self.seen or self.seen[-1][0] != self.boat.time:
+            self.remember([(self.boat.time, instrument_readings(self.boat))])
+
+    def look_again(self) -> None:
+        """Read the gauges at this tick, because orders may have changed what they show."""
+        if self.seen and self.seen[-1][0] == self.boat.time:
+            del self.seen[-1]
+        self.look()
 
     def remember(self, readings: Iterable[tuple[float, InstrumentReadings]]) -> None:
         """Take readings with their times [s], the latest last."""

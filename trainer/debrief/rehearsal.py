@@ -22,8 +22,8 @@ from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew
 from trainer.boat.world.contacts import Contacts, contacts_in
-from trainer.boat.world.encounters import POSE_NAMES, collisions_in, passed_ships
-from trainer.boat.world.hulls import OwnHull
+from trainer.boat.world.encounters import collisions_in, passed_ships
+from trainer.boat.world.hulls import POSE_NAMES, OwnHull
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import MARK_ORDER, Crew
 from trainer.core.kernel import Numbers, Record
@@ -49,6 +49,7 @@ COLUMN_OFFSETS: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS
 POSE_INDICES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
 MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
 PLANE_INDICES: Final = POSE_INDICES[:2]  # north and east
+Z_INDEX: Final = PASSAGE_COLUMNS.index("z")
 HULL_COLUMNS: Final = ("z", "theta", "held_depth")
 
 ComeAboard = Callable[[Boat, Crew, CrewReaction | None], ReferenceCrew]
@@ -95,7 +96,11 @@ class ByReference:
         if self.mute is not None:
             parsed = (parse(each.text) for each in given)
             self.mute.follow(order for order in parsed if isinstance(order, Order))
-        return self.crew.look() if self.crew is not None else []
+        if self.crew is None:
+            return []
+        if given:
+            self.crew.gauges.look_again()
+        return self.crew.look()
 
     def quiet_ticks(self, step: float) -> float:
         """Return the tick up to which nobody does anything, as long as nobody orders anything."""
@@ -155,6 +160,9 @@ class Flight:
         ends = contacts is not None and contacts.encounters.collision == "end"
         self.contacts = contacts if ends else None  # those whose touch ends the flight
         self.hull = OwnHull.of(boat)
+        pressure_hull = boat.file.hull
+        # [m] of its origin: nothing is crushed above
+        self.crush_depth = (pressure_hull.collapse_depth_m or math.inf) - pressure_hull.length
         self.given: list[RecordedOrder] = []  # in this tick so far
 
     def give_scheduled(self, entries: Sequence[int]) -> None:
@@ -205,7 +213,7 @@ class Flight:
         hit = self.struck and f"collision with {self.struck}"
         self.lost = collapse_of(boat) or hit or failure
         self.rows.append(rows[:, : COLUMN_OFFSETS.size])
-        self.aboard.remember(begun + 1, self.plan.method.step, rows[:-1, COLUMN_OFFSETS.size :])
+        self.aboard.remember(begun + 1, self.plan.method.step, rows[:, COLUMN_OFFSETS.size :])
 
     def _keep(self, begun: int, rows: Numbers) -> int:
         """Return after how many rows since a tick somebody has to look, or the boat is lost."""
@@ -220,7 +228,7 @@ class Flight:
         Return the ship too that it then runs into, "" for none.
         """
         count = len(rows)
-        if count > 1:
+        if count > 1 and float(rows[:, Z_INDEX].max()) >= self.crush_depth:
             columns = (rows[:, PASSAGE_COLUMNS.index(name)] for name in HULL_COLUMNS)
             crushed = is_crushed(self.boat.file.hull, *columns)
             count = min(count_before(crushed) + 1, count)

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.contacts import contacts_in
-from trainer.boat.world.encounters import POSE_NAMES, collisions_in, passed_ships
-from trainer.boat.world.hulls import OwnHull
+from trainer.boat.world.encounters import collisions_in, passed_ships
+from trainer.boat.world.hulls import POSE_NAMES, OwnHull
 from trainer.boat.world.scope import Periscope, periscope_of
 from trainer.core.kernel import Numbers
 from trainer.debrief.trajectory import (

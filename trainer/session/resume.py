@@ -81,7 +81,7 @@ def count_exposure(recording: Recording, boat: Boat, layout: tuple[str, ...]) ->
     for flown in recording.flown(recording.branch):
         if flown.tick < latest and scope.at(flown.tick).out > 0.0:
             boat.restore(read_state(flown.state, layout, present))
-            scope.write(boat.state)
+            scope.write(boat.plain)
     boat.restore(present)
 
 

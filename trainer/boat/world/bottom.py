@@ -24,6 +24,7 @@ MAX_GROUND_STEP_S: Final = 1.0  # [s] step, with which the ground's spring is he
 START_ROOM_M: Final = 5.0  # [m] under the keel, with which a boat may start
 STATE_OFFSETS: Final = {name: int(field[1]) // 8 for name, field in (STATE.fields or {}).items()}
 BOTTOM_OFFSET, THETA, PHI, Z = (STATE_OFFSETS[name] for name in ("bottom", "theta", "phi", "z"))
+TICK_OFFSET: Final = STATE_OFFSETS["tick"]
 
 
 def keel_of(vessel: Any) -> float:
@@ -116,7 +117,7 @@ class Ground:
         """Return yes: the ground stays, and the core sounds it by its chart."""
         return True
 
-    def write(self, _state: Any) -> None:
+    def write(self, _numbers: Any) -> None:
         """Write nothing: ``Boat`` sounds the chart instead."""
 
 

@@ -16,8 +16,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.boat.world.bottom import STATE_OFFSETS, TICK_OFFSET
 from trainer.boat.world.current import CurrentAround
-from trainer.boat.world.hulls import Pose
+from trainer.boat.world.hulls import Pose, read_pose
 from trainer.boat.world.lights import Light, lights_of
 from trainer.boat.world.ship_force import ShipPull
 from trainer.boat.world.steered import SteerableShip, SteeredContact, SteeredNomoto
@@ -51,6 +52,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
 Ticks = NDArray[np.int64]
+FORCE_OFFSET: Final = STATE_OFFSETS["ship_force"]
 STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
 BLOCK_TICKS: Final = 256  # ticks of ships computed at once
 KNOWN_BLOCKS: Final = 16  # [blocks] kept, of KNOWN_SHIPS at most, 1.5 MB each
@@ -292,15 +294,17 @@ class Contacts:
         """Return whether no ship pulls at the boat."""
         return self._pull is None
 
-    def write(self, state: Any) -> None:
+    def write(self, numbers: Any) -> None:
         """Write the pull of the ships near for the tick that comes."""
         if self._pull is None:
             return
-        tick = int(state["tick"])
+        tick = int(numbers[TICK_OFFSET])
         fleet = self.fleet(tick)
         rows = zip(fleet.order, fleet.motions(tick), strict=True)
         ships = [(ship.type, *motion[:4]) for ship, motion in rows]
-        state["ship_force"][:] = self._pull.on(Pose.of(state), ships)
+        pull = self._pull.on(Pose(*read_pose(numbers)), ships)
+        for i, each in enumerate(pull, FORCE_OFFSET):
+            numbers[i] = each
 
     def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
         self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water, self.step)))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from operator import itemgetter
 from typing import Any, Final
 
+from trainer.boat.world.bottom import STATE_OFFSETS, TICK_OFFSET, Z
 from trainer.config.current import MIN_CHANGE_TIME_S, Current, Tide
 from trainer.config.world import WorldTables
 from trainer.core.current import north_and_east
@@ -21,6 +22,7 @@ from trainer.units import KNOT
 Line = tuple[float, float, float, float]  # water north, east [m/s] and shear north, east [1/s]
 Flow = Callable[[float, float], Line]  # from time [s] and depth [m]
 HOUR_S: Final = 3600.0  # [s]
+CURRENT_OFFSET: Final = STATE_OFFSETS["current"]
 STILL_WATER: Final[Line] = (0.0, 0.0, 0.0, 0.0)  # no current at any depth
 SHIP_DRIFT_DEPTH_M: Final = 5.0  # [m] depth of the water that carries ships
 TIDE_SPAN_S: Final = (
@@ -154,12 +156,15 @@ class CurrentAround:
             return all(self._share(each, tick) >= 1.0 for each in self.changes)
         return isinstance(self.flow, SteadyWater)
 
-    def write(self, state: Any) -> None:
+    def write(self, numbers: Any) -> None:
         """Write the current at the boat's depth for the tick that comes."""
-        state["current"][:] = self.at(int(state["tick"]), float(state["z"]))
+        for i, each in enumerate(self.at(int(numbers[TICK_OFFSET]), numbers[Z]), CURRENT_OFFSET):
+            numbers[i] = each
 
     def at(self, tick: float, depth: float) -> Line:
         """Return the current at a tick, or between two ticks, as a line over depth."""
+        if not self.changes:
+            return self.flow(tick * self.step, depth) if self.flow else STILL_WATER
         whole = bisect_left(self.changes, 1, key=lambda each: self._share(each, tick) < 1.0)
         line = self.changes[whole - 1].line if whole else STILL_WATER  # it hides what was before
         if not whole and self.flow:

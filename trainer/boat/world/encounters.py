@@ -8,7 +8,6 @@ between: ranges are from the boat's origin to the ship's middle.
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from operator import itemgetter
 from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
@@ -27,20 +26,17 @@ from trainer.boat.world.approach import (
     on_arcs,
     plot_ship,
 )
+from trainer.boat.world.bottom import STATE_OFFSETS
 from trainer.boat.world.contacts import Contacts, Ship, Ticks, contacts_in
-from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
+from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, read_pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, Situation
 from trainer.config.contacts import Encounters
 from trainer.config.files import raise_problems
 from trainer.core.kernel import Numbers
-from trainer.core.state import STATE
 
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
-POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")
 RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
-_OFFSETS: Final = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
-HELD_OFFSET: Final = _OFFSETS["held_position"]
-read_pose: Final = itemgetter(*(_OFFSETS[name] for name in POSE_NAMES))
+HELD_OFFSET: Final = STATE_OFFSETS["held_position"]
 RECALL_CHANGE_SHARE: Final = 0.2  # [-] of the limit: change of closest approach called again
 
 

@@ -8,13 +8,17 @@ as the ship, and as high as its house.
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.world.bottom import STATE_OFFSETS
 from trainer.config.contacts import ShipType
 from trainer.core.kernel import Numbers
 
+POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")
+read_pose: Final = itemgetter(*(STATE_OFFSETS[name] for name in POSE_NAMES))
 HULL_SPHERES: Final = 11  # spheres of the hull
 SAIL_SPHERES: Final = 3  # of the sail
 STEP_BEAM_SHARE: Final = 0.25  # [-] of a ship's beam: the most that is gone between two looks
@@ -36,7 +40,7 @@ class Pose(NamedTuple):
     @classmethod
     def of(cls, state: Any) -> "Pose":
         """Return the pose in a state."""
-        return cls(*(float(state[name]) for name in ("x", "y", "z", "phi", "theta", "psi")))
+        return cls(*(float(state[name]) for name in POSE_NAMES))
 
     def towards(self, other: "Pose", share: float) -> "Pose":
         """Return the pose at a share of the way to another."""

@@ -13,6 +13,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.world.bottom import TICK_OFFSET
 from trainer.boat.world.contacts import ContactState, Ticks, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
@@ -179,12 +180,12 @@ class Periscope:
         mast = self.at(tick)
         return not mast.up and mast.out == 0.0
 
-    def write(self, state: Any) -> None:
+    def write(self, numbers: Any) -> None:
         """Write nothing; note that the head is out of the water.
 
         Marks count how long it has shown, since a head that shows is seen.
         """
-        tick = int(state["tick"])
+        tick = int(numbers[TICK_OFFSET])
         while self._shown and self._shown[-1].start >= tick:
             self._shown.pop()
         goes_on = bool(self._shown) and self._shown[-1].stop >= tick

@@ -36,8 +36,8 @@ class WorldPart(Protocol):
     def stands(self, tick: int) -> bool:
         """Return whether it would write the same at every tick from this one on."""
 
-    def write(self, state: Any) -> None:
-        """Write its numbers for the tick that comes."""
+    def write(self, numbers: Any) -> None:
+        """Write its own among a state's numbers, for the tick that comes."""
 
 
 @dataclass
@@ -59,11 +59,11 @@ class World:
         """Return whether the same would be written at every tick from this one on."""
         return all(part.stands(tick) for part in self.parts.values() if part.acts)
 
-    def write(self, state: Any) -> None:
-        """Write the numbers for the tick that comes."""
+    def write(self, numbers: Any) -> None:
+        """Write into a state's ``numbers`` [SI] for the tick that comes, by their offsets."""
         for part in self.parts.values():
             if part.acts:
-                part.write(state)
+                part.write(numbers)
 
     def obey(self, order: Order, tick: int) -> Reply:
         """Give a part an order of its own; return its answer."""
