@@ -10,8 +10,17 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory
 from trainer.boat.helm import obey_order
+from trainer.boat.reference_crew import ReferenceCrew
 from trainer.debrief import rehearsal
-from trainer.debrief.rehearsal import Rehearsal, due_orders, fly_rehearsal, last_tick
+from trainer.debrief.rehearsal import (
+    ByReference,
+    Flight,
+    Rehearsal,
+    due_orders,
+    fly_rehearsal,
+    last_tick,
+)
+from trainer.io.recording.facts import SCHEDULE_GIVER
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
@@ -92,6 +101,23 @@ def test_a_member_of_a_sweep_flies_as_tick_by_tick() -> None:
         rows.append(boat.numbers(MOTION_COLUMNS))
     for name, column in zip(MOTION_COLUMNS, np.array(rows).T, strict=True):
         assert np.array_equal(outing.flight.series.columns[name], column), name
+
+
+def test_a_gauge_that_an_order_breaks_is_read_anew_in_that_tick() -> None:
+    plan = plan_of("depth-changes")
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    crew = ReferenceCrew(boat, plan.crew)
+    flight = Flight(plan, boat, ByReference(crew))
+    flight.fly_to(20)
+    before = crew.gauges.now().depth
+    broken = flight.journal.write(SCHEDULE_GIVER, "casualty depth-gauge-biased 1 ramp 0", "")
+    flight.give_again([broken])
+    flight.fly_to(21)
+    time, shown = crew.gauges.seen[-2]
+    assert time == 20 * plan.method.step
+    assert shown.depth == pytest.approx(before + 10.0)  # [m] of the table
+    assert [each for each, _ in crew.gauges.seen].count(time) == 1
 
 
 @pytest.mark.parametrize(

@@ -161,7 +161,7 @@ class Flight:
         self.contacts = contacts if ends else None  # those whose touch ends the flight
         self.hull = OwnHull.of(boat)
         pressure_hull = boat.file.hull
-        # [m] of its origin: nothing is crushed above
+        # [m] of its origin: no end of the hull is crushed above
         self.crush_depth = (pressure_hull.collapse_depth_m or math.inf) - pressure_hull.length
         self.given: list[RecordedOrder] = []  # in this tick so far
 

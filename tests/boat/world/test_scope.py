@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
+from trainer.boat.world.bottom import TICK_OFFSET
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.scope import (
     ARC_MINUTE,
@@ -385,10 +386,10 @@ def test_a_tick_that_is_flown_again_counts_once(tmp_path: Path) -> None:
     wanted = scope.exposed(60, raised=False)
     begin = next(tick for tick in range(61) if scope.exposed(tick, raised=False))
     for tick in (begin + 5, begin + 6, begin):
-        scope.write({"tick": tick})
+        scope.write({TICK_OFFSET: tick})
     assert scope.exposed(60, raised=False) == 0.5
     for tick in range(begin + 1, 60):
-        scope.write({"tick": tick})
+        scope.write({TICK_OFFSET: tick})
     assert scope.exposed(60, raised=False) == wanted
 
 
