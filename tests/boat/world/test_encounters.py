@@ -21,13 +21,12 @@ from trainer.boat.world.approach import (
 )
 from trainer.boat.world.contacts import Contacts
 from trainer.boat.world.encounters import (
-    POSE_NAMES,
     EncounterMonitor,
     collisions_in,
     passed_ships,
     passing_range,
 )
-from trainer.boat.world.hulls import OwnHull, Pose, ships_overlap
+from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, piece_column, situation
 from trainer.config.contacts import SHIP_TYPES
 from trainer.io.orders.grammar import Order, Refused, parse
