@@ -212,6 +212,20 @@ def test_a_drag_keys_and_a_slide_end_where_the_hand_does(
     await_truth(instructor, "engine.bell", "ahead-two-thirds")
 
 
+def test_no_order_of_a_lever_comes_after_the_one_that_gives_it_away(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "helm")
+    page.evaluate(COUNT)
+    lever = "document.querySelector('order-lever[name=rudder]')"
+    page.evaluate(f"() => {{ {lever}.choose(3); {lever}.choose(5); }}")  # 5 waits for its turn
+    page.evaluate("document.querySelector('[data-auto=rudder]').click()")
+    await_truth(instructor, "steering.rudder_mode", "auto")
+    page.wait_for_function(f"{lever}.classList.contains('automatic')")
+    page.wait_for_timeout(200.0)  # [ms] twice the time between two orders
+    assert ["rudder auto" in line for _, line in page.evaluate("sent")] == [False, True]
+
+
 def test_what_is_ordered_in_a_freeze_stands_at_once_on_every_page(
     shared: Served, instructor: Caller, look: Look
 ) -> None:

@@ -159,6 +159,12 @@ class OrderLever extends HTMLElement {
     else order();
   }
 
+  /** Leaves out the order that is still to come, because the lever is given away. */
+  leave() {
+    clearTimeout(this.due);
+    this.due = 0;
+  }
+
   /**
    * @param {number | null} ordered [deg]
    * @param {string} [mode] `hand`, or what steers the surface

@@ -72,9 +72,14 @@ telegraph?.addEventListener("order", async (/** @type {CustomEvent<string>} */ {
   pending.engine.answered("bell", await give(`bell ${detail}`));
   telegraph.show(...bell());
 });
+/** Gives levers away by an order, which none of them may follow with its own. @param {string[]} names @param {string} words */
+function giveAway(names, words) {
+  for (const lever of levers) if (names.includes(lever.getAttribute("name"))) lever.leave();
+  void give(words);
+}
 for (const key of document.querySelectorAll("[data-auto]")) {
   const name = /** @type {HTMLElement} */ (key).dataset.auto ?? "";
-  key.addEventListener("click", () => void give(`${name} auto`));
+  key.addEventListener("click", () => giveAway([name], `${name} auto`));
 }
 
 /**
@@ -92,14 +97,20 @@ const KEPT = [
 function showAutopilot() {
   const hand = (session.exercise.hand ?? "").split(",");
   const wanted = KEPT.filter(([channel, axis]) => CHANNELS[role].includes(channel) && !hand.includes(axis))
-    .map(([, , ordered, kept, wording]) => [session.number(ordered), session.number(kept), wording])
-    .filter(([to, at]) => to !== null && to !== at)
-    .map(([to, , wording]) => /** @type {(to: number) => string} */ (wording)(Number(to)));
+    .map(([channel, , ordered, kept, wording]) => ({
+      names: Object.keys(SURFACES).filter((name) => SURFACES[name] === channel),
+      to: session.number(ordered),
+      stands: session.number(kept),
+      wording,
+    }))
+    .filter(({ to, stands }) => to !== null && to !== stands)
+    .map(({ names, to, wording }) => ({ names, words: wording(Number(to)) }));
   const bar = one("#autopilot");
-  if (bar.dataset.shown === wanted.join()) return;
-  bar.dataset.shown = wanted.join();
-  const keys = wanted.map((words) =>
-    html("button", { type: "button", click: () => void give(words) }, say("Autopilot: {0}", words)),
+  const shown = wanted.map(({ words }) => words).join();
+  if (bar.dataset.shown === shown) return;
+  bar.dataset.shown = shown;
+  const keys = wanted.map(({ names, words }) =>
+    html("button", { type: "button", click: () => giveAway(names, words) }, say("Autopilot: {0}", words)),
   );
   bar.replaceChildren(...keys);
 }
