@@ -242,8 +242,8 @@ class Console(App[Refused], inherit_bindings=False):
         before, self._released = self._released, self.model.exercise.releases
         if self._released > before and not self.model.instructs and len(self.screen_stack) == 1:
             self._open(briefing(self.model), lambda: not self.model.exercise.outcome)
-        while self.model.answers and len(self.screen_stack) == 1:
-            self._open(answer(*self.model.answers.pop(0)))
+        while self.model.sent.answers and len(self.screen_stack) == 1:
+            self._open(answer(*self.model.sent.answers.pop(0)))
 
     def _lead_in(self) -> None:
         """Show who trains the briefing before time runs; give what comes and goes its room."""

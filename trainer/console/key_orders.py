@@ -88,8 +88,8 @@ class KeyOrders:
         if shown is None:
             return ""
         # An order was refused, most likely for its limit: begin again from what the boat shows.
-        if model.refused != self._refused:
-            self._refused = model.refused
+        if model.sent.refused != self._refused:
+            self._refused = model.sent.refused
             self._asked.clear()
         most = model.vessel.ranges.get(surface, math.inf)
         wanted = min(max(round(self._last(surface, shown)) + by, -most), most)
