@@ -99,7 +99,7 @@ SHIP_TYPES: Final[Mapping[str, ShipType]] = {
 
 @dataclass(frozen=True)
 class WayPoints:
-    """A list of places, each north and east of the origin."""
+    """A list of locations, each north and east of the origin."""
 
     meaning: str
     most: int = 100
@@ -112,7 +112,7 @@ class WayPoints:
         return KeyForm("m", message, self.meaning, list_schema(pair, 1, self.most))
 
     def read(self, key: str, value: object, position: Position) -> tuple[tuple[float, float], ...]:
-        """Return the places; ConfigError naming the first that is wrong."""
+        """Return the locations; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
             message = f"must be a list of 1 to {self.most} pairs [north, east]"
             raise ConfigError(position.wrong(key, value, message))

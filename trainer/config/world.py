@@ -40,7 +40,7 @@ WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "bottom": lambda: record_schema(BottomTable, ("note",)),
 }
 MIN_WATER_DRAUGHTS: Final = 1.2  # [-] depth on a ship's way over its draught (docs/world.md)
-SOUNDING_SPACING_M: Final = 20.0  # [m] between the places of a way that are sounded
+SOUNDING_SPACING_M: Final = 20.0  # [m] between the points of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 
@@ -60,12 +60,12 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
 
 
 def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
-    """Return a problem at the first place with too little water for a ship, None without.
+    """Return a problem at the first location with too little water for a ship, None without.
 
-    Places beyond the chart are not judged, because their depth is only that of its edge.
+    Locations beyond the chart are not judged, because their depth is only that of its edge.
     """
     least = MIN_WATER_DRAUGHTS * ship.type.draught
-    for north, east in _places(ship):
+    for north, east in _sample_way(ship):
         depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])
         if depth < least and is_charted(bottom, north, east):
             message = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
@@ -75,8 +75,8 @@ def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
     return None
 
 
-def _places(ship: Contact) -> Iterator[tuple[float, float]]:
-    """Yield the places [m] from way point to way point, one every SOUNDING_SPACING_M."""
+def _sample_way(ship: Contact) -> Iterator[tuple[float, float]]:
+    """Yield the locations [m] from way point to way point, one every SOUNDING_SPACING_M."""
     points = ship.row.points
     for (north, east), (north_then, east_then) in pairwise(points):
         count = math.ceil(math.hypot(north_then - north, east_then - east) / SOUNDING_SPACING_M)
