@@ -14,15 +14,15 @@ import numpy as np
 
 from trainer.config.bottom import Bottom, BottomTable, depths_at, is_charted, read_bottom
 from trainer.config.contacts import (
+    CONTACT_ROWS,
     Contact,
-    contacts_schema,
-    encounters_schema,
+    Encounters,
     read_contacts,
     read_encounters,
 )
 from trainer.config.current import current_schema, read_current
 from trainer.config.files import Position, collecting, raise_problems
-from trainer.config.schema import record_schema
+from trainer.config.schema import describe_kind, record_schema
 from trainer.io.orders.grammar import Refused
 
 # By the name of the table: a function of its content, its place and the exercise's path.
@@ -34,8 +34,8 @@ WORLD_READERS: Final[Mapping[str, Callable[[object, Position, Path], Any]]] = {
 }
 
 WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
-    "contact": contacts_schema,
-    "contacts": encounters_schema,
+    "contact": lambda: describe_kind(CONTACT_ROWS),
+    "contacts": lambda: record_schema(Encounters, ("note",)),
     "current": current_schema,
     "bottom": lambda: record_schema(BottomTable, ("note",)),
 }

@@ -234,7 +234,7 @@ class Console(App[Refused], inherit_bindings=False):
         due, self._rung = self.model.bells > self._rung, self.model.bells
         if due and not self._silent:
             self.bell()
-        if self.model.exercise.endings > self._ended and not self._typing:
+        if self.model.exercise.endings > self._ended and not self._panes.entry.value:
             self._ended = self.model.exercise.endings
             if self.model.instructs or self.model.trains:
                 self._open(EndView(self.model), lambda: not self.model.exercise.outcome)
@@ -270,11 +270,6 @@ class Console(App[Refused], inherit_bindings=False):
         """Return whether keys move controls, because no order is typed and no dialog open."""
         free = len(self.screen_stack) == 1 and self.focused is None
         return self._mounted and not self.model.instructs and free
-
-    @property
-    def _typing(self) -> bool:
-        """Return whether an order has been begun."""
-        return bool(self._panes.entry.value)
 
     # dialogs
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.event_log import end_of, moments, time_at, time_line
-from trainer.console.journal import TimelineMoment, clock
+from trainer.console.journal import clock
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
@@ -91,7 +91,7 @@ class TimelineView:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
         rows = [
-            line((f"   {self._said(each)}", "plain"))
+            line((f"   {clock(each.seconds)}  {MOMENT_SIGNS[each.sign]}: {each.text}", "plain"))
             for each in moments(self.model)[-SHOWN_MOMENTS:]
         ]
         # an arrow under the moment on the time line
@@ -111,7 +111,3 @@ class TimelineView:
             line((" Enter sends: ", "dim"), (self.order(replay=self.replays), "ordered")),
         ]
         return [fit(each, width) for each in lines[:height]]
-
-    def _said(self, kept: TimelineMoment) -> str:
-        """Return a moment in words."""
-        return f"{clock(kept.seconds)}  {MOMENT_SIGNS[kept.sign]}: {kept.text}"
