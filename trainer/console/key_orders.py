@@ -1,4 +1,4 @@
-"""The orders that the keys of a screen give, from what the boat shows and what keys gave before."""
+"""The orders that the keys of a screen give."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -139,7 +139,7 @@ class OrderAllowance:
 
 
 class TokenGuesses:
-    """The wrong tokens of one line, and the answer to the last while it is kept back."""
+    """The wrong tokens of one line, and the answer that is kept back."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.count = 0
