@@ -59,7 +59,7 @@ class SentOrders:
     refused: int = 0
 
     def take_answer(self, tag: str, kind: str, text: str) -> str:
-        """Take a line of an answer; return the order once it has been carried out, else ""."""
+        """Take a line of an answer; return an order that was carried out, else ""."""
         order = self.asked.get(tag)
         if order is None:
             if kind == "no":

@@ -1,4 +1,4 @@
-"""The panes of a role's screen, its line of orders, and what a click on them does.
+"""The panes of a role's screen, and its line of orders.
 
 ``app`` shows them. It hears of a click as of a key: an action, or a window to be opened.
 """
