@@ -278,7 +278,7 @@ def test_the_vortex_of_a_sail_pushes_each_place_by_its_own_cross_flow() -> None:
     whole = shipped_hull("small-boat")
     (sail,) = (panel for panel in whole.panels if panel.sail)
     c = sail_vortex(whole, {"out_of_plane": 1.0})
-    at, last = sail.place(0.25) / 20.0, (whole.shape.x_G - 20.0) / 20.0
+    at, last = sail.ahead(0.25) / 20.0, (whole.shape.x_G - 20.0) / 20.0
     X = np.linspace(last, at, 4001)
     strength = sail.chord / 20.0 * lift_slope(sail)
 
@@ -393,5 +393,5 @@ def test_panels_of_a_file_stand_where_it_says() -> None:
     port = next(p for p in small.panels if p.name == "bow planes" and p.angle > 1)
 
     assert port.normal == (0.0, -1.0)
-    assert port.place(0.25) > 0.0
+    assert port.ahead(0.25) > 0.0
     assert not port.aft

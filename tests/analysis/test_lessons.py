@@ -79,7 +79,7 @@ def fly(ship: Crewed, most: int, act: Callable[[], None] = lambda: None) -> None
 
 def test_six_lessons_come_before_the_course() -> None:
     assert len(NAMES) == 6
-    assert [each.place for each in lessons()] == [1, 2, 3, 4, 5, 6]
+    assert [each.number for each in lessons()] == [1, 2, 3, 4, 5, 6]
     assert not set(NAMES) & set(shipped_names("exercises"))
     assert all(each.steps >= 4 and each.hand for each in lessons())
     assert not any(each.steps for each in course())

@@ -82,6 +82,7 @@ def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) ->
     assert completed(tmp_path, "replay", "bo") == ["dir,bo"]
     assert completed(tmp_path, "export-core", "b") == ["file,b"]
     assert completed(tmp_path, "check", "nowhere/b") == []
+    assert completed(tmp_path, "check", "~no_such_user/b") == []
 
 
 @pytest.mark.process

@@ -51,7 +51,7 @@ def bb2() -> Boat:
 
 def test_the_lessons_and_a_visitors_dive_are_shipped_and_no_companion_is_one() -> None:
     assert shipped_names("exercises") == NAMES
-    assert [each.name for each in course() if each.place == math.inf] == ["visitor-dive"]
+    assert [each.name for each in course() if each.number == math.inf] == ["visitor-dive"]
     assert (ROOT / "configs" / "exercises" / "watch.baseline.toml").exists()
 
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from trainer.console.app import SWITCHES, Console
 from trainer.console.client import Item, RoleTaken
 from trainer.console.drawing.aids import aid_rows, interpolated_way
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.panels import top, trainee
 from trainer.console.guide import briefing_rows
+from trainer.console.key_orders import SWITCHES, KeyOrders
 from trainer.console.keys import KEYS, OrderAction, PlainAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
@@ -146,8 +146,7 @@ def test_while_the_way_is_shown_the_first_line_and_the_orders_line_say_so() -> N
 def test_a_key_switches_an_aid_on_and_off_again(
     act: PlainAction, channels: dict[str, dict[str, str]], words: str
 ) -> None:
-    console = Console(seen(**channels))
-    assert console._ordered(act) == words  # noqa: SLF001 (what it would send)
+    assert KeyOrders(seen(**channels)).make(act) == words
     assert act in SWITCHES
     assert act in [key.act for key in KEYS["trainee"]]
 

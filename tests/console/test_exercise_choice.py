@@ -186,7 +186,7 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     assert command.choose(options) == wanted
     assert set(asked) == set(shipped_names("exercises"))
     assert asked == [each.name for each in course()]
-    assert [each.place for each in course()] == [*range(1, len(asked)), math.inf]
+    assert [each.number for each in course()] == [*range(1, len(asked)), math.inf]
     assert all(each.title and each.briefing for each in course())
     side = I_TRAIN
     assert command.choose(options) == replace(wanted, train=True)

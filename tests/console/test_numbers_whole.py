@@ -11,12 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual.pilot import Pilot
 
-from trainer.console.app import CHART_SPANS_S, Console
+from trainer.console.app import Console
 from trainer.console.drawing import event_log, panels
 from trainer.console.drawing.chart import strip, time_axis
 from trainer.console.layouts import LAYOUTS, Layout
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, beside, cut, fit, length, line, plain
+from trainer.console.role_panes import CHART_SPANS_S
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Refused
 from trainer.session.stations.channels import CHANNELS

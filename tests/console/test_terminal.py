@@ -486,7 +486,7 @@ async def typed(app: Console, keys: list[str]) -> list[JournalEntry]:
             app.post_message(events.Key(key, key if len(key) == 1 else None))
         await pilot.pause()
         app.model.order("who")
-        while app.model.asked:
+        while app.model.sent.asked:
             await pilot.pause(LOOK)
     return list(app.model.journal.entries)
 

@@ -204,7 +204,7 @@ def measure_table() -> str:
             ", ".join(measure.needs) or "nothing",
             ", ".join((*measure.may, *timed)),
             measure.formula.format(**spoken, o=" (of the orders named)"),
-            measure.place,
+            measure.moment,
         )
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows) + "\n"

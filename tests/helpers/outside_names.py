@@ -26,9 +26,9 @@ from trainer.io.recording.file import SCHEMA
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import (
     EVENT_COLUMNS,
+    MOMENT_COLUMNS,
     MOTION_COLUMNS,
     ORDER_COLUMNS,
-    PLACE_COLUMNS,
     TIMING_COLUMNS,
 )
 from trainer.session import dispatch
@@ -54,7 +54,7 @@ def outside_names() -> dict[str, Any]:
         "casualties": list(KINDS),
         "state": sorted({name.partition("[")[0] for name in LAYOUT}),
         "tables": [
-            *PLACE_COLUMNS,
+            *MOMENT_COLUMNS,
             *TIMING_COLUMNS,
             *ORDER_COLUMNS,
             *EVENT_COLUMNS,

@@ -73,7 +73,7 @@ def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewordi
         assert sight.timeline.furthest == sight.timeline.snapshots[0].seconds
 
         sight.order("rudder left 80")  # beyond the boat's limit
-        until(sight, lambda: sight.refused)
+        until(sight, lambda: sight.sent.refused)
         sight.order("quit")
         until(sight, lambda: sight.over)
         assert sight.ended

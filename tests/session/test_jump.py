@@ -38,7 +38,9 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
         *("CurrentAround", "Contacts", "ContactFleet", "Periscope"),
     ),
     "they have all branches": ("Recording", "Checkpointer", "Syncer"),
-    "who is attached stays so": ("Station", "WordCounts", "NoiseLog", "CrowdLog", "Command"),
+    "who is attached stays so": (
+        *("Station", "WordCounts", "TokenGuesses", "NoiseLog", "CrowdLog", "Command"),
+    ),
     "what was sent is sent": ("PromptSender", "Roster", "Subscriptions"),
     "the present moment is shown anew": ("ScreenOutput", "StateReader", "PastReader"),
     "the machine's time goes on": (

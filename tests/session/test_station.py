@@ -25,7 +25,13 @@ from trainer.session.stations.roles import (
     Access,
     GuessWaits,
 )
-from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
+from trainer.session.stations.station import (
+    ORDERS_A_SECOND,
+    ORDERS_AT_ONCE,
+    News,
+    Station,
+    TokenGuesses,
+)
 from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
@@ -347,7 +353,7 @@ def test_a_token_that_is_not_the_very_same_is_refused(
     line = post(token=TOKEN)
 
     assert line.answer_to(f"role helm {guess}") == "? wrong token"
-    assert line.station.counts.guesses == 1
+    assert line.station.guesses.count == 1
     assert line.station.role.name == "stranger"
 
 
@@ -428,7 +434,7 @@ class Machine:
         """Return a new line from a machine."""
         delay = functools.partial(self.waits.count, machine)
         post = Post(self.boat, Access(None, {"": TOKEN}, delay=delay))
-        post.station._clock = lambda: self.now  # noqa: SLF001  one clock for all lines
+        post.station.guesses = TokenGuesses(lambda: self.now)  # one clock for all lines
         return post
 
 
@@ -446,11 +452,11 @@ def test_the_answer_to_a_wrong_token_waits_and_is_in_the_log_at_once(machine: Ma
 
     assert not late.said()
     assert late.log[-1] == ("refused", f"stranger at {NAME}: role helm: wrong token")
-    assert late.station.late == FIRST_WAIT_S
+    assert late.station.guesses.wait == FIRST_WAIT_S
     machine.now += FIRST_WAIT_S
     late.type()
     assert late.said() == ["? wrong token; answered after 1 s, because there were many"]
-    assert late.station.late == math.inf
+    assert late.station.guesses.wait == math.inf
     late.type(f"role helm {TOKEN}")
     assert late.said()[-1] == "you have the helm"
 
@@ -464,9 +470,9 @@ def test_a_line_that_waits_for_an_answer_guesses_no_more_and_is_let_go_when_it_h
     late.type("role helm a", "role helm b", f"role helm {TOKEN}")
 
     assert late.said() == 2 * ["? not heard: wait for the answer to the wrong token"]
-    assert (late.station.counts.guesses, late.station.role.name) == (1, "stranger")
+    assert (late.station.guesses.count, late.station.role.name) == (1, "stranger")
     assert not late.station.waiting  # nothing is left that would keep its place
-    assert not late.station.held_up
+    assert not late.station.allowance.held_up
 
 
 def test_a_right_token_is_admitted_at_once_behind_any_number_of_wrong_ones(
@@ -795,7 +801,7 @@ def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(
         while asked := list(helm.station.take(MANY)):
             taken += len(asked)
         assert taken <= ORDERS_AT_ONCE + second * ORDERS_A_SECOND
-        assert 0.0 < helm.station.held_up <= 1.0 / ORDERS_A_SECOND
+        assert 0.0 < helm.station.allowance.held_up <= 1.0 / ORDERS_A_SECOND
     assert taken == ORDERS_AT_ONCE + 10 * ORDERS_A_SECOND
     assert len(helm.line.waiting) == 500 - taken  # they wait, and none is lost
     told = [text for _, text in helm.log if "orders a second wait" in text]
@@ -810,10 +816,10 @@ def test_lines_that_are_no_orders_and_lines_of_the_user_s_own_are_not_held_up(
     for _ in range(300):
         assert not noisy.type()
     assert noisy.line.waiting == []
-    assert not noisy.station.held_up
+    assert not noisy.station.allowance.held_up
     panel = post("helm")
     taken = panel.type(*["rudder left 5"] * 300)
     for _ in range(300):
         taken += panel.type()
     assert len(taken) == 300
-    assert not panel.station.held_up
+    assert not panel.station.allowance.held_up

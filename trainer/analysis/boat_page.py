@@ -60,7 +60,7 @@ from trainer.units import KNOT
 SEA_STATES: Final = range(9)
 VISITORS_EXERCISE: Final = "visitor-dive"
 WAY_S: Final = 120.0  # [s] of the way shown: as long as a try (js/tab/task.js)
-StateWrites = list[tuple[int, float]]  # places of the state, and what is written there
+StateWrites = list[tuple[int, float]]  # offsets of the state, and what is written there
 
 
 # Limits that such a page can judge, because the boat alone tells them: the column of channel
@@ -125,8 +125,8 @@ def fittings(boat: Boat) -> dict[str, Any]:
 def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
     """Return the numbers of a casualty. Key ``limit`` is a surface's angle hard over."""
     limits = [
-        boat.toward[surface] * float(boat.vessel.limit[place])
-        for place, surface in enumerate(SURFACES)
+        boat.toward[surface] * float(boat.vessel.limit[i])
+        for i, surface in enumerate(SURFACES)
         if casualty.kind == f"{surface}-hard-over"
     ]
     measure = casualty.measure
@@ -183,7 +183,7 @@ def grammar() -> dict[str, Any]:
             }
             for name, number in NUMBER_KINDS.items()
         },
-        "names": {name: place.says for name, place in NAME_SLOTS.items()},
+        "names": {name: slot.says for name, slot in NAME_SLOTS.items()},
         "signs": SIDE_SIGNS,
     }
 
@@ -378,7 +378,7 @@ def fly_branch(
 
 
 def apply_orders(orders: deque[RecordedOrder], tick: int, boat: Boat, plan: Plan) -> StateWrites:
-    """Give the boat the orders of a tick. Return the state's places and values that they wrote."""
+    """Give the boat the orders of a tick. Return the state's offsets and values that they wrote."""
     was = boat.state.whole.copy()
     while orders and orders[0].tick <= tick:
         order = order_of(orders.popleft(), plan.schedule)
@@ -388,9 +388,9 @@ def apply_orders(orders: deque[RecordedOrder], tick: int, boat: Boat, plan: Plan
 
 
 def state_changes(was: Numbers, now: Numbers) -> StateWrites:
-    """Return the places where two states differ, and what the second has."""
-    places = np.flatnonzero(was.view(np.int64) != np.ascontiguousarray(now).view(np.int64))
-    return [(int(place), float(now[place])) for place in places]
+    """Return the offsets where two states differ, and what the second has."""
+    offsets = np.flatnonzero(was.view(np.int64) != np.ascontiguousarray(now).view(np.int64))
+    return [(int(offset), float(now[offset])) for offset in offsets]
 
 
 # A kiosk

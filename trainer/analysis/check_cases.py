@@ -171,19 +171,19 @@ def boat_of_run(case: CheckCase, run: CaseRun) -> Boat:
 def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
     """Return a run flown; ConfigError if an order is refused, or the boat lost."""
     boat, step = boat_of_run(case, run), run.step_s or 0.0
-    places = np.array([STATE_OFFSETS[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
+    offsets = np.array([STATE_OFFSETS[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
     due: dict[int, list[int]] = defaultdict(list)
     for i, entry in enumerate(case.orders):
         due[math.ceil(entry.seconds / step - 1e-9)].append(i)
     ticks = round(case.heading.duration_s / step)
-    rows = np.empty((ticks + 1, places.size))
-    rows[0] = boat.records.state.view(np.float64)[places]
-    boat.fly(places, rows[:0])  # its machine code is loaded here, and not timed
+    rows = np.empty((ticks + 1, offsets.size))
+    rows[0] = boat.records.state.view(np.float64)[offsets]
+    boat.fly(offsets, rows[:0])  # its machine code is loaded here, and not timed
     begun = time.perf_counter()
     with np.errstate(all="ignore"):  # a lost boat is told below
         for tick, until in stretches(0, ticks, due):
             _give_orders(case, boat, due.get(tick, ()))
-            if status := boat.fly(places, rows[tick + 1 : until + 1]):
+            if status := boat.fly(offsets, rows[tick + 1 : until + 1]):
                 raise case.problem(f"run {run.name}: {boat.failure(status)}")
     spent = time.perf_counter() - begun
     rows = rows[:: round(case.heading.sample_s / step)]
@@ -191,9 +191,9 @@ def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
     return CaseOutputs(run.name, columns, ticks, spent)
 
 
-def _give_orders(case: CheckCase, boat: Boat, places: Sequence[int]) -> None:
+def _give_orders(case: CheckCase, boat: Boat, indices: Sequence[int]) -> None:
     """Give orders of a case; ConfigError with the line of one that is refused."""
-    for i in places:
+    for i in indices:
         order = case.orders[i].order
         reply = obey_order(boat, order)
         if isinstance(reply, Refused):
@@ -215,9 +215,9 @@ def compare(
         size = np.abs(outputs.columns[name] - beside.columns[name])
         if name in ANGLE_CHANNELS:
             size = np.minimum(size % TURN_DEG, TURN_DEG - size % TURN_DEG)
-        place = int(np.argmax(size))
-        at = float(case.times[place])
-        differences.append(Difference(name, float(size[place]), at, spreads[name]))
+        worst = int(np.argmax(size))
+        at = float(case.times[worst])
+        differences.append(Difference(name, float(size[worst]), at, spreads[name]))
     return Comparison(outputs.name, beside.name, spread is not None, tuple(differences))
 
 

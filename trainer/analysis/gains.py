@@ -248,9 +248,9 @@ def design_gains(file: VesselFile) -> dict[str, list[float] | float]:
         )
     turning = STRAIGHT_TURN_RATE * speeds[0] * KNOT / file.hull.length
     columns: dict[str, list[float] | float] = {"speed_kn": speeds}
-    for place, name in enumerate(GAINS):
+    for i, name in enumerate(GAINS):
         key, factor = GAIN_UNITS.get(name, (name, 1.0))
-        columns[key] = [round_digits(factor * row[place]) for row in rows]
+        columns[key] = [round_digits(factor * row[i]) for row in rows]
     return columns | {
         "speed_integral": round_digits(surge),
         "turning_rate_deg_s": round_digits(math.degrees(turning)),

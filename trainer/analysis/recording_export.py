@@ -91,11 +91,11 @@ def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Ser
             if name not in layout.columns:
                 near = nearest(name, layout.columns)
                 raise ConfigError(f"{path}: no column {quote(name)}{near}")
-        places = [layout.columns.index(name) for name in names]
+        indices = [layout.columns.index(name) for name in names]
         rows = []
         for flown in recording.flown(recording.branch if branch is None else branch):
             numbers = layout.numbers(flown.state)
-            rows.append([flown.tick * layout.step, *(numbers[i] for i in places)])
+            rows.append([flown.tick * layout.step, *(numbers[i] for i in indices)])
     if len(rows) < MIN_ROWS:
         raise ConfigError(f"{path}: has {len(rows)} states; a plot needs {MIN_ROWS} or more")
     table = np.array(rows).T

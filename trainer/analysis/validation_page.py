@@ -156,14 +156,14 @@ def _exercise_section(found: Validation) -> Markup:
 
 def _panels(found: Validation) -> tuple[Panel, Panel]:
     """Return the marks against the grade, and against the delay where that is the only fault."""
-    places = np.arange(float(len(GRADED_CREWS)))
+    grades = np.arange(float(len(GRADED_CREWS)))
     runs = np.array([found.skilled[grade.name] for grade in GRADED_CREWS])
     spread = np.linspace(-0.5, 0.5, runs.shape[1]) * POINT_SPREAD
     silly = np.array([*found.silly.values()])
     beside = np.full(silly.size, len(GRADED_CREWS))
     graded = (
-        Curve("a run", (places[:, None] + spread).ravel(), runs.ravel(), points=True),
-        Curve("the mean", places, runs.mean(axis=1)),
+        Curve("a run", (grades[:, None] + spread).ravel(), runs.ravel(), points=True),
+        Curve("the mean", grades, runs.mean(axis=1)),
         Curve("a silly crew, beside the grades", beside, silly, points=True),
     )
     crews = (GRADED_CREWS[0], *LATE_CREWS)

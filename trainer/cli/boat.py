@@ -354,7 +354,7 @@ class _TickRows:
     def columns(self) -> dict[str, Numbers]:
         """Return copies of the columns, by name."""
         table = np.array(self._numbers).reshape(-1, ROW_WIDTH)
-        return {name: table[:, place].copy() for place, name in enumerate(MOTION_COLUMNS)}
+        return {name: table[:, i].copy() for i, name in enumerate(MOTION_COLUMNS)}
 
 
 def _options_of(given: Mapping[str, Any]) -> RunOptions:

@@ -426,15 +426,15 @@ def _example(files: tuple[Path, ...], folder: str) -> Path:
     study = shipped_path("records", "example")
     if not folder:
         return study
-    place = Path(folder)
+    target = Path(folder)
     try:
-        place.mkdir(parents=True, exist_ok=True)
+        target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ConfigError(f"--example {folder}: cannot be made: {error.strerror}") from error
     for path in (study, study.with_suffix(".csv")):
-        write_once(place / path.name, read_text(path))
-        click.echo(f"{place / path.name} written", err=True)
-    return place / study.name
+        write_once(target / path.name, read_text(path))
+        click.echo(f"{target / path.name} written", err=True)
+    return target / study.name
 
 
 def _data(study: "Study", options: dict[str, Any]) -> int:

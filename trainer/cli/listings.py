@@ -51,11 +51,11 @@ def exercises(*, as_json: bool) -> None:
 
 
 def exercise_line(each: "Lesson") -> str:
-    """Return name, place, title, length, number of stations and what is in hand, in columns."""
-    place = "" if math.isinf(each.place) else f"{each.place:g}"
-    title = each.title.removeprefix(f"Lesson {place}: ")
+    """Return name, number, title, length, number of stations and what is in hand, in columns."""
+    number = "" if math.isinf(each.number) else f"{each.number:g}"
+    title = each.title.removeprefix(f"Lesson {number}: ")
     in_hand = each.in_hand.replace(", ", ",")
-    return f"{each.name:20}{place:>2} {title:28}{each.length:>7} {len(each.stations)} {in_hand}"
+    return f"{each.name:20}{number:>2} {title:28}{each.length:>7} {len(each.stations)} {in_hand}"
 
 
 @click.command()

@@ -314,7 +314,8 @@ def complete_files(
     head, tail = os.path.split(incomplete)
     names = sorted(each for each in _entries(head) if each.startswith(tail) and _shown(each, tail))
     files = [name for name in names if name.endswith(endings)]
-    folders = [f"{name}/" for name in names if name not in files and _is_folder(head, name)]
+    others = (name for name in names if name not in files)
+    folders = [f"{name}/" for name in others if (Path(head).expanduser() / name).is_dir()]
     paths = [os.path.join(head, name) for name in (*files, *folders)]  # noqa: PTH118 keeps ./ and ~
     if not all(map(PLAIN_NAME.fullmatch, paths)):
         return [CompletionItem(incomplete, type="file")] if alone else []
@@ -333,7 +334,3 @@ def _entries(folder: str) -> list[str]:
 def _shown(name: str, typed: str) -> bool:
     """Return whether to offer a name. A hidden one needs its dot typed."""
     return typed.startswith(".") or not name.startswith(".")
-
-
-def _is_folder(folder: str, name: str) -> bool:
-    return (Path(folder).expanduser() / name).is_dir()

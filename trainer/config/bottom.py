@@ -175,12 +175,12 @@ def land_near(bottom: Bottom, north: float, east: float) -> float:
 
 
 def is_charted(bottom: Bottom, north: float, east: float) -> bool:
-    """Return whether a place is on the grid. A plane has no end, so every place is."""
+    """Return whether a location is on the grid. A plane has no end, so every one is."""
     return bool(charted_at(bottom, north, east))
 
 
 def charted_at(bottom: Bottom, north: Any, east: Any) -> Any:
-    """Return whether places [m], numbers or arrays, are on the grid."""
+    """Return whether locations [m], numbers or arrays, are on the grid."""
     grid = bottom.known
     if grid is None:
         return north == north  # noqa: PLR0124  each is
@@ -190,7 +190,7 @@ def charted_at(bottom: Bottom, north: Any, east: Any) -> Any:
 
 
 def depths_at(bottom: Bottom, north: Numbers, east: Numbers) -> Numbers:
-    """Return the depths [m] at places [m]. Beyond a grid's edge they are as at the edge."""
+    """Return the depths [m] at locations [m]. Beyond a grid's edge they are as at the edge."""
     grid = bottom.depth
     i, j = (north - grid.south) / grid.cell[0], (east - grid.west) / grid.cell[1]
     if bottom.known is None:

@@ -62,7 +62,7 @@ DEG_PER_RAD: Final = math.degrees(1.0)  # [deg/rad]
 class Channel(NamedTuple):
     """A column of a check case's files."""
 
-    state: str  # the place in the core's state
+    state: str  # the offset in the core's state
     unit: str
     factor: float  # from SI to the unit
     limit: float  # of a start either way; 0: no start has it

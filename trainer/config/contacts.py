@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from trainer.config.files import (
     ConfigError,
@@ -30,11 +30,9 @@ from trainer.config.schema import (
     Rows,
     Text,
     WholeNumber,
-    describe_kind,
     list_schema,
     optional,
     read_record,
-    record_schema,
     required,
     with_default,
     within,
@@ -99,7 +97,7 @@ SHIP_TYPES: Final[Mapping[str, ShipType]] = {
 
 @dataclass(frozen=True)
 class WayPoints:
-    """A list of places, each north and east of the origin."""
+    """A list of locations, each north and east of the origin."""
 
     meaning: str
     most: int = 100
@@ -112,7 +110,7 @@ class WayPoints:
         return KeyForm("m", message, self.meaning, list_schema(pair, 1, self.most))
 
     def read(self, key: str, value: object, position: Position) -> tuple[tuple[float, float], ...]:
-        """Return the places; ConfigError naming the first that is wrong."""
+        """Return the locations; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
             message = f"must be a list of 1 to {self.most} pairs [north, east]"
             raise ConfigError(position.wrong(key, value, message))
@@ -275,16 +273,6 @@ def read_encounters(value: object, position: Position, path: Path) -> Encounters
     """Return the rules for ships that come near; ConfigError with all that is wrong."""
     del path
     return read_record(Encounters, value, position, ("note",))
-
-
-def contacts_schema() -> dict[str, Any]:
-    """Return the JSON Schema of the tables [[contact]]."""
-    return describe_kind(CONTACT_ROWS)
-
-
-def encounters_schema() -> dict[str, Any]:
-    """Return the JSON Schema of the table [contacts]."""
-    return record_schema(Encounters, ("note",))
 
 
 def _ship(row: ContactRow, path: Path) -> ShipFile:

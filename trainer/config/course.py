@@ -1,7 +1,7 @@
 """The shipped exercises in the order in which a crew learns: the first lesson first.
 
 ``trainer exercises``, the console's list, the pages and the order ``next`` all follow it. The order
-is that of the key ``lesson`` in the files, so that an exercise brings its own place.
+is that of the key ``lesson`` in the files, so that an exercise brings its own number.
 """
 
 import math
@@ -25,9 +25,9 @@ STANDARD_VESSEL: Final = "bb2"  # the boat of an exercise that names none
 
 
 class Lesson(NamedTuple):
-    """An exercise: its place in the course, its name, and the crew's title and briefing."""
+    """An exercise: its number in the course, its name, and the crew's title and briefing."""
 
-    place: float
+    number: float
     name: str
     title: str
     briefing: str
@@ -71,13 +71,13 @@ def lessons() -> list[Lesson]:
 
 
 def lesson(name: str) -> Lesson:
-    """Return a shipped exercise as a lesson. One without a place in the course comes last."""
+    """Return a shipped exercise as a lesson. One without a number in the course comes last."""
     path = shipped_path("exercises", name)
     table = parse_toml(read_text(path), path.name)
-    place = float(table.get("lesson", math.inf))
+    number = float(table.get("lesson", math.inf))
     length = table.get("duration_s")
     return Lesson(
-        place,
+        number,
         name,
         str(table["name"]),
         str(table["briefing"]),

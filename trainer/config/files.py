@@ -48,7 +48,7 @@ _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", defaul
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
 TABLE_HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
 KEY_VALUE_LINE: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
-PROBLEM_PLACE: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
+PROBLEM_SCOPE: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
 
 
 class ConfigError(ValueError):
@@ -392,7 +392,7 @@ def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> i
     if not problem.startswith(head) or problem.startswith(f"{head}line "):
         return 0
     about = problem.removeprefix(head)
-    match = PROBLEM_PLACE.match(about)
+    match = PROBLEM_SCOPE.match(about)
     table, key = (match["table"] or "", match["key"] or "") if match else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
     return number or lines.get((f"{key}[0]", "")) or 0

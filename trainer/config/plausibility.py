@@ -294,28 +294,28 @@ def free_surface_problems(table: FreeSurface) -> list[str]:
     return problems
 
 
-def _centre(places: Sequence[float], masses: Sequence[float]) -> float:
-    """Return the centre [m] of masses at places [m]; 0 of none."""
-    moments = (x * mass for x, mass in zip(places, masses, strict=True))
+def _centre(distances: Sequence[float], masses: Sequence[float]) -> float:
+    """Return the centre [m] of masses at distances [m]; 0 of none."""
+    moments = (x * mass for x, mass in zip(distances, masses, strict=True))
     return sum(moments) / sum(masses) if sum(masses) else 0.0
 
 
 def wave_strip_problems(table: WaveStrips, hull: Hull, fluid: Fluid) -> list[str]:
     """Return what is wrong with strips that are not those of this hull."""
     problems = []
-    places, masses = list(table.x_m), table.displaced_kg
-    if any(ahead <= behind for ahead, behind in pairwise(places)):
-        problems.append(f"x_m = {places}: must descend from the bow, none twice")
-    if max(map(abs, places)) > STRIP_END * hull.length:
+    centres, masses = list(table.x_m), table.displaced_kg
+    if any(ahead <= behind for ahead, behind in pairwise(centres)):
+        problems.append(f"x_m = {centres}: must descend from the bow, none twice")
+    if max(map(abs, centres)) > STRIP_END * hull.length:
         most = STRIP_END * hull.length
-        problems.append(f"x_m = {places}: must lie within {most:g} m of the origin")
+        problems.append(f"x_m = {centres}: must lie within {most:g} m of the origin")
     displaced = hull.buoyancy / fluid.g
     if abs(sum(masses) / displaced - 1.0) > STRIP_SLACK:
         problems.append(
             f"displaced_kg: the sum is {sum(masses):g} kg, must be buoyancy/g = {displaced:g} kg "
             f"within {STRIP_SLACK:.0%}"
         )
-    centre, most = _centre(places, masses), STRIP_CENTRE * hull.length
+    centre, most = _centre(centres, masses), STRIP_CENTRE * hull.length
     if abs(centre - hull.cb[0]) > most:
         problems.append(
             f"displaced_kg: the centre is at x = {centre:.3g} m, must be that of cb, "

@@ -145,8 +145,8 @@ class Progress:
 
     def with_run(self, run: ProgressRun) -> "Progress":
         """Return it with one run more, in place of the same one."""
-        place = run.recording, run.branch
-        others = (each for each in self.runs if (each.recording, each.branch) != place)
+        key = run.recording, run.branch
+        others = (each for each in self.runs if (each.recording, each.branch) != key)
         runs = sorted((*others, run), key=lambda each: (each.started, each.branch))
         return replace(self, runs=tuple(runs))
 

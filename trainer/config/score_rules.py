@@ -34,7 +34,7 @@ from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 RULES_FORM: Final = "2"  # of the rules of marking; counted up where a run's marks would change
 OWN_UNIT: Final = ""  # the unit of a measure that is a quantity's
 COURSE_QUANTITY: Final = "course"  # a quantity beside those of conditions: it goes round
-ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # places of the state that hold what is ordered
+ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # offsets of the state that hold what is ordered
     "depth": "ordered_depth",
     COURSE_QUANTITY: "ordered_psi",
     "speed": "ordered_speed",
@@ -63,7 +63,7 @@ class ScoreMeasure:
 
     unit: str  # OWN_UNIT: that of the quantity
     formula: str  # {q} the quantity, {t} its target, {b} its band, {u} their unit, {c} the casualty
-    place: str  # which moment is told
+    moment: str  # which moment is told
     needs: tuple[str, ...] = ()
     may: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()  # the only ones it takes; () any

@@ -251,7 +251,7 @@ def read_geotiff(path: Path) -> Grid:
         raise ConfigError(f"{path}: {message}") from None
     except Exception as error:  # noqa: BLE001  whatever a damaged file makes of its reader
         raise ConfigError(f"{path}: is no GeoTIFF that can be read: {error}") from None
-    return _placed(values, tags, path)
+    return _locate_raster(values, tags, path)
 
 
 def _refuse_coding(code: int, path: Path) -> None:
@@ -262,7 +262,7 @@ def _refuse_coding(code: int, path: Path) -> None:
         )
 
 
-def _placed(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
+def _locate_raster(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid:
     """Return a raster as a grid, by its tags."""
     if values.ndim != 2:
         raise ConfigError(f"{path}: has {values.ndim} dimensions: one band of depths is read")
@@ -286,8 +286,8 @@ def _keys(directory: Any) -> Iterator[tuple[int, int]]:
     """Yield the keys of a GeoTIFF that are numbers, with their values."""
     numbers = list(directory)
     for i in range(4, len(numbers) - 3, 4):
-        key, place, count, value = numbers[i : i + 4]
-        if place == 0 and count == 1:
+        key, tag, count, value = numbers[i : i + 4]
+        if tag == 0 and count == 1:
             yield int(key), int(value)
 
 

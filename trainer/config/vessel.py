@@ -231,7 +231,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         coefficients={term.key: coefficients[term.key] for term in COEFFICIENTS},
         absent=absent,
         defaulted=tuple(defaulted),
-        remarks=tuple(_placed(remarks, position)),
+        remarks=tuple(_name_positions(remarks, position)),
         notes=_notes(table.get("notes")),
         **{**dict.fromkeys(OPTIONAL_TABLES), **parts},
     )
@@ -358,9 +358,9 @@ def _fit_problems(parts: Mapping[str, Any], position: Position) -> list[str]:
     if "wave_strips" in parts:
         strips = parts["wave_strips"]
         problems["wave_strips"] = plausibility.wave_strip_problems(strips, hull, fluid)
-    return _placed(problems, position)
+    return _name_positions(problems, position)
 
 
-def _placed(found: Mapping[str, list[str]], position: Position) -> list[str]:
+def _name_positions(found: Mapping[str, list[str]], position: Position) -> list[str]:
     """Return problems with file and table in front."""
     return [position.inside(name).problem(text) for name, texts in found.items() for text in texts]

@@ -14,15 +14,15 @@ import numpy as np
 
 from trainer.config.bottom import Bottom, BottomTable, depths_at, is_charted, read_bottom
 from trainer.config.contacts import (
+    CONTACT_ROWS,
     Contact,
-    contacts_schema,
-    encounters_schema,
+    Encounters,
     read_contacts,
     read_encounters,
 )
 from trainer.config.current import current_schema, read_current
 from trainer.config.files import Position, collecting, raise_problems
-from trainer.config.schema import record_schema
+from trainer.config.schema import describe_kind, record_schema
 from trainer.io.orders.grammar import Refused
 
 # By the name of the table: a function of its content, its place and the exercise's path.
@@ -34,13 +34,13 @@ WORLD_READERS: Final[Mapping[str, Callable[[object, Position, Path], Any]]] = {
 }
 
 WORLD_SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
-    "contact": contacts_schema,
-    "contacts": encounters_schema,
+    "contact": lambda: describe_kind(CONTACT_ROWS),
+    "contacts": lambda: record_schema(Encounters, ("note",)),
     "current": current_schema,
     "bottom": lambda: record_schema(BottomTable, ("note",)),
 }
 MIN_WATER_DRAUGHTS: Final = 1.2  # [-] depth on a ship's way over its draught (docs/world.md)
-SOUNDING_SPACING_M: Final = 20.0  # [m] between the places of a way that are sounded
+SOUNDING_SPACING_M: Final = 20.0  # [m] between the points of a way that are sounded
 WorldTables = Mapping[str, Any]  # records, by the names of their tables
 
 
@@ -60,12 +60,12 @@ def read_world(table: Mapping[str, Any], path: Path) -> WorldTables:
 
 
 def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
-    """Return a problem at the first place with too little water for a ship, None without.
+    """Return a problem at the first location with too little water for a ship, None without.
 
-    Places beyond the chart are not judged, because their depth is only that of its edge.
+    Locations beyond the chart are not judged, because their depth is only that of its edge.
     """
     least = MIN_WATER_DRAUGHTS * ship.type.draught
-    for north, east in _places(ship):
+    for north, east in _sample_way(ship):
         depth = float(depths_at(bottom, np.array([north]), np.array([east]))[0])
         if depth < least and is_charted(bottom, north, east):
             message = f"{depth:.1f} m of water at [{north:.0f}, {east:.0f}]"
@@ -75,8 +75,8 @@ def _aground(bottom: Bottom, ship: Contact) -> Refused | None:
     return None
 
 
-def _places(ship: Contact) -> Iterator[tuple[float, float]]:
-    """Yield the places [m] from way point to way point, one every SOUNDING_SPACING_M."""
+def _sample_way(ship: Contact) -> Iterator[tuple[float, float]]:
+    """Yield the locations [m] from way point to way point, one every SOUNDING_SPACING_M."""
     points = ship.row.points
     for (north, east), (north_then, east_then) in pairwise(points):
         count = math.ceil(math.hypot(north_then - north, east_then - east) / SOUNDING_SPACING_M)

@@ -17,7 +17,7 @@ from trainer.console.past import EVENTS_CHANNEL, LATE_TIME_S, PastAnswers
 from trainer.console.readings import ChannelReadings
 
 MAX_TRACE_TICKS: Final = 4800  # ticks: 40 minutes at half a second
-MAX_TRACK_PLACES: Final = 4000  # places of the track
+MAX_TRACK_POINTS: Final = 4000  # points of the track
 TRACK_PERIOD_S: Final = 2.0  # [s] between them
 GHOST_CHANNEL: Final = "ghost"  # of an aid
 Numbers = Callable[[str, str], float | None]  # the value of a channel and its field
@@ -66,8 +66,8 @@ class Trace:
 
     def add(self, seconds: float, samples: Sequence[Sample]) -> None:
         """Add the samples of a time. Later ones are dropped, because time has gone back."""
-        place = bisect.bisect_left(self.times, seconds)
-        del self.times[place:], self.samples[place:]
+        index = bisect.bisect_left(self.times, seconds)
+        del self.times[index:], self.samples[index:]
         self.times.append(seconds)
         self.samples.append(tuple(samples))
         # a quarter more may gather, so that the lists are not cut at every tick
@@ -85,11 +85,11 @@ class Trace:
     def recall_ghost(self, rows: Sequence[tuple[float, Sequence[float | None]]]) -> None:
         """Put the ghost's values of earlier times beside the samples."""
         times = [seconds for seconds, _ in rows]
-        for place, (seconds, samples) in enumerate(zip(self.times, self.samples, strict=True)):
+        for index, (seconds, samples) in enumerate(zip(self.times, self.samples, strict=True)):
             row = bisect.bisect_right(times, seconds) - 1
             if row >= 0 and samples and samples[0].ghost is None:
                 pairs = zip(samples, rows[row][1], strict=True)
-                self.samples[place] = tuple(each._replace(ghost=value) for each, value in pairs)
+                self.samples[index] = tuple(each._replace(ghost=value) for each, value in pairs)
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
         """Return a quantity at times over the last ``span`` [s], None before the first."""
@@ -98,8 +98,8 @@ class Trace:
         end, values = self.times[-1], []
         for column in range(columns):
             when = end - span * (columns - 1 - column) / max(columns - 1, 1)
-            place = bisect.bisect_right(self.times, when + 1e-9) - 1
-            values.append(self.samples[place][quantity] if place >= 0 else None)
+            index = bisect.bisect_right(self.times, when + 1e-9) - 1
+            values.append(self.samples[index][quantity] if index >= 0 else None)
         return values
 
 
@@ -117,7 +117,7 @@ class Charts:
     _ghost: bool = False  # it is shown
 
     def __post_init__(self) -> None:
-        self._track: deque[tuple[float, float, float]] = deque(maxlen=MAX_TRACK_PLACES)  # [s, m, m]
+        self._track: deque[tuple[float, float, float]] = deque(maxlen=MAX_TRACK_POINTS)  # [s, m, m]
 
     @property
     def track(self) -> list[tuple[float, float]]:
@@ -150,7 +150,7 @@ class Charts:
             self.past.ask(channels & set(self.picture.names), self.ask)
 
     def _follow(self, seconds: float) -> None:
-        """Add the boat's place to its track. Later places are dropped: time has gone back."""
+        """Add the boat's location to its track. Later ones are dropped: time has gone back."""
         reading = self.picture.reading(self.gauges)
         north, east = reading.number("north"), reading.number("east")
         if north is None or east is None:
@@ -171,7 +171,7 @@ class Charts:
             numbers = [(s, partial(self.past.number, s)) for s, _ in rows]
             self.trace.recall([(s, [q.sample(n) for q in self.quantities]) for s, n in numbers])
             first = self._track[0][0] if self._track else math.inf
-            places = [(s, r.number("north"), r.number("east")) for s, r in rows if s < first]
-            earlier = [(s, n, e) for s, n, e in places if n is not None and e is not None]
-            room = MAX_TRACK_PLACES - len(self._track)
+            points = [(s, r.number("north"), r.number("east")) for s, r in rows if s < first]
+            earlier = [(s, n, e) for s, n, e in points if n is not None and e is not None]
+            room = MAX_TRACK_POINTS - len(self._track)
             self._track.extendleft(islice(reversed(earlier), room))

@@ -82,8 +82,8 @@ class Choice:
         return begin + within
 
     @property
-    def place(self) -> int:
-        """Return the place of the row that is chosen."""
+    def index(self) -> int:
+        """Return the index of the row that is chosen."""
         shown = self.shown
         if self.moved is None:
             return next((i for i, row in enumerate(shown) if not row.active), 0)
@@ -93,7 +93,7 @@ class Choice:
     def chosen(self) -> ChoiceRow | None:
         """Return the row that is chosen."""
         shown = self.shown
-        return shown[self.place] if shown else None
+        return shown[self.index] if shown else None
 
     @property
     def order(self) -> str:
@@ -120,7 +120,7 @@ class Choice:
         moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
         last = max(len(self.shown) - 1, 0)
         if key in moves:
-            self.moved = min(max(self.place + moves[key], 0), last)
+            self.moved = min(max(self.index + moves[key], 0), last)
         elif key == "backspace":
             self._type(self.typed[:-1])
         elif character and character.isprintable():
@@ -135,12 +135,12 @@ class Choice:
 
     def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Choose the row of a click. A row that was chosen already is ordered."""
-        place = self._first + row - HEAD_ROWS
-        if not (HEAD_ROWS <= row < HEAD_ROWS + self._rows and place < len(self.shown)):
+        index = self._first + row - HEAD_ROWS
+        if not (HEAD_ROWS <= row < HEAD_ROWS + self._rows and index < len(self.shown)):
             return None
-        if place == self.place and self.order:
+        if index == self.index and self.order:
             return DialogOutcome((self.order,))
-        self.moved = place
+        self.moved = index
         return None
 
     def draw(self, width: int, height: int) -> Lines:
@@ -154,11 +154,11 @@ class Choice:
         foot.append(line((" Enter sends: ", "dim"), (self.order or "nothing", "ordered")))
         room = max(height - len(lines) - len(foot), 1)
         shown = self.shown
-        place = self.place
-        first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
+        index = self.index
+        first = min(max(index - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         body = [
-            row_line(row, chosen=first + i == place, width=width)
+            row_line(row, chosen=first + i == index, width=width)
             for i, row in enumerate(shown[first : first + room])
         ]
         body += [line()] * (room - len(body))
@@ -306,9 +306,9 @@ class Question:
 
     def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Take a click on an answer."""
-        place = row - 2
+        index = row - 2
         keys = [*self.answers, "escape"]
-        return self.press(keys[place], None) if 0 <= place < len(keys) else None
+        return self.press(keys[index], None) if 0 <= index < len(keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""

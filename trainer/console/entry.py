@@ -133,7 +133,7 @@ class Entry(Input):
         self._prompt = prompt
         self._send = send
         self._history: list[str] = []
-        self._place = 0
+        self._index = 0
 
     def begin(self, text: str) -> None:
         """Begin an order with these words."""
@@ -154,7 +154,7 @@ class Entry(Input):
         words = self.value.strip()
         if words and self._history[-1:] != [words]:
             self._history.append(words)
-        self._place = len(self._history)
+        self._index = len(self._history)
         self.value = ""
         self._send(words)
 
@@ -182,8 +182,8 @@ class Entry(Input):
 
     def _look(self, way: int) -> None:
         """Show the order before or after the one shown."""
-        self._place = min(max(self._place + way, 0), len(self._history))
-        self.value = "" if self._place == len(self._history) else self._history[self._place]
+        self._index = min(max(self._index + way, 0), len(self._history))
+        self.value = "" if self._index == len(self._history) else self._history[self._index]
         self.cursor_position = len(self.value)
 
 

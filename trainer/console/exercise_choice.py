@@ -43,13 +43,13 @@ class ExerciseChoice(Choice):
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
         shown = self.shown
-        place = min(self.place, max(len(shown) - 1, 0))
+        index = min(self.index, max(len(shown) - 1, 0))
         room = max(height - HEAD_ROWS - BRIEFING_ROWS - 1 - len(self.advice), 1)
-        first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
+        first = min(max(index - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         rows = [
-            line((f" {'>' if first + i == place else ' '} {row.name}", "plain"))
-            if first + i != place
+            line((f" {'>' if first + i == index else ' '} {row.name}", "plain"))
+            if first + i != index
             else line((f" > {row.name:<{max(width - 4, 0)}} ", "chosen"))
             for i, row in enumerate(shown[first : first + room])
         ]

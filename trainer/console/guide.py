@@ -149,8 +149,8 @@ class TextView:
 
     def click(self, _column: int, row: int, _width: int) -> DialogOutcome | None:
         """Take a click on one of the keys, which stand at the top."""
-        place = row - 1 + self.top
-        return self.press(list(self.keys)[place], None) if 0 <= place < len(self.keys) else None
+        index = row - 1 + self.top
+        return self.press(list(self.keys)[index], None) if 0 <= index < len(self.keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return as much of the text as there is room for, and its lines' places."""

@@ -1,6 +1,6 @@
 """What the screen of each role shows: its channels, charts and drawings.
 
-``app`` builds the screen from it, and ``launch`` subscribes to the channels at its rates.
+``role_panes`` shows it, and ``launch`` subscribes to the channels at its rates.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,8 +23,8 @@ AID_NAMES: Final = ("ghost", "predictor")  # channels of every screen
 
 
 @dataclass(frozen=True)
-class Place:
-    """A drawing at its place on the screen, by which the style sheet finds it."""
+class PaneDrawing:
+    """A drawing, and the name by which the style sheet finds its pane."""
 
     name: str
     draw: Drawing
@@ -38,9 +38,9 @@ class Layout:
     role: str
     channels: tuple[str, ...]
     charts: tuple[Quantity, ...]
-    upper: tuple[Place, ...]
-    lower: tuple[Place, ...] = ()
-    aside: tuple[Place, ...] = ()
+    upper: tuple[PaneDrawing, ...]
+    lower: tuple[PaneDrawing, ...] = ()
+    aside: tuple[PaneDrawing, ...] = ()
 
 
 def quantities(gauge: str) -> dict[str, Quantity]:
@@ -69,7 +69,10 @@ def charts_named(gauge: str, *names: str) -> tuple[Quantity, ...]:
     return tuple(known[name] for name in names)
 
 
-TANK_PLACES: Final = (Place("levels", tanks.levels), Place("fittings", tanks.fittings))
+TANK_DRAWINGS: Final = (
+    PaneDrawing("levels", tanks.levels),
+    PaneDrawing("fittings", tanks.fittings),
+)
 
 LAYOUTS: Final[Mapping[str, Layout]] = {
     post.role: post
@@ -95,59 +98,59 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             ),
             charts_named("motion", "depth", "heading", "speed", "stern", "rudder", "pitch"),
             (
-                Place("state", gauges.state, moving=True),
-                Place("hull", hull, moving=True),
-                Place("levels", tanks.levels),
+                PaneDrawing("state", gauges.state, moving=True),
+                PaneDrawing("hull", hull, moving=True),
+                PaneDrawing("levels", tanks.levels),
             ),
             aside=(
-                Place("plan", plan, moving=True),
-                Place("broken", event_log.around),
-                Place("ledger", event_log.ledger),
+                PaneDrawing("plan", plan, moving=True),
+                PaneDrawing("broken", event_log.around),
+                PaneDrawing("ledger", event_log.ledger),
             ),
         ),
         Layout(
             "helm",
             ("time", "steering", "engine", "orders", "gauges"),
             charts_named("gauges", "heading", "rudder"),
-            (Place("panel", panels.helm, moving=True),),
+            (PaneDrawing("panel", panels.helm, moving=True),),
         ),
         Layout(
             "planes",
             ("time", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
-            (Place("panel", panels.planes, moving=True),),
+            (PaneDrawing("panel", panels.planes, moving=True),),
         ),
         Layout(
             "pilot",
             ("time", "steering", "engine", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
-            (Place("panel", panels.pilot, moving=True),),
+            (PaneDrawing("panel", panels.pilot, moving=True),),
         ),
         Layout(
             "ballast",
             ("time", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
-            (Place("panel", panels.gauges, moving=True),),
-            TANK_PLACES,
+            (PaneDrawing("panel", panels.gauges, moving=True),),
+            TANK_DRAWINGS,
         ),
         Layout(
             "diving",
             ("time", "diving", "engine", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
-            (Place("panel", panels.planes, moving=True),),
-            TANK_PLACES,
+            (PaneDrawing("panel", panels.planes, moving=True),),
+            TANK_DRAWINGS,
         ),
         Layout(
             "observer",
             ("time", "steering", "engine", "diving", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
-            (Place("panel", panels.pilot, moving=True),),
+            (PaneDrawing("panel", panels.pilot, moving=True),),
         ),
         Layout(
             "scope",
             ("time", "scope", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
-            (Place("panel", panels.periscope, moving=True),),
+            (PaneDrawing("panel", panels.periscope, moving=True),),
         ),
         Layout(
             "trainee",
@@ -156,14 +159,14 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
                 *("air", "valves", "orders", "gauges"),
             ),
             charts_named("gauges", "depth", "heading"),
-            (Place("panel", panels.trainee, moving=True),),
-            (Place("levels", panels.trainee_levels), Place("fittings", tanks.fittings)),
+            (PaneDrawing("panel", panels.trainee, moving=True),),
+            (PaneDrawing("levels", panels.trainee_levels), PaneDrawing("fittings", tanks.fittings)),
         ),
         Layout(
             "visitor",
             ("time", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
-            (Place("panel", panels.planes, moving=True),),
+            (PaneDrawing("panel", panels.planes, moving=True),),
         ),
     )
 }

@@ -50,6 +50,40 @@ class SentOrder:
 
 
 @dataclass
+class SentOrders:
+    """The orders of a screen, until they are answered."""
+
+    journal: Journal
+    asked: dict[str, SentOrder] = field(default_factory=dict)  # without an answer yet, by tag
+    answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
+    refused: int = 0
+
+    def take_answer(self, tag: str, kind: str, text: str) -> str:
+        """Take a line of an answer; return an order that was carried out, else ""."""
+        order = self.asked.get(tag)
+        if order is None:
+            if kind == "no":
+                self.journal.add(None, "refused", text)
+            return ""
+        if kind == "say":
+            order.lines.append(text)
+            return ""
+        del self.asked[tag]
+        if not order.quiet:
+            self._show(order, kind, text)
+        self.refused += kind != "ok"
+        return order.words if kind == "ok" else ""
+
+    def _show(self, asked: SentOrder, kind: str, text: str) -> None:
+        for answer_line in asked.lines:
+            self.journal.add(None, "answer", answer_line)
+        if len(asked.lines) >= LONG_ANSWER_LINES:
+            self.answers.append((asked.words, [*asked.lines, text]))
+        if text:
+            self.journal.add(None, "answer" if kind == "ok" else "refused", text)
+
+
+@dataclass
 class SessionModel:
     """The session as the screen of one station knows it."""
 
@@ -66,9 +100,6 @@ class SessionModel:
     chair: str = ""  # the role that this line has taken in place of ``role``
     over: bool = False
     ended: bool = False  # by an order of this screen
-    refused: int = 0  # orders of this screen
-    asked: dict[str, SentOrder] = field(default_factory=dict)  # without an answer yet, by tag
-    answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
     rings: int = 0  # how often the bell has been due for an alert or a casualty
     # what the session tells, by subject
     picture: ChannelReadings = field(default_factory=ChannelReadings)
@@ -79,8 +110,10 @@ class SessionModel:
     crew: CrewOrders = field(default_factory=CrewOrders)
     exercise: Exercise = field(default_factory=Exercise)
     charts: Charts = field(init=False)
+    sent: SentOrders = field(init=False)
 
     def __post_init__(self) -> None:
+        self.sent = SentOrders(self.journal)
         self.charts = Charts(self.quantities, self.gauges, self.picture, self.past, self.ask)
         self._awaited = -math.inf  # [s] on the clock, until which the next exercise may take
         self._early: list[str] = []  # orders that wait for the first line
@@ -178,7 +211,7 @@ class SessionModel:
             self.journal.add(self.picture.seconds, "sent", words)
         tag = self.talk.order(words)
         if tag:
-            self.asked[tag] = SentOrder(words, quiet)
+            self.sent.asked[tag] = SentOrder(words, quiet)
         elif not quiet:
             why = MAKING_READY if self.follows else self.trouble or "no connection"
             self.journal.add(None, "refused", f"not sent: {why}")
@@ -201,7 +234,7 @@ class SessionModel:
         if not (self.over or self.follows) and (was or why != self.trouble):
             self.journal.add(None, "lost", f"no connection: {why}")
         self.trouble = "" if self.follows else why
-        self.asked.clear()
+        self.sent.asked.clear()
         self.crew.forget_waiting()
         self.exercise.lose_line()
         self.picture.forget()
@@ -230,34 +263,13 @@ class SessionModel:
             self.timeline.furthest = max(self.timeline.furthest, seconds_shown)
 
     def _answered(self, sentence: Sentence) -> None:
-        kind, text = sentence.fields
-        order = self.asked.get(sentence.tag)
-        if order is None:
-            if kind == "no":
-                self.journal.add(None, "refused", text)
-            return
-        if kind == "say":
-            order.lines.append(text)
-            return
-        del self.asked[sentence.tag]
-        if not order.quiet:
-            self._show_answer(order, kind, text)
-        if kind != "ok":
-            self.refused += 1
-        elif order.words == "quit":
+        words = self.sent.take_answer(sentence.tag, *sentence.fields)
+        if words == "quit":
             self.ended = True
-        elif order.words == "snapshots":
+        elif words == "snapshots":
             self.timeline.snapshots, self.timeline.coming = self.timeline.coming, []
-        elif order.words == "casualties":
+        elif words == "casualties":
             self.vessel.casualties, self.vessel.coming = self.vessel.coming, []
-
-    def _show_answer(self, asked: SentOrder, kind: str, text: str) -> None:
-        for answer_line in asked.lines:
-            self.journal.add(None, "answer", answer_line)
-        if len(asked.lines) >= LONG_ANSWER_LINES:
-            self.answers.append((asked.words, [*asked.lines, text]))
-        if text:
-            self.journal.add(None, "answer" if kind == "ok" else "refused", text)
 
     # facts about more than one subject
 

@@ -133,14 +133,14 @@ class Pane(Widget):
     def __init__(
         self,
         draw: Draw,
-        place: str,
+        name: str,
         *,
         moving: bool = False,
         click: Click | None = None,
         wheel: Wheel | None = None,
     ) -> None:
         """Show what ``draw`` returns. A ``moving`` pane changes between ticks too."""
-        super().__init__(id=place)
+        super().__init__(id=name)
         self.moving = moving
         self._draw = draw
         self._click, self._wheel = click, wheel
@@ -159,10 +159,10 @@ class Pane(Widget):
 
     def on_click(self, event: events.Click) -> None:
         """Hand a click on, from the upper left of what is drawn."""
-        place = event.get_content_offset(self)
-        if self._click and place:
+        point = event.get_content_offset(self)
+        if self._click and point:
             event.stop()
-            self._click(place.x, place.y)
+            self._click(point.x, point.y)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
         """Hand a turn of the wheel on: towards what is above."""

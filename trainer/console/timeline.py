@@ -9,20 +9,20 @@ from typing import Final
 
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.event_log import end_of, moments, time_at, time_line
-from trainer.console.journal import TimelineMoment, clock
+from trainer.console.journal import clock
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, fit, line
 
 KEY_STEPS_S: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
 SHOWN_MOMENTS: Final = 8  # the latest moments, in the list
 TIMELINE_ROW: Final = 3  # the row of the time line
-NEAR_MOMENT_S: Final = 0.26  # [s] from a moment within which a place counts as that moment
+NEAR_MOMENT_S: Final = 0.26  # [s] from a moment within which a time counts as that moment
 MOMENT_SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 
 
 @dataclass
 class TimelineView:
-    """A place on the time line [s] before now, and whether Enter replays from there."""
+    """A moment [s] before now on the time line, and whether Enter replays from there."""
 
     model: SessionModel
     replays: bool
@@ -31,7 +31,7 @@ class TimelineView:
 
     @property
     def there(self) -> float:
-        """Return the time [s] of the chosen place."""
+        """Return the time [s] of the chosen moment."""
         return max(self.model.picture.seconds - self.lapse, 0.0)
 
     @property
@@ -42,7 +42,7 @@ class TimelineView:
         return near[-1] if near else ""
 
     def order(self, *, replay: bool) -> str:
-        """Return the order that goes to the chosen place."""
+        """Return the order that goes to the chosen moment."""
         if replay:
             return f"replay {max(self.lapse, 0.5):g} s"
         if self.there <= 0.0:
@@ -67,7 +67,7 @@ class TimelineView:
         return None
 
     def click(self, column: int, row: int, width: int) -> DialogOutcome | None:
-        """Choose the place of a click, on the time line or in the list."""
+        """Choose the moment of a click, on the time line or in the list."""
         shown = moments(self.model)[-SHOWN_MOMENTS:]
         if row in (TIMELINE_ROW, TIMELINE_ROW + 1):
             self.lapse = self.model.picture.seconds - time_at(self.model, width, column)
@@ -77,7 +77,7 @@ class TimelineView:
         return None
 
     def _jump(self, *, earlier: bool) -> None:
-        """Choose the next moment that is earlier or later than the chosen place."""
+        """Choose the next moment that is earlier or later than the chosen moment."""
         times = sorted({0.0, *(kept.seconds for kept in moments(self.model))})
         side = [
             t
@@ -91,10 +91,10 @@ class TimelineView:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
         rows = [
-            line((f"   {self._said(each)}", "plain"))
+            line((f"   {clock(each.seconds)}  {MOMENT_SIGNS[each.sign]}: {each.text}", "plain"))
             for each in moments(self.model)[-SHOWN_MOMENTS:]
         ]
-        # an arrow under the place on the time line
+        # an arrow under the moment on the time line
         end = end_of(self.model)
         room = width - 7 - 10
         lines = [
@@ -111,7 +111,3 @@ class TimelineView:
             line((" Enter sends: ", "dim"), (self.order(replay=self.replays), "ordered")),
         ]
         return [fit(each, width) for each in lines[:height]]
-
-    def _said(self, kept: TimelineMoment) -> str:
-        """Return a moment in words."""
-        return f"{clock(kept.seconds)}  {MOMENT_SIGNS[kept.sign]}: {kept.text}"

@@ -295,8 +295,8 @@ def draw_timeline(debrief: DebriefData, ground: ChartGround) -> Markup:
     rows.append(_shown(debrief, ground))
     rows += [_calls(debrief, ground), _marks(debrief, ground)]
     scores = enumerate((each.attained.tick for each in debrief.card.scores), start=1)
-    placed = [(tick, f"S{i}") for i, tick in scores if tick is not None]
-    rows += _labelled(placed, "score", debrief, ground)
+    scored = [(tick, f"S{i}") for i, tick in scores if tick is not None]
+    rows += _labelled(scored, "score", debrief, ground)
     shown = [row for row in rows if row]
     bottom = TIMELINE_TOP_PX + ROW_HEIGHT_PX * len(shown)
     parts = [*backdrop(ground, TIMELINE_TOP_PX, bottom, "timeline"), *time_axis(ground, bottom)]

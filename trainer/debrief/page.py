@@ -325,10 +325,10 @@ def draw_track(
         np.concatenate([east, *(way[0] for way in shown)]),
         np.concatenate([north, *(way[1] for way in shown)]),
     )
-    x, y = across.places(east), up.places(north)
+    x, y = across.pixels(east), up.pixels(north)
     parts = [text("title", TRACK_SIDE_PX, 16.0, "Track [m], north up")]
     for run, way in zip(beside, others, strict=True):
-        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
+        parts.append(_path(run.style, across.pixels(way[0]), up.pixels(way[1])))
     step = next(
         (s for s in TIME_MARK_PERIODS_S if seconds[-1] / s <= MAX_TIME_MARKS),
         TIME_MARK_PERIODS_S[-1],
@@ -361,7 +361,7 @@ def _near(ship: ShipWay, debrief: DebriefData) -> tuple[Numbers, Numbers]:
 def _ship(ship: ShipWay, axes: tuple[Axis, Axis], step: float) -> Iterator[str]:
     """Yield the way of a ship as far as the map goes, its name, and its marks of time."""
     across, up = axes
-    x, y = across.places(ship.east), up.places(ship.north)
+    x, y = across.pixels(ship.east), up.pixels(ship.north)
     inside = (
         (x > TRACK_SIDE_PX)
         & (x < CHART_WIDTH_PX - TRACK_SIDE_PX)

@@ -103,7 +103,7 @@ def position_a(seen: PositionReport) -> list[Field]:
         (rate_of_turn(seen.turning), 8),
         (_speed(seen.speed), 10),
         (0, 1),
-        *_place(seen),
+        *_location(seen),
         (round(seen.heading) % 360, 9),
         (seen.second, 6),
         (0, 2),
@@ -120,7 +120,7 @@ def position_b(seen: PositionReport) -> list[Field]:
         (0, 8),
         (_speed(seen.speed), 10),
         (0, 1),
-        *_place(seen),
+        *_location(seen),
         (round(seen.heading) % 360, 9),
         (seen.second, 6),
         (0, 2),
@@ -178,7 +178,7 @@ def _head(kind: int, mmsi: int) -> Sequence[Field]:
     return (kind, 6), (0, 2), (mmsi, 30)
 
 
-def _place(seen: PositionReport) -> Sequence[Field]:
+def _location(seen: PositionReport) -> Sequence[Field]:
     """Return longitude, latitude and course."""
     longitude, latitude = round(seen.longitude * 600_000), round(seen.latitude * 600_000)
     return (longitude, 28), (latitude, 27), (round(10.0 * seen.course) % 3600, 12)

@@ -1,4 +1,4 @@
-"""The boat's place on the Earth. Its plane lies on WGS 84 at an origin.
+"""The boat's location on the Earth. Its plane lies on WGS 84 at an origin.
 
 NMEA sentences and exercises' charts use it. A point's north and east are distances on a plane. It
 is put on the ellipsoid at its distance and bearing from the origin, along the geodesic. So distance
@@ -30,8 +30,8 @@ class Chart:
 
         bearing, distance = math.degrees(math.atan2(east, north)), math.hypot(north, east)
         wanted = Geodesic.LATITUDE | Geodesic.LONGITUDE
-        place = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, wanted)
-        return place["lat2"], place["lon2"]
+        found = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, wanted)
+        return found["lat2"], found["lon2"]
 
 
 DEFAULT_CHART: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from any coast

@@ -61,8 +61,8 @@ def parse_sentence(line: str) -> NmeaSentence | DamagedSentence | None:
     damage = None
     if text.startswith("$"):
         damage = DamagedSentence("not framed by $ and *, with two digits of checksum")
-    for place in reversed([place for place, letter in enumerate(text) if letter in "$!"]):
-        match = SENTENCE_PATTERN.fullmatch(text, place)
+    for index in reversed([index for index, letter in enumerate(text) if letter in "$!"]):
+        match = SENTENCE_PATTERN.fullmatch(text, index)
         if not (match and match[0].isascii() and match[0].isprintable()):
             continue
         body, sum_digits = match.groups()

@@ -59,8 +59,8 @@ def sum_up(count: int) -> str:
 class Tally:
     """The count of one kind: entries that may still be written, and those held back."""
 
-    since: float  # [s] when ``places`` was reckoned
-    places: float = MAX_ENTRIES
+    since: float  # [s] when ``left`` was reckoned
+    left: float = MAX_ENTRIES
     held: int = 0
     due: float = math.inf  # [s] when the count of unwritten entries is to be logged
     pause: float = ENTRY_PERIOD_S  # [s] until it is logged
@@ -69,9 +69,9 @@ class Tally:
     def admit(self, now: float) -> bool:
         """Return whether an entry is written; else it is counted."""
         returned = (now - self.since) / ENTRY_RETURN_S
-        self.since, self.places = now, min(self.places + returned, MAX_ENTRIES)
-        if self.places >= 1.0:
-            self.places -= 1.0
+        self.since, self.left = now, min(self.left + returned, MAX_ENTRIES)
+        if self.left >= 1.0:
+            self.left -= 1.0
             return True
         if not self.held:
             self.pause = ENTRY_PERIOD_S if now - self.logged > self.pause else self.pause

@@ -26,7 +26,7 @@ MAKING_READY: Final = "making ready:"  # its options are right, and it compiles 
 LISTENING_TEXT: Final = "listening at"
 
 _FOLDER_NAME: Final = "submarine-trainer"
-_OTHER_PLACES: Final = (
+_OTHER_FOLDERS: Final = (
     "recordings and trainees' progress go there; XDG_STATE_HOME=FOLDER names another place, "
     "--record FILE one for this run, and --no-record keeps none"
 )
@@ -83,7 +83,7 @@ def recordings_folder() -> Path:
         state = Path(named or Path.home() / ".local" / "state")
     except RuntimeError:
         raise FileNotFoundError(
-            errno.ENOENT, f"this user has no home folder: {_OTHER_PLACES}"
+            errno.ENOENT, f"this user has no home folder: {_OTHER_FOLDERS}"
         ) from None
     earlier = state / _FOLDER_NAME  # of all systems, once
     here = named or earlier.is_dir()
@@ -98,7 +98,7 @@ def made_folder(folder: Path) -> Path:
         if not os.access(folder, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
     except OSError as error:
-        why = f"{error.strerror}: {_OTHER_PLACES}"
+        why = f"{error.strerror}: {_OTHER_FOLDERS}"
         raise OSError(error.errno, why, error.filename) from None
     return folder
 

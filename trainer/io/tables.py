@@ -24,7 +24,7 @@ FORMULA_SIGNS: Final = ("=", "+", "-", "@", "\t", "\r")
 
 Cell = int | float | str | bool | None
 
-PLACE_COLUMNS: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
+MOMENT_COLUMNS: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
 TIMING_COLUMNS: Final = {"lateness_ns": int, "work_ns": int}
 ORDER_COLUMNS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
 EVENT_COLUMNS: Final = {"wall": str, "kind": str, "who": str, "text": str}
@@ -101,7 +101,7 @@ def export_parquet(
 
 def states_table(recording: Recording, layout: Layout, branch: int) -> Table:
     """Return one row for each tick, SI and radians; timings [ns] where they were measured."""
-    columns = {**PLACE_COLUMNS, **dict.fromkeys(layout.columns, float), **TIMING_COLUMNS}
+    columns = {**MOMENT_COLUMNS, **dict.fromkeys(layout.columns, float), **TIMING_COLUMNS}
 
     def rows() -> Iterator[Sequence[Cell]]:
         for tick in recording.flown(branch):
@@ -128,7 +128,7 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
         )
         for order in recording.orders(branch)
     )
-    return Table({"id": int, **PLACE_COLUMNS, **ORDER_COLUMNS}, rows)
+    return Table({"id": int, **MOMENT_COLUMNS, **ORDER_COLUMNS}, rows)
 
 
 def events_table(events: Iterable[RecordedEvent], layout: Layout) -> Table:
@@ -145,7 +145,7 @@ def events_table(events: Iterable[RecordedEvent], layout: Layout) -> Table:
         )
         for event in events
     )
-    return Table({**PLACE_COLUMNS, **EVENT_COLUMNS}, rows)
+    return Table({**MOMENT_COLUMNS, **EVENT_COLUMNS}, rows)
 
 
 def _export(

@@ -28,8 +28,3 @@ def figure(value: float | None, unit: str) -> str:
     if value is None or not math.isfinite(value):
         return "-"
     return f"{math.degrees(value) if unit.startswith('rad') else value:.4g}"
-
-
-def in_degrees(unit: str) -> str:
-    """Return the unit that a page shows for a ``unit``: deg for rad."""
-    return unit.replace("rad", "deg")

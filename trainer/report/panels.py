@@ -44,17 +44,17 @@ def draw_panel(panel: Panel) -> Markup:
         return Markup()
     across, up = _axes(panel, xs, ys)
     parts = [text("title", LEFT_MARGIN_PX, 15.0, panel.y), *_grid(panel, across, up)]
-    for label, place in panel.marks:
-        if across.low <= place <= across.high:
-            x = across.at(place)
+    for label, value in panel.marks:
+        if across.low <= value <= across.high:
+            x = across.at(value)
             parts.append(rule("mark", x, TOP_MARGIN_PX, x, BOTTOM_EDGE_PX))
             parts.append(text("tick", x + 3.0, TOP_MARGIN_PX + 9.0, label))
     for i, (curve, known) in enumerate(zip(panel.curves, curves, strict=True)):
         if curve.points:
-            spots = zip(across.places(known[0]), up.places(known[1]), strict=True)
+            spots = zip(across.pixels(known[0]), up.pixels(known[1]), strict=True)
             parts.append("".join(_dot(i, float(a), float(b)) for a, b in spots))
             continue
-        line = line_path(across.places(curve.x), up.places(curve.y), CURVE_POINTS)
+        line = line_path(across.pixels(curve.x), up.pixels(curve.y), CURVE_POINTS)
         parts.append(f'<path class="c{i % CURVE_STYLES}" d="{line}"/>')
     return svg_element(f"{panel.y} against {panel.x}", (PANEL_WIDTH_PX, PANEL_HEIGHT_PX), parts)
 
@@ -106,12 +106,12 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
     if panel.decades:  # 1, 2 and 5 of each
         powers = range(math.floor(across.low), math.ceil(across.high) + 1)
         labels = [(m, power) for power in powers for m in DECADE_LABELS]
-        places = [(math.log10(m) + power, f"{m * 10.0**power:g}") for m, power in labels]
-        places = [one for one in places if across.low <= one[0] <= across.high]
+        labelled = [(math.log10(m) + power, f"{m * 10.0**power:g}") for m, power in labels]
+        labelled = [one for one in labelled if across.low <= one[0] <= across.high]
     else:
         values = ticks(across.low, across.high, step_of(across.high - across.low, 7))
-        places = [(value, f"{value + 0.0:.6g}") for value in values]
-    for value, label in places:
+        labelled = [(value, f"{value + 0.0:.6g}") for value in values]
+    for value, label in labelled:
         x = across.at(value)
         parts.append(rule("grid", x, TOP_MARGIN_PX, x, BOTTOM_EDGE_PX))
         parts.append(text("tick middle", x, BOTTOM_EDGE_PX + 14.0, label))
@@ -121,7 +121,7 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
     return parts + [rule("mark", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y) for y in inside]
 
 
-def _dot(place: int, x: float, y: float) -> str:
+def _dot(number: int, x: float, y: float) -> str:
     """Return a mark, of one of several shapes."""
-    shape = MARKER_SHAPES[place % len(MARKER_SHAPES)]
-    return f'<path class="dot c{place % CURVE_STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'
+    shape = MARKER_SHAPES[number % len(MARKER_SHAPES)]
+    return f'<path class="dot c{number % CURVE_STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'

@@ -39,13 +39,11 @@ def find_browser() -> str | None:
     for name in BROWSER_NAMES:
         if path := shutil.which(name):
             return path
-    places = [Path(place) for place in MAC_PATHS]
-    places += [
-        Path(os.environ.get(each, "")) / place
-        for each in WINDOWS_FOLDERS
-        for place in WINDOWS_PATHS
+    paths = [Path(path) for path in MAC_PATHS]
+    paths += [
+        Path(os.environ.get(each, "")) / path for each in WINDOWS_FOLDERS for path in WINDOWS_PATHS
     ]
-    return next((str(place) for place in places if place.is_absolute() and place.is_file()), None)
+    return next((str(path) for path in paths if path.is_absolute() and path.is_file()), None)
 
 
 def print_pdf(html: Path, pdf: Path) -> None:

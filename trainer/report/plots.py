@@ -57,14 +57,14 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes: curves, and lines across at marked places of x and y."""
+    """One pair of axes: curves, and lines across at marked values of x and y."""
 
     title: str
     x: str  # what is along it, [unit]
     y: str
     curves: tuple[Curve, ...]
-    marks: tuple[tuple[str, float], ...] = ()  # label and place along x
-    levels: tuple[float, ...] = ()  # places along y
+    marks: tuple[tuple[str, float], ...] = ()  # label and value of x
+    levels: tuple[float, ...] = ()  # values of y
     decades: bool = False  # x by its logarithm
     downwards: bool = False  # larger is lower, as depths are
 
@@ -155,17 +155,17 @@ def figure_of(panels: Sequence[Panel | BarGroup | Screen]) -> "Figure":
 
 def _draw_bars(panel: BarGroup, axes: "Axes") -> None:
     """Draw bars across. Hatching tells a cause's low end from its high end."""
-    for place, bar in enumerate(panel.bars):
+    for row, bar in enumerate(panel.bars):
         sides = zip(bar.ends, bar.told, CURVE_COLOURS[1:3], ("", "////"), strict=False)
         for end, end_text, colour, hatch in sides:
             how: dict[str, Any] = {"color": colour, "height": 0.6}
             if hatch:
                 how |= {"color": "white", "edgecolor": colour, "hatch": hatch}
-            axes.barh(place, end - panel.middle, left=panel.middle, **how)
+            axes.barh(row, end - panel.middle, left=panel.middle, **how)
             right = end >= panel.middle
             axes.annotate(
                 end_text,
-                (end, place),
+                (end, row),
                 (3.0 if right else -3.0, 0.0),
                 textcoords="offset points",
                 ha="left" if right else "right",
@@ -191,12 +191,12 @@ def _draw_panel(panel: Panel, axes: "Axes") -> None:
         if curve.points:
             how = {"linestyle": "none", "marker": marker, "markersize": 4.0, "fillstyle": "none"}
         axes.plot(curve.x, curve.y, color=colour, label=curve.label, **how)
-    for label, place in panel.marks:
-        axes.axvline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
+    for label, value in panel.marks:
+        axes.axvline(value, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
         where = ("data", "axes fraction")
         axes.annotate(
             label,
-            (place, 0.98),
+            (value, 0.98),
             xycoords=where,
             rotation=90,
             ha="right",
@@ -204,8 +204,8 @@ def _draw_panel(panel: Panel, axes: "Axes") -> None:
             fontsize=7.0,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
         )
-    for place in panel.levels:
-        axes.axhline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
+    for value in panel.levels:
+        axes.axhline(value, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
     axes.set_title(panel.title, fontsize=10.0, loc="left")
     axes.set_xlabel(panel.x)
     axes.set_ylabel(panel.y)

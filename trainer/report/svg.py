@@ -35,11 +35,11 @@ class Axis:
     end: float
 
     def at(self, value: float) -> float:
-        """Return the place [px] of a number."""
+        """Return where a number lies [px]."""
         return self.begin + (value - self.low) / (self.high - self.low) * (self.end - self.begin)
 
-    def places(self, values: Numbers) -> Numbers:
-        """Return the places [px] of numbers."""
+    def pixels(self, values: Numbers) -> Numbers:
+        """Return where numbers lie [px]."""
         share = (values - self.low) / (self.high - self.low)
         return self.begin + share * (self.end - self.begin)
 
@@ -174,8 +174,8 @@ def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
             parts.append(rule("limit", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y))
             parts.append(text("limit-name end", RIGHT_EDGE_PX - 2.0, y - 3.0, level.label))
     for line in chart.lines:
-        x = ground.across.places(ground.seconds if line.seconds is None else line.seconds)
-        drawn = line_path(x, up.places(line.values), LINE_POINTS)
+        x = ground.across.pixels(ground.seconds if line.seconds is None else line.seconds)
+        drawn = line_path(x, up.pixels(line.values), LINE_POINTS)
         parts.append(f'<path class="line {line.style}" d="{drawn}"/>')
     parts += _figures(chart, ground)
     end = LEFT_MARGIN_PX + TITLE_LETTER_PX * len(f"{chart.title} [{chart.unit}]") + 20.0

@@ -20,6 +20,7 @@ from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE, Role
 from trainer.session.stations.station import (
+    ORDER_RATE,
     Fact,
     LongAnswer,
     NoReception,
@@ -82,9 +83,9 @@ class Attendance:
         for station in list(self.log.stations):
             self.log.heard = station
             self._take(station)
-            self._alarm.set(station.late)
-            if station.held_up:
-                self._alarm.set(station.held_up)  # what was not taken waits with no word of its own
+            self._alarm.set(station.guesses.wait)
+            if held_up := station.allowance.held_up:
+                self._alarm.set(held_up)  # what was not taken waits with no word of its own
             elif station.waiting:
                 self.wake.set()  # others, and the clock, have their turn before the rest
             elif station.leaving or station.line.ended:
@@ -128,7 +129,7 @@ class Attendance:
         """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
         facts = [("exercise", pair) for pair in self._exercise_facts(station)]
         facts += [("range", pair) for pair in ranges(self.history.boat, station.role)]
-        facts += [("rate", pair) for pair in station.rate]
+        facts += [("rate", pair) for pair in ORDER_RATE if station.visits]
         self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in facts])
         self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.log.note(station, self.conduct.guide.facts)

@@ -220,8 +220,8 @@ def lines(figures: InstrumentDelay) -> list[str]:
         f"FROM HELM TO INSTRUMENT (two serial lines, ticks {figures.step_s:g} s apart)",
         f"  {figures.orders} orders: {summary}",
         *(
-            f"  {place * figures.bin_ms:6.0f} ms {count:4} "
+            f"  {number * figures.bin_ms:6.0f} ms {count:4} "
             f"{'#' * math.ceil(MAX_BAR_LENGTH * (count / most))}".rstrip()
-            for place, count in enumerate(figures.histogram)
+            for number, count in enumerate(figures.histogram)
         ),
     ]

@@ -254,8 +254,8 @@ def _propulsion(made: Estimate) -> dict[str, Any]:
             "KQ": [*p.KQ],
         }
     rows = []
-    for place, least in (("1", 0.0), ("3", -99.0)):  # ahead, and with the engine astern
-        terms = {name: round_to_digits(made.values[f"{name}{place}"]) for name in "abc"}
+    for suffix, least in (("1", 0.0), ("3", -99.0)):  # ahead, and with the engine astern
+        terms = {name: round_to_digits(made.values[f"{name}{suffix}"]) for name in "abc"}
         rows.append({"eta_min": least, **terms})
     for row in rows:  # the sum is zero to the last bit, and the rows join
         row["a"] = -(rows[0]["b"] + rows[0]["c"])
@@ -288,7 +288,7 @@ def _envelope(made: Estimate) -> dict[str, Any]:
         "crossflow_z": round_to_digits(drag * integral(s.breadth, s.x)),
     }
     if tail:
-        at = sum(p.area * p.place(0.5) for p in tail) / sum(p.area for p in tail)
+        at = sum(p.area * p.ahead(0.5) for p in tail) / sum(p.area for p in tail)
         table["tail_place"] = round_to_digits(max(at / s.ell, -0.6))
         for key, axis in (("tail_y", 0), ("tail_z", 1)):
             area = sum(p.area * abs(p.normal[axis]) for p in tail)
@@ -296,8 +296,8 @@ def _envelope(made: Estimate) -> dict[str, Any]:
     if sails:
         area = sum(p.area for p in sails)
         at, up = (
-            sum(p.area * x for p, x in zip(sails, places, strict=True)) / area
-            for places in ([p.place(0.5) for p in sails], [p.arm * p.normal[0] for p in sails])
+            sum(p.area * x for p, x in zip(sails, distances, strict=True)) / area
+            for distances in ([p.ahead(0.5) for p in sails], [p.arm * p.normal[0] for p in sails])
         )
         mass = sum(plate_mass(p) * on_both(p.radius_ratio) * p.normal[0] ** 2 for p in sails)
         table |= {
@@ -313,10 +313,10 @@ def _sail_lift(made: Estimate, sails: list[Panel]) -> dict[str, Any]:
     """Return the sails' lift slope and where it acts, by their part of Y_v, N_v and K_v."""
     sailing = replace(made.hull, panels=tuple(sails))
     part, ell = panel_lift(sailing, UNFITTED_FACTORS | dict(made.constants)), made.hull.ell
-    place = ell * part["N_v"] / part["Y_v"], -ell * part["K_v"] / part["Y_v"]
+    at = ell * part["N_v"] / part["Y_v"], -ell * part["K_v"] / part["Y_v"]
     return {
         "sail_lift": round_to_digits(-part["Y_v"]),
-        "sail_lift_place": [*map(round_to_digits, place)],
+        "sail_lift_place": [*map(round_to_digits, at)],
     }
 
 
@@ -357,13 +357,13 @@ def _waves(made: Estimate) -> dict[str, Any]:
         strips = [_between(hull, widths, *part) for part in parts]
         whole = -k3 * made.values[coefficient]
         added[key] = [round_to_digits(whole * each / sum(strips)) for each in strips]
-    places = [
+    centres = [
         s.x_G - _between(hull, s.area * s.x, *part) / volume
         for part, volume in zip(parts, volumes, strict=True)
     ]
     return {
         "wave_strips": {
-            "x_m": [round_to_digits(x) for x in places],
+            "x_m": [round_to_digits(x) for x in centres],
             "displaced_kg": [round_to_digits(per * volume) for volume in volumes],
             **added,
         }

@@ -37,7 +37,7 @@ PLATE_DRAG: Final = 0.6
 SMALL_SWINGS: Final = 5.0  # that of plates at a low Keulegan number, from BB2's roll decay
 # of the strips' remainder: BB2 0.48, the tables of Iowa 0.85; own estimate
 MIXED_SHARE: Final = 0.6
-PIVOT_PLACES: Final = np.linspace(0.1, 0.6, 11)  # [lengths] ahead of the CG, of a boat that turns
+PIVOT_POINTS: Final = np.linspace(0.1, 0.6, 11)  # [lengths] ahead of the CG, of a boat that turns
 CROSS_FLOW_DRAG: Final = (0.55, 1.1)  # drag above and below that Reynolds number
 CRITICAL_REYNOLDS: Final = 4e5
 DRIFT_RATIO: Final = 0.15  # [-] of the speed, which goes across
@@ -146,7 +146,7 @@ def panel_masses(hull: Hull) -> CoefficientValues:
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
-        x, r = panel.place(0.5) / L, panel.arm / L
+        x, r = panel.ahead(0.5) / L, panel.arm / L
         panel_mass = 2.0 / L**3 * plate_mass(panel)
         both = panel_mass * on_both(panel.radius_ratio)
         alone = panel_mass * on_panel(panel.radius_ratio)
@@ -238,7 +238,7 @@ def panel_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
         panel_slope = efficiency(panel, constants) * lift_slope(panel) * panel.area / L**2
         both = panel_slope * on_both(panel.radius_ratio)
         alone = panel_slope * on_panel(panel.radius_ratio)
-        x, r = panel.place(0.25) / L, panel.arm / L
+        x, r = panel.ahead(0.25) / L, panel.arm / L
         # the hull's share beside a sail acts aft of it: its wake on the afterbody
         behind = x - constants["sail_aft"] if panel.sail else x
         first = alone * x + (both - alone) * behind
@@ -269,7 +269,7 @@ def control_lift(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     L = hull.ell
     for panel in hull.panels:
         ny, nz = panel.normal
-        C, x = lift_slope(panel), panel.place(0.25) / L
+        C, x = lift_slope(panel), panel.ahead(0.25) / L
         control_slope = panel.share * C * panel.area / L**2 * on_panel(panel.radius_ratio)
         force = control_slope * (constants["tail_control"] if panel.aft else 1.0)
         keeps, half_slope = efficiency(panel, constants), SECTION_LIFT_SLOPE / 2.0
@@ -302,7 +302,7 @@ def sail_vortex(hull: Hull, constants: FittedConstants) -> CoefficientValues:
         x = s.X[behind] / s.ell
         along = s.x[behind] / s.ell
         i0, i1, i2 = (integral(x**n, along) for n in (0, 1, 2))
-        at = panel.place(0.25) / s.ell
+        at = panel.ahead(0.25) / s.ell
         terms["Z_vv"] += strength * i0
         terms["Z_vr"] += strength * (i1 + at * i0)
         terms["Z_rr"] += strength * at * i1
@@ -329,8 +329,8 @@ def cross_flow(hull: Hull, constants: FittedConstants) -> CoefficientValues:
     plates = [
         (PLATE_DRAG * constants["surface_drag"] * panel.area / L**2, panel) for panel in hull.panels
     ]
-    side = [(a * abs(p.normal[0]), p.place(0.5) / L) for a, p in plates]
-    down = [(a * abs(p.normal[1]), p.place(0.5) / L) for a, p in plates]
+    side = [(a * abs(p.normal[0]), p.ahead(0.5) / L) for a, p in plates]
+    down = [(a * abs(p.normal[1]), p.ahead(0.5) / L) for a, p in plates]
     along = s.x / L
     terms: CoefficientValues = {}
     for names, width, fins in (
@@ -379,7 +379,7 @@ class Strips:
         bare = Strips(self.C, self.X, self.width, self.along, [])
         drift, drift_moment = self.pushed(1.0, 0.0)[0], bare.pushed(1.0, 0.0)[1]
         turn = self.pushed(0.0, 1.0)[1]
-        v = -PIVOT_PLACES
+        v = -PIVOT_POINTS
         pushed = np.array([self.pushed(each, 1.0) for each in v])
         force = pushed[:, 0] - drift * v * np.abs(v)
         moment = pushed[:, 1] - drift_moment * v * np.abs(v) - turn

@@ -252,7 +252,7 @@ class Panel:
         taper = self.chords[1] / self.chords[0]
         return (1.0 + 2.0 * taper) / (3.0 * (1.0 + taper))
 
-    def place(self, of_chord: float) -> float:
+    def ahead(self, of_chord: float) -> float:
         """Return how far [m] ahead of the CG a share of the chord lies."""
         return self.x_G - self.station(of_chord)
 

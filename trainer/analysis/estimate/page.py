@@ -94,9 +94,9 @@ def _view(hull: Hull, view: str, paper: Paper) -> Iterator[str]:
     half, middle = (
         (s.height / 2.0, s.centre) if view == "side" else (s.breadth / 2.0, 0.0 * s.centre)
     )
-    places = [*range(0, len(s.x), OUTLINE_STRIDE), len(s.x) - 1]
-    over = [paper.point(s.x[i], (middle + half)[i]) for i in places]
-    under = [paper.point(s.x[i], (middle - half)[i]) for i in reversed(places)]
+    stations = [*range(0, len(s.x), OUTLINE_STRIDE), len(s.x) - 1]
+    over = [paper.point(s.x[i], (middle + half)[i]) for i in stations]
+    under = [paper.point(s.x[i], (middle - half)[i]) for i in reversed(stations)]
     yield f'<path class="hull" d="M{"L".join([*over, *under])}Z"/>'
     yield rule("mark", paper.along.begin, paper.up.at(0.0), paper.along.end, paper.up.at(0.0))
     named: set[str] = set()

@@ -42,9 +42,9 @@ TURN_LENGTHS: Final = 60.0  # [lengths] of the turn, at its first speed
 MAX_TURN_TICKS: Final = 20_000  # [ticks] of it, at any step
 MIN_TURN_S: Final = 10.0  # [s]
 INPUT_CHANGE: Final = 0.1  # of an input, up and down
-PLACE_SHIFT: Final = 0.01  # [lengths] of a place, aft and forward
-SHIFTED_PLACES: Final = ("le_root", "cg_from_nose")  # what is shifted
-FOLLOWING_PLACES: Final = {"le_root": "le_tip"}  # what is shifted with it
+STATION_SHIFT: Final = 0.01  # [lengths] of a station, aft and forward
+SHIFTED_STATIONS: Final = ("le_root", "cg_from_nose")  # what is shifted
+FOLLOWING_STATIONS: Final = {"le_root": "le_tip"}  # what is shifted with it
 NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
 MAX_INPUTS: Final = 10  # inputs shown, those that matter most
 # of the design speed: a stern plane reversal above it is reported
@@ -208,7 +208,7 @@ class HullInput:
     unit: str
     steps: tuple[str | int, ...]
     value: float
-    place: bool  # shifted, not scaled
+    shifted: bool  # else scaled
 
 
 def inputs_of(file: HullFile) -> list[HullInput]:
@@ -226,7 +226,7 @@ def inputs_of(file: HullFile) -> list[HullInput]:
             inputs += _inputs(record, file.tables.get(table, {}), (table,), used)
     if file.form.stations:
         inputs += [
-            HullInput(f"hull.stations, {name}", "m", ("stations", k), 1.0, place=False)
+            HullInput(f"hull.stations, {name}", "m", ("stations", k), 1.0, shifted=False)
             for k, name in ((1, "breadth"), (2, "height"))
         ]
     for i, row in enumerate(file.tables["surfaces"]):
@@ -251,7 +251,7 @@ def _inputs(
             if steps[0] == "surfaces":
                 key = f"{given['name']}: {item.name}"
             unit = item.metadata["kind"].form.unit
-            yield HullInput(key, unit, where, float(value), item.name in SHIFTED_PLACES)
+            yield HullInput(key, unit, where, float(value), item.name in SHIFTED_STATIONS)
 
 
 def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
@@ -267,7 +267,7 @@ def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
             for row in tables["hull"]["stations"]
         ]
         return read_hull(tables, file.path)
-    shift = sign * PLACE_SHIFT * file.length if one.place else sign * INPUT_CHANGE * one.value
+    shift = sign * STATION_SHIFT * file.length if one.shifted else sign * INPUT_CHANGE * one.value
     name = str(one.steps[-1])
     if one.steps[0] == "surfaces":
         tables["surfaces"] = [dict(row) for row in tables["surfaces"]]
@@ -275,7 +275,7 @@ def change_hull(file: HullFile, one: HullInput, sign: float) -> HullFile:
     else:
         table = tables.setdefault(str(one.steps[0]), {})
     table[name] = one.value + shift
-    follower = FOLLOWING_PLACES.get(name)
+    follower = FOLLOWING_STATIONS.get(name)
     if follower in table:
         table[follower] += shift
     return read_hull(tables, file.path)
@@ -298,7 +298,7 @@ def influences(
             effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own_diameter - 1.0
     ranked = []
     for one, by_sign in effect.items():
-        change = f"{PLACE_SHIFT * file.length:.3g} m" if one.place else f"{INPUT_CHANGE:.0%}"
+        change = f"{STATION_SHIFT * file.length:.3g} m" if one.shifted else f"{INPUT_CHANGE:.0%}"
         ends = by_sign.get(-1.0), by_sign.get(1.0)
         ranked.append(Influence(one.key, one.value, one.unit, change, *ends))
     return sorted(ranked, key=lambda each: -each.size)[:MAX_INPUTS]

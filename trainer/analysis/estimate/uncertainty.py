@@ -51,7 +51,7 @@ MIN_REMAINING_SHARE: Final = 0.1  # of the estimate is left of them
 CONSTANT_NUDGE: Final = 1e-3  # of the logarithm of a constant
 SMALL_CRAFT_LENGTH_M: Final = 5.0  # [m] below it openings count
 TESTED_RANGES: Final = {"L/D": (5.0, 12.0), "breadth/height": (0.8, 1.25)}
-AFT_PLACE_LENGTHS: Final = 0.75  # [lengths] tail surfaces lie aft of it
+AFT_STATION_LENGTHS: Final = 0.75  # [lengths] tail surfaces lie aft of it
 
 
 @cache
@@ -79,10 +79,10 @@ def range_warnings(hull: Hull) -> tuple[str, ...]:
     ]
     problems += [
         f"{panel.name} at {panel.station(0.25) / s.length:.2f} lengths, a tail is aft of "
-        f"{AFT_PLACE_LENGTHS:g}"
+        f"{AFT_STATION_LENGTHS:g}"
         for panel in hull.panels
         if panel.control not in ("none", BOW_CONTROL)
-        and panel.station(0.25) < AFT_PLACE_LENGTHS * s.length
+        and panel.station(0.25) < AFT_STATION_LENGTHS * s.length
     ]
     return tuple(dict.fromkeys(problems))
 

@@ -269,15 +269,11 @@ def _relaid(kernel: Any, instead: Mapping[str, Any], done: dict[Any, Any]) -> An
     if kernel not in done:
         function = kernel.py_func
         known = dict(function.__globals__)
-        for name in _names_used(function):
+        loads = (i for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL")
+        for name in {i.argval for i in loads}:
             if name in instead:
                 known[name] = instead[name]
             elif hasattr(known.get(name), "py_func"):
                 known[name] = _relaid(known[name], instead, done)
         done[kernel] = inlined(FunctionType(function.__code__, known, function.__name__))
     return done[kernel]
-
-
-def _names_used(function: FunctionType) -> set[str]:
-    """Return the names of its module that a function uses."""
-    return {i.argval for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL"}

@@ -72,7 +72,9 @@ def validation(book: GuideContents) -> Markup:
         return section("validation", "Published figures", words, paragraph(found))
     worst = [
         [
-            Markup("{}, {}").format(row.figure.quantity, link(one.title, _anchor(guide, one))),
+            Markup("{}, {}").format(
+                row.figure.quantity, link(one.title, f"trial-{guide.trials.index(one)}")
+            ),
             *_verdict_cells(guide, one, row),
             row.figure.use,
         ]
@@ -88,11 +90,6 @@ def validation(book: GuideContents) -> Markup:
         paragraph("Model errors and what is too uncertain to judge, the worst first:"),
         table(("figure", *WORST_HEADS), worst, "figures"),
     )
-
-
-def _anchor(guide: Guide, one: TrialComparison) -> str:
-    """Return where the table of a manoeuvre is."""
-    return f"trial-{guide.trials.index(one)}"
 
 
 def _verdict_cells(guide: Guide, one: TrialComparison, row: FigureRow) -> list[str | Cell]:

@@ -33,7 +33,7 @@ from trainer.analysis.guide.verdicts import (
 from trainer.analysis.manoeuvres.catalogue import format_parameters
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.programs import characteristic, neutral, thrust
-from trainer.report.columns import figure, in_degrees, page_unit
+from trainer.report.columns import figure, page_unit
 from trainer.report.html import (
     Cell,
     charts,
@@ -276,7 +276,8 @@ def _rows(sheet: LegSheet) -> list[list[str | Cell]]:
     for quantity in dict.fromkeys(name for found in by_set.values() for name in found):
         present = [found[quantity] for found in by_set.values() if quantity in found]
         one = present[0]
-        cells: list[str | Cell] = [quantity, in_degrees(one.unit), figure(one.full, one.unit)]
+        unit = one.unit.replace("rad", "deg")
+        cells: list[str | Cell] = [quantity, unit, figure(one.full, one.unit)]
         for found in by_set.values():
             cells += _judgement_cells(found.get(quantity))
         rows.append(cells)

@@ -66,7 +66,7 @@ class Conn:
         self._others = list(others)
         self.marks: list[Mark] = []
         self.ordered: dict[str, float] = {}  # what was ordered last, by control
-        self._places = {name: i for i, name in enumerate(vehicle.columns)}
+        self._indices = {name: i for i, name in enumerate(vehicle.columns)}
         self.seen: tuple[float, ...] = ()
         self._blocks: list[Numbers] = []
         self._rows: list[tuple[float, ...]] = []
@@ -91,7 +91,7 @@ class Conn:
 
     def value(self, column: str) -> float:
         """Return a column as it stands at the start of this cycle."""
-        return self.seen[self._places[column]]
+        return self.seen[self._indices[column]]
 
     @property
     def time(self) -> float:

@@ -141,14 +141,14 @@ def _method_facts(report: ManoeuvreReport) -> list[str]:
     if method is None or rig is None:
         return []
     computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
-    place = f"from {DEEP_WATER_M:g} m, where neither hull nor surface sets limits"
+    conditions = f"from {DEEP_WATER_M:g} m, where neither hull nor surface sets limits"
     if rig.depth is not None:
         seed = "" if rig.sea == CALM_SEA else f", seed {rig.seed}"
-        place = f"from {rig.depth:g} m; sea: {rig.sea}{seed}"
+        conditions = f"from {rig.depth:g} m; sea: {rig.sea}{seed}"
     return [
         f"{INDENT}{computed}, step {method.step:g} s",
         f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
-        f"{INDENT}{place}",
+        f"{INDENT}{conditions}",
     ]
 
 

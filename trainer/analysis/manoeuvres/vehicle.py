@@ -179,18 +179,18 @@ def first_time(t: Numbers, values: Numbers, level: float) -> float | None:
     They pass upwards if they begin below the level, else downwards.
     """
     above = values >= level if values[0] < level else values <= level
-    place = int(np.argmax(above))
-    if not above[place]:
+    index = int(np.argmax(above))
+    if not above[index]:
         return None
-    return _between(t, values, place, level)
+    return _between(t, values, index, level)
 
 
-def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
-    """Return the time of ``level`` between ``place`` - 1 and ``place``."""
-    if place == 0 or values[place] == values[place - 1]:
-        return float(t[place])
-    part = (level - values[place - 1]) / (values[place] - values[place - 1])
-    return float(t[place - 1] + part * (t[place] - t[place - 1]))
+def _between(t: Numbers, values: Numbers, index: int, level: float) -> float:
+    """Return the time of ``level`` between ``index`` - 1 and ``index``."""
+    if index == 0 or values[index] == values[index - 1]:
+        return float(t[index])
+    part = (level - values[index - 1]) / (values[index] - values[index - 1])
+    return float(t[index - 1] + part * (t[index] - t[index - 1]))
 
 
 def peaks_of(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
@@ -201,14 +201,14 @@ def peaks_of(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
     steps = np.diff(values)
     moving = np.flatnonzero(steps)
     rising = steps[moving] > 0.0
-    places = moving[:-1][rising[:-1] != rising[1:]] + 1
-    return list(zip(t[places].tolist(), values[places].tolist(), strict=True))
+    indices = moving[:-1][rising[:-1] != rising[1:]] + 1
+    return list(zip(t[indices].tolist(), values[indices].tolist(), strict=True))
 
 
 def zero_crossings(t: Numbers, values: Numbers) -> list[float]:
     """Return the times [s] at which ``values`` change sign, interpolated."""
-    places = np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)) + 1
-    return [_between(t, values, int(i), 0.0) for i in places]
+    indices = np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)) + 1
+    return [_between(t, values, int(i), 0.0) for i in indices]
 
 
 def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Measure]:

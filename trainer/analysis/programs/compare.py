@@ -176,12 +176,12 @@ def _points(name: str, runs: tuple[Numbers, Numbers], allowed: float) -> list[Re
     largest = float(abs(full[1]).max())
     if largest <= COMPARED_VARIABLES.get(name, 0.0):
         return []
-    points, place = [], int(np.argmax(abs(full[1])))
-    is_extreme = 0 < place < full.shape[1] - 1
+    points, index = [], int(np.argmax(abs(full[1])))
+    is_extreme = 0 < index < full.shape[1] - 1
     if is_extreme:
         # the same sense in the reduced run, whenever that is
-        other_place = int(np.argmax(math.copysign(1.0, full[1, place]) * reduced[1]))
-        points.append(_point(name, "extreme", full[:, place], reduced[:, other_place], allowed))
+        other_index = int(np.argmax(math.copysign(1.0, full[1, index]) * reduced[1]))
+        points.append(_point(name, "extreme", full[:, index], reduced[:, other_index], allowed))
     last = full[1, full[0] >= (1.0 - STEADY_SHARE) * full[0, -1]]
     is_steady = bool(np.ptp(last) <= STEADY_SPREAD * abs(full[1, -1]))
     label = "steady" if is_steady else "at the end"

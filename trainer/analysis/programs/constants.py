@@ -28,8 +28,8 @@ INVERSE_UNITS: Final = {3: "1/m2", 4: "1/m", 5: "-"}  # the same over a moment o
 MOMENT_AXES: Final = "KMN"  # whose compact constants are over a moment of inertia
 SURFACE_NAMES: Final = ("rudder", "stern planes", "bow planes")
 MASS_UNITS: Final = {**dict.fromkeys("123", "kg"), **dict.fromkeys("456", "kg m2")}
-# what the places of an array are, where they have names
-ARRAY_PLACES: Final[Mapping[str, tuple[str, ...]]] = {
+# what the columns of an array are, where they have names
+COLUMN_NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("capacity", "x", "y", "z", "start"), TANKS),
     **dict.fromkeys(("height", "port", "vent_area", "blow_area", "emergency_area"), BLOWN_TANKS),
     **dict.fromkeys(("bank_volume", "bank_full"), BANKS),
@@ -247,10 +247,8 @@ def _constants(
         counts = ARRAY_COUNTS.get(symbol, ("", ""))  # of rows and columns in use
         high, wide = (int(record[name][0]) if name else None for name in counts)
         numbers = tuple(tuple(map(float, row[:wide])) for row in rows[:high])
-        places = ARRAY_PLACES.get(symbol, ())
-        constant_list.append(
-            Constant(symbol, unit, numbers, places, origin, key.removeprefix("= "))
-        )
+        names = COLUMN_NAMES.get(symbol, ())
+        constant_list.append(Constant(symbol, unit, numbers, names, origin, key.removeprefix("= ")))
     return tuple(constant_list)
 
 
@@ -301,12 +299,12 @@ def _number(value: float) -> str:
 
 
 def _array(constant: Constant) -> Iterator[str]:
-    """Yield an array: a row a line, or a number a line where its places have names."""
+    """Yield an array: a row a line, or a number a line where its columns have names."""
     yield f"{INDENT}{constant.symbol} [{constant.unit}]  {constant.origin}  {constant.key}"
     rows = [" ".join(map(_number, row)) for row in constant.values]
     if constant.places:
         columns = zip(constant.places, zip(*constant.values, strict=True), strict=True)
-        rows = [f"{place}: " + " ".join(map(_number, column)) for place, column in columns]
+        rows = [f"{name}: " + " ".join(map(_number, column)) for name, column in columns]
     for text in rows:
         yield from wrap(text, 2 * INDENT, 4 * INDENT)
 

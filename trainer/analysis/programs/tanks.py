@@ -206,7 +206,7 @@ def report_fillings(file: VesselFile, fills: Mapping[str, float]) -> TanksReport
 
 def _weight(name: str, part: Weight, fill: str) -> tuple[str, ...]:
     """Return one weight as a line of the table."""
-    centre = (f"{place:+.3f}" for place in (part.x, part.y, part.z))
+    centre = (f"{at:+.3f}" for at in (part.x, part.y, part.z))
     return (name, fill, f"{1e-3 * part.weight:.1f}", *centre)
 
 
@@ -242,8 +242,8 @@ def render(report: TanksReport) -> str:
     rows, sided = [], []
     for ranges in report.ranges:
         weight, x_g, y_g, z_g = ranges.limits
-        places = (_span(at, 1.0, "+.3f") for at in (x_g, z_g))
-        rows.append((ranges.free, _span(weight, 1e-3, ".1f"), *places))
+        centre = (_span(at, 1.0, "+.3f") for at in (x_g, z_g))
+        rows.append((ranges.free, _span(weight, 1e-3, ".1f"), *centre))
         if y_g != (0.0, 0.0):
             sided.append(f"{INDENT}{ranges.free}: y_G {_span(y_g, 1.0, '+.4f')} m")
     title = "LIMITS OVER ALL FILLINGS, each by itself"

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from trainer.core.kernel import Numbers
 
 FLEET_CHUNK_MEMBERS, SINGLE_CHUNK_MEMBERS = 512, 16  # members of a chunk
-PLACED_COLUMNS: Final = BOAT_COLUMNS[1:]  # all but the time
+UNTIMED_COLUMNS: Final = BOAT_COLUMNS[1:]  # all but the time
 MAX_FLIGHTS_HELD: Final = 128  # members whose flights are in memory at once
 # plausible only within the hull: these go through the whole check of a vessel file
 CHECKED_COEFFICIENTS: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
@@ -224,14 +224,14 @@ class ManoeuvreSubject:
             law = max(law, REPORT_LAW)  # without gains the report's
         fleet, able = fleets.start_members(made, case.method, speeds, law, self.trial.needs)
         schedule = fleets.join_scripts(fleet.states, made, written)
-        flight = fly_members(fleet, schedule, written[0].ticks, 1, PLACED_COLUMNS)
+        flight = fly_members(fleet, schedule, written[0].ticks, 1, UNTIMED_COLUMNS)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
-        steep = np.abs(flight.rows[:, :, PLACED_COLUMNS.index("theta")]) > MAX_PITCH_RAD
+        steep = np.abs(flight.rows[:, :, UNTIMED_COLUMNS.index("theta")]) > MAX_PITCH_RAD
         good = able & (flight.lost < 0) & ~steep.any(axis=1)
         named = Path(case.file.name)
         for i in np.flatnonzero(good):
             each, manoeuvre = own_cases[i]
-            columns = {"t": t, **dict(zip(PLACED_COLUMNS, flight.rows[i].T, strict=True))}
+            columns = {"t": t, **dict(zip(UNTIMED_COLUMNS, flight.rows[i].T, strict=True))}
             speed, length, step = float(speeds[i]), each.file.hull.length, each.method.step
             seen = Flight(speed, length, step, Series(named, columns), written[i].marks, "")
             yield members[i], read_off(self.outputs, seen, manoeuvre.measures(seen))

@@ -74,7 +74,7 @@ class Variable:
 
     name: str
     meaning: str
-    place: int  # in the state, or of a gauge, or the code of a casualty
+    index: int  # in the state, or of a gauge, or the code of a casualty
     type: str = "Real"
     causality: str = "local"
     rule: str = "READ"
@@ -83,7 +83,7 @@ class Variable:
     high: float = 0.0
     scale: float = 1.0  # SI = scale x value
     start: float = 0.0
-    cleared: int = -1  # place that becomes 0 with a new value
+    cleared: int = -1  # offset that becomes 0 with a new value
     shortened: int = -1  # angle that loses its whole turns with the value 0
     ramps: tuple[float, float] = (0.0, 0.0)  # [ticks] to come on, and to go
 
@@ -96,17 +96,17 @@ class Variable:
     def row(self) -> str:
         """Return its row of the table in C."""
         words = f'{self.type.upper()}, {self.rule}, "{self.name}", "{self.limits}"'
-        numbers = (self.low, self.high, self.scale, self.place, self.cleared, self.shortened)
+        numbers = (self.low, self.high, self.scale, self.index, self.cleared, self.shortened)
         return f"{{{words}, {', '.join(map(repr, (*numbers, *self.ramps)))}}}"
 
 
 def order_rules(boat: Boat) -> Iterator[tuple[str, list[float], dict[int, tuple[str, float]]]]:
-    """Yield words, numbers and rules by place of each order; ``orders`` has their meaning."""
+    """Yield words, numbers and rules by offset of each order; ``orders`` has their meaning."""
     for row in order_rows(boat):
         words, *limits, writes = row.split(";")
         rules = (re.split("[=:]", write) for write in writes.split(","))
-        by_place = {int(place): (kind, float(argument)) for place, kind, argument in rules}
-        yield words, [float(number or 0.0) for number in limits], by_place
+        by_offset = {int(offset): (kind, float(argument)) for offset, kind, argument in rules}
+        yield words, [float(number or 0.0) for number in limits], by_offset
 
 
 def order_inputs(boat: Boat, names: dict[int, str]) -> Iterator[Variable]:
@@ -168,9 +168,9 @@ def state_outputs(names: dict[int, str]) -> Iterator[Variable]:
         names[at]: said[name] for name, at in STATE_OFFSETS.items() if name in said and at in names
     }
     last = ""
-    for place, name in names.items():
+    for offset, name in names.items():
         last = said.get(name, last)
-        shown = Variable(name, said.get(name, ""), place)
+        shown = Variable(name, said.get(name, ""), offset)
         if name in MOTION_COLUMNS:
             unit = STATED_UNIT.findall(last)[0].strip("-")
             shown = replace(shown, causality="output", unit=unit)
@@ -178,18 +178,18 @@ def state_outputs(names: dict[int, str]) -> Iterator[Variable]:
 
 
 def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
-    """Return the variables of a boat; a value reference is a place among them."""
+    """Return the variables of a boat; a value reference is an index among them."""
     names = {offset // 8: name for name, offset, shape in record_members(STATE) if not shape}
     degrees = f"degree of the sea, WMO code 3700; -1: {sea.name}, as exported"
     seed = Variable("seed", "of all random numbers", STATE_OFFSETS["seed"], "Integer", "parameter")
-    degree = replace(seed, name="sea_state", meaning=degrees, place=STATE_DOUBLES, low=-1.0)
+    degree = replace(seed, name="sea_state", meaning=degrees, index=STATE_DOUBLES, low=-1.0)
     way = Variable("sea_from", "true, where the waves come from", STATE_DOUBLES + 1, unit="deg")
     parameters = [
         replace(seed, high=MAX_SEED, start=boat.state.seed),
         replace(degree, high=len(SEA_STATE_HEIGHT) - 1, start=-1.0),
         replace(way, causality="parameter", high=360.0, start=sea.sea.direction_deg),
     ]
-    time = replace(way, name="time", meaning="of the simulator", place=0, causality="independent")
+    time = replace(way, name="time", meaning="of the simulator", index=0, causality="independent")
     time = replace(time, rule="TIME", unit="s")
     settable = [replace(each, rule="PARAMETER") for each in parameters]
     settable += [*order_inputs(boat, names), *casualty_inputs(boat)]
@@ -210,9 +210,9 @@ def c_array(kind: str, name: str, values: Iterable[object]) -> str:
 def model_text(boat: Boat, sea: SeaFile, variables: list[Variable]) -> str:
     """Return ``model.h`` but for the GUID: the boat's numbers, its variables, the seas."""
     step, g = boat.method.step, boat.vessel.g
-    places = {"TICK": "tick", "PSI": "psi", "SEA": "sea", "CASUALTY": "casualty"}
-    places |= {"TARGET": "casualty_target", "TICKS": "casualty_ticks"}
-    whole = {f"{short}_PLACE": STATE_OFFSETS[name] for short, name in places.items()}
+    offsets = {"TICK": "tick", "PSI": "psi", "SEA": "sea", "CASUALTY": "casualty"}
+    offsets |= {"TARGET": "casualty_target", "TICKS": "casualty_ticks"}
+    whole = {f"{short}_PLACE": STATE_OFFSETS[name] for short, name in offsets.items()}
     whole["READING_PLACE"] = fields_of(SCRATCH)["reading"][0] // 8
     whole |= {"STATE_DOUBLES": STATE_DOUBLES, "SCRATCH_DOUBLES": SCRATCH.itemsize // 8}
     whole |= {"CASUALTY_SLOTS": MAX_CASUALTIES, "VARIABLE_COUNT": len(variables)}

@@ -91,7 +91,7 @@ def lower(folder: str, *names: str) -> None:
         texts[entry.name] = text, own
     called = {entry_of(kernel).name for kernel in UNIT_KERNELS}
     for name in names:
-        target = SHIPPED_OBJECTS.get(name) or host_platform()
+        target = SHIPPED_OBJECTS.get(name) or Platform(binding.get_process_triple(), "generic")
         of_unit = name in UNIT_OBJECTS.values()
         shown = called if of_unit else {*texts, TICK_NAME}
         needed = chain.from_iterable(text for entry, text in texts.items() if entry in shown)
@@ -122,11 +122,6 @@ def boat_object(name: str, scheme: Record, constants: Mapping[str, bytes]) -> by
             Path(folder, file).write_bytes(data)
         lower_in_child(BOAT_CODE, (folder, name, *constants))
         return Path(folder, OBJECT_FILE).read_bytes()
-
-
-def host_platform() -> Platform:
-    """Return the plain processor of this machine's kind."""
-    return Platform(binding.get_process_triple(), "generic")
 
 
 def make_objects(*names: str) -> dict[str, bytes]:

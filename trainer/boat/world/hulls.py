@@ -72,14 +72,14 @@ class OwnHull:
         whole = np.array(centres)
         return cls(whole, np.array(radii), float((np.linalg.norm(whole, axis=1) + radii).max()))
 
-    def placed(self, pose: Pose) -> Numbers:
+    def centres_at(self, pose: Pose) -> Numbers:
         """Return the centres [m] north, east and down of the origin, a row each."""
-        placed: Numbers = self.centres @ axes_of(pose).T + np.array(pose[:3])
-        return placed
+        centres: Numbers = self.centres @ axes_of(pose).T + np.array(pose[:3])
+        return centres
 
     def touches(self, pose: Pose, ship: ShipType, north: float, east: float, course: float) -> bool:
         """Return whether hull or sail touch a ship there."""
-        off = self.placed(pose) - np.array((north, east, 0.0))
+        off = self.centres_at(pose) - np.array((north, east, 0.0))
         ahead = off[:, 0] * math.cos(course) + off[:, 1] * math.sin(course)
         across = off[:, 1] * math.cos(course) - off[:, 0] * math.sin(course)
         beyond = (

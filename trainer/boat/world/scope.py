@@ -305,7 +305,8 @@ class Periscope:
         if order.word == "train":
             return now._replace(train=order.value), order.text
         power = LOW_POWER if order.word == "power_1.5" else HIGH_POWER
-        return now._replace(power=power), f"power {power:g}: field {field_of(power):g} deg"
+        field = math.degrees(VIEW_WIDTHS[power])
+        return now._replace(power=power), f"power {power:g}: field {field:g} deg"
 
     def too_fast(self, speed: float) -> str:
         """Return the warning of a speed [m/s] too fast for the mast, or ""."""
@@ -339,11 +340,6 @@ class Periscope:
         """Return whether the mast is out at a speed [m/s] that it does not stand."""
         most = self._fitted.speed_kn_max * KNOT if self._fitted else math.inf
         return mast.out >= OPTICS_SHOWING_M and speed > most
-
-
-def field_of(power: float) -> float:
-    """Return the width [deg] of the view at a power."""
-    return math.degrees(VIEW_WIDTHS[power])
 
 
 def periscope_of(boat: Any) -> Periscope | None:

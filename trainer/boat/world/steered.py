@@ -77,7 +77,8 @@ class SteeredContact:
             if not self._known:
                 self._known.append(self.start)
             while len(self._known) <= ticks:
-                self._known.append(self._after(self._known[-1]))
+                now, ship = self._known[-1], self.ship
+                self._known.append(ship.after(now, self.ordered, self.ordered_speed, self.step))
             return self._known[ticks]
 
     def then(self, time: float, course: float | None, speed: float | None) -> "SteeredContact":
@@ -96,10 +97,6 @@ class SteeredContact:
         """Return the ship put elsewhere at a time [s]."""
         then = self.then(time, None, None)
         return replace(then, start=then.start._replace(north=north, east=east), _known=[])
-
-    def _after(self, now: SteeredState) -> SteeredState:
-        """Return how it goes a tick later."""
-        return self.ship.after(now, self.ordered, self.ordered_speed, self.step)
 
 
 class SteeredNomoto:

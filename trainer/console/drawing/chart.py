@@ -220,7 +220,7 @@ def beside_headings(
 
     ``left`` is how far it is to the last of them, the way that was ordered; None: the shorter.
     """
-    placed: list[float | None] = []
+    courses: list[float | None] = []
     begin = len(ordered)
     for value, run in groupby(reversed(ordered)):
         first, begin = begin, begin - len(list(run))
@@ -229,8 +229,8 @@ def beside_headings(
         if value is not None and reached is not None:
             to_go = left if first == len(ordered) and left is not None else None
             drawn = reached + (beside_zero(value - reached) if to_go is None else to_go)
-        placed += [drawn] * (first - begin)
-    return placed[::-1]
+        courses += [drawn] * (first - begin)
+    return courses[::-1]
 
 
 def beside_zero(angle: float) -> float:

@@ -20,7 +20,7 @@ from trainer.identify.fitting.minimise import (
     Cost,
     SearchOptions,
     SearchResult,
-    judge_place,
+    judge_point,
     scipy_search,
     search_by_scoring,
     settle_minimum,
@@ -64,7 +64,7 @@ def powell(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
     result: Any = minimize(
         value, np.zeros(len(theta)), method="Powell", callback=tell, options=options
     )
-    return judge_place(problem, np.atleast_1d(result.x) * width, int(result.nit))
+    return judge_point(problem, np.atleast_1d(result.x) * width, int(result.nit))
 
 
 def by_scoring(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:

@@ -210,7 +210,7 @@ def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers
     return np.asarray(step / width)
 
 
-class SearchPlace(NamedTuple):
+class SearchPoint(NamedTuple):
     """A point of a search, and the cost's shape there."""
 
     eta: Numbers
@@ -238,7 +238,7 @@ def search_by_scoring(
     cost.
     """
     damping = 1e-3
-    here = SearchPlace(eta, *problem.slope(eta), problem.information(eta))
+    here = SearchPoint(eta, *problem.slope(eta), problem.information(eta))
     for step in range(search.most):
         if not np.isfinite(here.information).all():
             return here.eta, step
@@ -249,13 +249,13 @@ def search_by_scoring(
         moved, damping = _damp_step(problem, here, damping)
         if moved is None:
             return here.eta, step
-        here = SearchPlace(moved, *problem.slope(moved), problem.information(moved))
+        here = SearchPoint(moved, *problem.slope(moved), problem.information(moved))
         search.progress(SearchResult(problem.theta(moved), here.value, step + 1, converged=False))
     return here.eta, search.most
 
 
 def _damp_step(
-    problem: StretchedCost, here: SearchPlace, damping: float
+    problem: StretchedCost, here: SearchPoint, damping: float
 ) -> tuple[Numbers | None, float]:
     """Return the next eta and damping, more damping until the cost falls; None if it never does."""
     gradient, information = here.gradient, here.information
@@ -431,10 +431,10 @@ def settle_minimum(
             eta, more = scipy_search(problem, eta, POLISHERS[turn % len(POLISHERS)], search)
         steps += more
         verdict = judge_minimum(problem, eta)
-    return judge_place(problem, eta, steps, verdict)
+    return judge_point(problem, eta, steps, verdict)
 
 
-def judge_place(
+def judge_point(
     problem: StretchedCost, eta: Numbers, steps: int, verdict: MinimumVerdict | None = None
 ) -> SearchResult:
     """Return the point ``eta`` as a result, with the given verdict or one made now."""

@@ -139,9 +139,9 @@ def bend_of(fitted: ModelFit, path: Path, kind: str, *, joint: bool) -> tuple[Be
         }
         data = study.heading.data if path.suffix == ".toml" else path.name
         heading = replace(study.heading, data=data, from_s=None, to_s=None, every=1.0)
-        place = path.parent / study.path.name  # as in other_record
+        beside = path.parent / study.path.name  # as in other_record
         record = observe_record(
-            replace(study, path=place, heading=heading, columns=columns, sensors=None)
+            replace(study, path=beside, heading=heading, columns=columns, sensors=None)
         )
         rudder, rate = record.column("rudder"), record.column("yaw_rate")
         return curve_from_turns(ship, record.source, rudder, rate), record

@@ -227,8 +227,8 @@ def show_filter(
     filter_rows = shown.rows
     rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]
     readings = rows - states
-    square_place = rows + readings
-    flag_place = square_place + 1
+    square_column = rows + readings
+    flag_column = square_column + 1
     J, joint_copy = np.empty((rows, rows), mean.dtype), np.empty((rows, rows), mean.dtype)
     work, v = np.empty((rows, states), mean.dtype), np.empty(rows, mean.dtype)
     error, present = np.empty(readings, mean.dtype), np.empty(readings, np.bool_)
@@ -242,16 +242,16 @@ def show_filter(
         count = write_residual(table[k], v, error, present)
         filter_rows[k, :states] = z[:states]
         filter_rows[k, states:rows] = v[states:]
-        filter_rows[k, rows:square_place] = error
+        filter_rows[k, rows:square_column] = error
         shown.covariances[k] = P
         shown.spreads[k] = J[states:, states:]
         flag = FLAG_COUNTED if count > 0 else FLAG_MISSING
-        filter_rows[k, square_place] = 0.0
+        filter_rows[k, square_column] = 0.0
         if np.isnan(condition_on_readings(J, error, present)):
             flag = FLAG_SINGULAR
         else:
             size = error_square(J, error)
-            filter_rows[k, square_place] = size
+            filter_rows[k, square_column] = size
             if size.real > limits[count]:
                 flag = FLAG_REJECTED
         if flag > FLAG_MISSING:  # rejected or singular: the step again, as without any reading
@@ -259,7 +259,7 @@ def show_filter(
             present[:] = False
             condition_on_readings(J, error, present)
         advance_state(J, v, error, z, P)
-        filter_rows[k, flag_place] = flag
+        filter_rows[k, flag_column] = flag
 
 
 @kernel

@@ -27,7 +27,7 @@ def indices(names: str) -> Any:
     Kernels take a ship's numbers as one array; ``ship[BENT.K]`` is then readable.
     """
     fields = names.split()
-    return namedtuple("Places", fields)(*range(len(fields)))  # noqa: PYI024 its fields are data
+    return namedtuple("Indices", fields)(*range(len(fields)))  # noqa: PYI024 its fields are data
 
 
 # arrays are copied entry by entry, because for each slice the compiler takes half a second

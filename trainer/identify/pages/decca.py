@@ -78,9 +78,9 @@ def render(report: DeccaReport) -> str:
 
 def panels(sailed: ShipTrack) -> tuple[Panel, ...]:
     """Return track and sway velocity."""
-    place = (Curve("fixes", sailed.east, sailed.north),)
+    track = (Curve("fixes", sailed.east, sailed.north),)
     sway = (Curve("sway", sailed.t, sailed.sway / KNOT),)
     return (
-        Panel("track, from the master station", "east [m]", "north [m]", place),
+        Panel("track, from the master station", "east [m]", "north [m]", track),
         Panel("sway velocity", "time [s]", "to starboard [kn]", sway, levels=(0.0,)),
     )

@@ -98,10 +98,10 @@ def design_experiment(file: VesselFile, options: ExperimentOptions) -> Experimen
     flight = fly_trial(file, schedule_orders(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
     outputs = options.outputs or ("sway", "yaw_rate", "heading")
-    place: dict[str, str | float] = {"vessel": options.vessel, "speed_kn": speed_kn}
-    place |= {"depth_m": depth, "duration_s": seconds}
-    place |= {"sea": options.sea} if options.sea else {}
-    exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", place)
+    conditions: dict[str, str | float] = {"vessel": options.vessel, "speed_kn": speed_kn}
+    conditions |= {"depth_m": depth, "duration_s": seconds}
+    conditions |= {"sea": options.sea} if options.sea else {}
+    exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", conditions)
     report = ExperimentReport(
         vessel=file.name,
         speed_kn=speed_kn,

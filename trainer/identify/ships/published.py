@@ -94,10 +94,10 @@ def _refuse_unknown(ship: ShipFile, published: Published) -> None:
         },
     }
     problems = [
-        Position(published.file, place).wrong(
+        Position(published.file, table).wrong(
             key, name, f"no coefficient of {ship.path.name}{nearest(name, ship.coefficients)}"
         )
-        for place, (key, names) in named.items()
+        for table, (key, names) in named.items()
         for name in names
         if name not in ship.coefficients
     ]

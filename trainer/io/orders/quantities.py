@@ -11,7 +11,6 @@ from decimal import Decimal
 from trainer.units import DEGREE, FOOT, KNOT
 
 MINUTE_S = 60.0  # [s]
-PLACE_LIMITS_M = -200_000.0, 200_000.0  # [m] from the origin
 
 
 class RefusedError(Exception):
@@ -55,7 +54,7 @@ SECONDS = Unit("s", ("s", "seconds", "second", "sec"), 1.0)
 MINUTES = Unit("min", ("min", "minutes", "minute", "mins"), MINUTE_S)
 HERTZ = Unit("hz", ("hz",), 1.0)
 PLAIN_UNIT = Unit("", (), 1.0)
-PLACE_UNIT = Unit("", METRES.names, 1.0)
+LOCATION_RANGE = (Unit("", METRES.names, 1.0),), -200_000.0, 200_000.0  # [m] from the origin
 
 NUMBER_KINDS = {
     "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),
@@ -75,12 +74,8 @@ NUMBER_KINDS = {
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "TRAIN": Number("an angle off the bow", (DEGREES,), 0.0, 360.0),
     "MAST": Number("the height of a masthead", (METRES, FEET), 1.0, 150.0),
-    "NORTH": Number(
-        "metres north of the origin, south negative", (PLACE_UNIT,), *PLACE_LIMITS_M, decimals=1
-    ),
-    "EAST": Number(
-        "metres east of the origin, west negative", (PLACE_UNIT,), *PLACE_LIMITS_M, decimals=1
-    ),
+    "NORTH": Number("metres north of the origin, south negative", *LOCATION_RANGE, decimals=1),
+    "EAST": Number("metres east of the origin, west negative", *LOCATION_RANGE, decimals=1),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN_UNIT,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),

@@ -403,10 +403,10 @@ def read_slot(text: str) -> Word | Number | Name | Secret:
         return NAME_SLOTS[text]
     if text == "TOKEN":
         return Secret()
-    return topic_place() if text == "TOPIC" else Word(tuple(spellings(WORD_SETS.get(text, text))))
+    return topic_slot() if text == "TOPIC" else Word(tuple(spellings(WORD_SETS.get(text, text))))
 
 
-def topic_place() -> Word:
+def topic_slot() -> Word:
     """Return the slot for what help may be asked about."""
     heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
     names = {head for topic in TOPICS for head in topic.heads}

@@ -359,7 +359,7 @@ def _claim(connection: sqlite3.Connection, path: Path, version: int) -> None:
 
 def _connect_alone(path: Path) -> sqlite3.Connection:
     """Return a connection for reading that makes no file, with the log that was left behind."""
-    log = _beside(path, "-wal")
+    log = path.with_name(f"{path.name}-wal")
     if not (log.exists() and log.stat().st_size):
         return connect(path, "mode=ro&immutable=1")
     connection = connect(path, f"mode=ro&vfs={LOCKLESS_SYSTEM}")
@@ -374,10 +374,6 @@ def _why_not(error: sqlite3.OperationalError, path: Path) -> str:
         code == sqlite3.SQLITE_IOERR and shutil.disk_usage(path.parent).free < FULL_DISK_BYTES
     )
     return f"its disk is full ({error}); make room there" if full else str(error)
-
-
-def _beside(path: Path, ending: str) -> Path:
-    return path.with_name(path.name + ending)
 
 
 def erase_header(

@@ -130,8 +130,8 @@ def _copy(connection: sqlite3.Connection, table: str, added: Callable[[Row], Row
     first = next(whole, None)
     if first is None:
         return
-    places = ", ".join("?" * len(first))
-    insert = f"INSERT INTO {table} VALUES ({places})"  # noqa: S608 our own
+    blanks = ", ".join("?" * len(first))
+    insert = f"INSERT INTO {table} VALUES ({blanks})"  # noqa: S608 our own
     connection.executemany(insert, itertools.chain([first], whole))
 
 

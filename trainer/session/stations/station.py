@@ -51,6 +51,7 @@ from trainer.session.stations.subscriptions import (
 # others (docs/threat-model.md); more wait at their sender
 ORDERS_A_SECOND: Final = 20
 ORDERS_AT_ONCE: Final = 100  # orders after a silence, before the rate holds
+ORDER_RATE: Final = (("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE)))  # as told
 WRONG_TOKEN_TEXT: Final = "wrong token: type role NAME TOKEN with the right one"  # noqa: S105
 Log = Callable[[str, str], None]  # takes a kind of roles.EVENT_KINDS and a text
 
@@ -116,7 +117,6 @@ class WordCounts:
     orders: int = 0  # handed on
     refused: int = 0  # not its to give
     bad: int = 0  # no orders
-    guesses: int = 0  # wrong tokens
 
 
 class OrderAllowance:
@@ -126,17 +126,47 @@ class OrderAllowance:
         self._clock = clock
         self._since = clock()
         self.left = float(ORDERS_AT_ONCE)
+        self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
 
-    def refill(self) -> None:
-        """Add the orders that the time since the last call allows."""
+    def share(self, most: int) -> int:
+        """Return how many of ``most`` lines may be taken now; without one the sender waits."""
         now = self._clock()
         self.left = min(self.left + (now - self._since) * ORDERS_A_SECOND, ORDERS_AT_ONCE)
         self._since = now
+        allowed = min(most, int(self.left))
+        self.held_up = 0.0 if allowed else (1.0 - self.left) / ORDERS_A_SECOND
+        return allowed
+
+
+class TokenGuesses:
+    """The wrong tokens of one line, and the answer that is kept back."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self.count = 0
+        self.late: LateAnswer | None = None
+        self._clock = clock
 
     @property
     def wait(self) -> float:
-        """Return the time [s] until one more order may be given."""
-        return (1.0 - self.left) / ORDERS_A_SECOND
+        """Return the time [s] to the answer that is kept back, infinity without one."""
+        return max(self.late.due - self._clock(), 0.0) if self.late else math.inf
+
+    def add(self, heard: Message, wait: float) -> None:
+        """Count a wrong token, and keep its answer back for ``wait`` [s]."""
+        self.count += 1
+        last = self.count >= MAX_TOKEN_GUESSES
+        closed = f", the {MAX_TOKEN_GUESSES}rd: this line is closed" if last else ""
+        waited = f"; answered after {wait:g} s, because there were many" if wait else ""
+        leaving = f"{MAX_TOKEN_GUESSES} wrong tokens" if last else ""
+        why = Refused(f"wrong token{closed}{waited}")
+        self.late = LateAnswer(self._clock() + wait, heard, why, leaving)
+
+    def take_due(self) -> LateAnswer | None:
+        """Return the answer that was kept back, once, when it is due."""
+        if self.wait:
+            return None
+        due, self.late = self.late, None
+        return due
 
 
 class Station:
@@ -157,17 +187,15 @@ class Station:
         self.called = ""  # what it calls itself, as a screen for everybody does
         self.leaving = ""  # why the line is to be closed, "" while it stays
         self.waiting = False  # there may be more to take
-        self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
+        self.allowance = OrderAllowance(clock)
+        self.guesses = TokenGuesses(clock)
         self._door = access
         self.settled = access.role is not None  # it is known for good what the line is
         self._log = log
-        self._clock = clock
-        self._allowance = OrderAllowance(clock)
         self._flooding = False  # it was logged that orders wait
         # It does not refer to this station, which is therefore freed as soon as it is dropped.
         self._log_hidden: Log = lambda kind, text: log(kind, access.hide(text))
         self._noise = NoiseLog(self._log_hidden, clock)
-        self._late: LateAnswer | None = None
         self._machine = False  # a program spoke last
         self._program = False  # one has spoken
 
@@ -175,18 +203,6 @@ class Station:
     def visits(self) -> bool:
         """Return whether the line came by itself, and may go."""
         return self._door.role is None
-
-    @property
-    def rate(self) -> tuple[tuple[str, str], ...]:
-        """Return how many orders may be given here, as keys and values. None where all may."""
-        if not self.visits:
-            return ()
-        return ("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE))
-
-    @property
-    def late(self) -> float:
-        """Return the time [s] to the answer that is kept back, infinity without one."""
-        return max(self._late.due - self._clock(), 0.0) if self._late else math.inf
 
     @property
     def who(self) -> str:
@@ -213,14 +229,13 @@ class Station:
         What comes after an order is heard once that has been answered.
         """
         self._noise.settle()
-        self._allowance.refill()
-        self.held_up = 0.0
+        allowed = self.allowance.share(most)
         self._answer_late()
-        allowed = min(most, int(self._allowance.left))
         lines = self.line.take(allowed) if allowed else []
         self.waiting = len(lines) == allowed
-        if not allowed:
-            self._hold()
+        if not (allowed or self._flooding):
+            self._flooding = True
+            self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
         for line in lines:
             if self.leaving:
                 break
@@ -259,7 +274,7 @@ class Station:
     def leave(self) -> None:
         """Send nothing more. Log how many bad lines were not written one by one."""
         self._noise.close()
-        self._late = None
+        self.guesses.late = None
         self.wishes.end(*self.wishes.channels)
 
     def close(self, patience: float) -> None:
@@ -278,7 +293,7 @@ class Station:
             return []
         self._machine = heard.machine
         self._program = self._program or heard.machine
-        if self._late:
+        if self.guesses.late:
             self._answer(heard, Refused("not heard: wait for the answer to the wrong token"))
             return []
         if isinstance(heard.order, BadOrder):
@@ -297,7 +312,7 @@ class Station:
         if "order" in self.role.commands:
             order = to_the_crew(order)
         if refused := refusal(self.role, order):
-            guessed = self.role is STRANGER_ROLE and self.counts.guesses
+            guessed = self.role is STRANGER_ROLE and self.guesses.count
             hint = "" if self._door.settles(self.role) else f"; {other_chair(order)}"
             told = WRONG_TOKEN_TEXT if guessed else f"{refused.reason}{hint}"
             self._refuse(heard, order, Refused(told))
@@ -317,15 +332,8 @@ class Station:
             duties[order.name](heard, order)
             return []
         self.counts.orders += 1
-        self._allowance.left -= self.visits
+        self.allowance.left -= self.visits
         return [Request(order, heard, self)]
-
-    def _hold(self) -> None:
-        """Take no more orders for a while, so that they wait at their sender."""
-        self.held_up = self._allowance.wait
-        if not self._flooding:
-            self._flooding = True
-            self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
 
     def _refuse(self, heard: Message, order: Order, refused: Refused) -> None:
         """Refuse an order that this line's role may not give."""
@@ -378,18 +386,15 @@ class Station:
             needed = "this session needs a token: --token WORD, or type role NAME TOKEN"
             self._refuse(heard, order, Refused(needed))
             return
-        self.counts.guesses += 1
         self.counts.refused += 1
         self._log_refusal(f"{order.text}: wrong token")
-        wait = self._door.delay()
-        self._late = late_answer(heard, self.counts.guesses, self._clock(), wait)
+        self.guesses.add(heard, self._door.delay())
         self._answer_late()
 
     def _answer_late(self) -> None:
         """Send the answer to a wrong token, once it is due."""
-        late = self._late
-        if late and self._clock() >= late.due:
-            self._late, self.leaving = None, late.leaving
+        if late := self.guesses.take_due():
+            self.leaving = late.leaving
             self._answer(late.heard, late.reply)
 
     def _subscribe(self, heard: Message, order: Order) -> None:
@@ -446,15 +451,6 @@ def other_chair(order: Order) -> str:
     """Return in which chair a lone person may give an order."""
     chair = TRAINEE_ROLE if order.name in TRAINEE_ROLE.commands else INSTRUCTOR_ROLE
     return f"who is alone may, after `role {chair.name}`"
-
-
-def late_answer(heard: Message, guesses: int, now: float, wait: float) -> LateAnswer:
-    """Return the answer to a wrong token; ``now`` and ``wait`` are in seconds."""
-    last = guesses >= MAX_TOKEN_GUESSES
-    why = f"wrong token, the {MAX_TOKEN_GUESSES}rd: this line is closed" if last else "wrong token"
-    why += f"; answered after {wait:g} s, because there were many" if wait else ""
-    leaving = f"{MAX_TOKEN_GUESSES} wrong tokens" if last else ""
-    return LateAnswer(now + wait, heard, Refused(why), leaving)
 
 
 def send_answer(line: Line, heard: Message, reply: Reply, lines: Sequence[str]) -> None:
