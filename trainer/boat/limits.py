@@ -193,6 +193,8 @@ class LimitMonitor:
             return met
         news = shaking + self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
         news += self._following_sea(boat)
+        if not news:
+            return met
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         tick = f"tick {boat.ticks} ({boat.time:g} s)"

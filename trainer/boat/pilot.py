@@ -237,6 +237,8 @@ class PilotMonitor:
         for name, _ in shared:
             self.times.setdefault(name, []).append(boat.time)
         calls = [MonitorCall(words, Rank.WARNING) for _, words in shared] + self._news(boat)
+        if not calls:
+            return []
         now = f"tick {boat.ticks} ({boat.time:g} s)"
         return [call._replace(text=f"{now}: {call.text}") for call in calls]
 

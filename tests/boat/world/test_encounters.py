@@ -12,6 +12,7 @@ import pytest
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
+from trainer.boat.world import encounters
 from trainer.boat.world.approach import (
     OwnMotion,
     closest_approach,
@@ -151,6 +152,26 @@ def test_waves_that_yaw_the_boat_call_no_approach_again(tmp_path: Path) -> None:
     boat = under_way(tmp_path, waves + CROSSING.replace("1000, 2000]]", "1300, 4000]]"), 17.5)
     (told,) = fly(boat, EncounterMonitor.over(boat), 120.0)
     assert "m in 10 min 0 s; now 072 at" in told
+
+
+def test_ships_that_are_too_far_off_to_come_near_are_passed_over_and_no_call_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dice, tables = Random(5), ""  # noqa: S311  chances, not secrets
+    for number in range(40):
+        north, east, off = (dice.uniform(-x, x) for x in (2500.0, 2500.0, 40.0))
+        course = math.degrees(math.atan2(-east, -north)) + off
+        tables += f'[[contact]]\nname = "ship{number}"\ntype = "fishing"\n'
+        tables += f"points = [[{north:.0f}, {east:.0f}]]\ncourse_deg = {course % 360:.0f}\n"
+        tables += f"speed_kn = {dice.choice((4, 12)):g}\n"
+    tables += "[contacts]\ncpa_m = 500\nwarn_s = 150\n"
+    told = []
+    for margin in (encounters.FAR_MARGIN, math.inf):
+        monkeypatch.setattr(encounters, "FAR_MARGIN", margin)
+        boat = under_way(tmp_path, tables)
+        told.append(fly(boat, EncounterMonitor.over(boat), 300.0))
+    assert len(told[0]) > 5
+    assert told[0] == told[1]
 
 
 def ships_of(monitor: EncounterMonitor) -> Contacts:
@@ -293,7 +314,7 @@ def calls_of_a_look(folder: Path, ships: int) -> int:
 def test_a_contact_costs_little_of_a_tick(tmp_path: Path) -> None:
     more = calls_of_a_look(tmp_path, 40) - calls_of_a_look(tmp_path, 10)
 
-    assert 0 < more <= 30 * 20  # thirteen a ship, 10 us
+    assert 0 < more <= 30 * 20  # a far one takes seven, a near one thirteen
 
 
 ADRIFT = """

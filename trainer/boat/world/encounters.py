@@ -37,6 +37,7 @@ from trainer.core.kernel import Numbers
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing
 RECALL_CLEAR_S: Final = 30.0  # [s] without an approach to be called, after which one is news again
 HELD_OFFSET: Final = STATE_OFFSETS["held_position"]
+FAR_MARGIN: Final = 1.01  # [-] on how far ships can come near in the time of a warning
 RECALL_CHANGE_SHARE: Final = 0.2  # [-] of the limit: change of closest approach called again
 
 
@@ -197,6 +198,8 @@ class EncounterMonitor:
         now = self._pose = Pose(*read_pose(boat.plain))
         struck = [] if before is None else self.step(contacts, tick, before, now)
         near = self._calls(boat, fleet.order, fleet.motions(tick), now)
+        if not (struck or near):
+            return []
         now_text = f"tick {tick} ({boat.time:g} s)"
         calls = [MonitorCall(f"{now_text}: {text}", Rank.EMERGENCY) for text in struck]
         return calls + [MonitorCall(f"{now_text}: {text}") for text in near]
@@ -306,17 +309,24 @@ class EncounterMonitor:
     ) -> list[str]:
         """Return each closest approach that is to be called now."""
         rules, soon = self.rules, []
-        own, (own_north, own_east) = self._own(boat, now)
+        own_north, own_east, turning = self._mean_motion(boat, now)
+        speed, own = math.hypot(own_north, own_east), None
         recall = (1.0 + RECALL_CHANGE_SHARE) * rules.cpa_m
         over = []  # of the ships called, because only those can be news again
         for ship, motion in zip(ships, motions, strict=True):
-            v_north, v_east = motion.velocity()
-            north, east = motion[0] - own[0], motion[1] - own[1]
-            v_north, v_east = v_north - own_north, v_east - own_east
+            north, east = motion[0] - now[0], motion[1] - now[1]
             called = ship.name in self.called
+            fastest = speed + motion.speed + abs(motion.set_north) + abs(motion.set_east)
+            if math.hypot(north, east) > FAR_MARGIN * (recall + fastest * rules.warn_s):
+                over += [ship.name] if called else []
+                continue
+            v_north, v_east = motion.velocity()
+            v_north, v_east = v_north - own_north, v_east - own_east
             if north * v_north + east * v_east > 0.0:  # it goes away
                 over += [ship.name] if called else []
                 continue
+            course = math.atan2(own_east, own_north)
+            own = own or OwnMotion(now.north, now.east, course, speed, turning)
             closest, until = closest_approach(north, east, v_north, v_east)
             if leaves_lines(own, motion, until, rules.cpa_m):
                 near = nears_on_arcs(own, motion, recall, rules.warn_s)
@@ -345,24 +355,21 @@ class EncounterMonitor:
             if time - since >= RECALL_CLEAR_S:
                 self.called.pop(name, None)
 
-    def _own(self, boat: Any, now: Pose) -> tuple[OwnMotion, tuple[float, float]]:
-        """Return the boat's mean motion of the last MEAN_PERIOD_S, because waves swing it.
+    def _mean_motion(self, boat: Any, now: Pose) -> tuple[float, float, float]:
+        """Return the boat's mean velocity north and east [m/s], and its mean turn [rad/s].
 
-        Return its velocity [m/s] too, north and east.
+        They are those of the last MEAN_PERIOD_S, because waves swing the boat.
         """
         self._past.append(now)
         count = self.mean_ticks
         if boat.plain[HELD_OFFSET] or len(self._past) <= count:
-            own = OwnMotion.of(boat.state)._replace(turning=0.0)
-            return own, own.velocity()
+            return *OwnMotion.of(boat.state).velocity(), 0.0
         first = self._past[-count - 1]
         del self._past[:-count]
         seconds = count * boat.method.step
         north, east = (now.north - first.north) / seconds, (now.east - first.east) / seconds
         turning = math.remainder(now.heading - first.heading, math.tau) / seconds
-        turning = turning if abs(turning) >= MIN_TURN_RATE else 0.0
-        course, speed = math.atan2(east, north), math.hypot(north, east)
-        return OwnMotion(now.north, now.east, course, speed, turning), (north, east)
+        return north, east, turning if abs(turning) >= MIN_TURN_RATE else 0.0
 
     def account(self) -> str:
         """Return the closest that each ship has been, in words."""
