@@ -1,16 +1,21 @@
 """Flights without a session: flown in long stretches, they are those of one tick after another."""
 
+import math
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.lanes import sample_cases
 
 from trainer.analysis.sweep.exercises import go_out
+from trainer.analysis.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
-from trainer.boat.crew_hands import GaugeHistory
+from trainer.boat.crew_hands import GaugeHistory, PlanesHand, RudderHand, TicksAhead
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import ReferenceCrew
+from trainer.config.reference_crew import Helmsman, Planesman
 from trainer.debrief import rehearsal
 from trainer.debrief.rehearsal import (
     ByReference,
@@ -41,11 +46,13 @@ def assert_same(one: Rehearsal, other: Rehearsal) -> None:
 
 
 # hands at work; rules by gauges and their means; a rate; currents by depth; ships and a periscope
-CREWED = ("stern-plane-jam", "depth-gauge-failure", "periscope-depth", "canyon", "crossing-traffic")
+CREWED = (
+    *("stern-plane-jam", "depth-gauge-failure", "periscope-depth", "canyon", "crossing-traffic"),
+    *("ordered-bubble", "course-changes"),  # an ordered pitch; turns, and depths by automatic
+)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CREWED)
+@pytest.mark.parametrize("name", sample_cases(CREWED, "stern-plane-jam", *CREWED[-2:]))
 def test_a_crew_that_looks_when_it_must_gives_the_orders_of_one_that_always_looks(
     monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
@@ -54,6 +61,50 @@ def test_a_crew_that_looks_when_it_must_gives_the_orders_of_one_that_always_look
     monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", 1)
     assert flown.trajectory.orders
     assert_same(flown, fly_rehearsal(plan, plan.crew))
+
+
+def test_a_crew_that_misreads_its_gauges_looks_as_often_as_one_that_always_looks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan = plan_of("stern-plane-jam")
+    aboard = partial(Trainee, Skill("misreads", misread_share=0.1))
+    flown = fly_rehearsal(plan, plan.crew, come_aboard=aboard)
+    monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", 1)
+    assert_same(flown, fly_rehearsal(plan, plan.crew, come_aboard=aboard))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_it_is_known_when_a_hand_orders_next(seed: int) -> None:
+    """Of readings drawn at random, over north and round the compass too."""
+    draws = np.random.default_rng(seed)
+    plan = plan_of("depth-changes")
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    gauges, count = GaugeHistory(boat), 80
+    gauges.look()
+    walk = {name: np.cumsum(draws.normal(0.0, 0.004, count)) for name in ("theta", "q", "r")}
+    course = boat.state.ordered_psi + math.tau * draws.integers(-3, 4)
+    course += np.cumsum(draws.normal(0.0, 0.004, count))
+    readings = np.zeros((count, len(InstrumentReadings._fields)))
+    readings[:, InstrumentReadings._fields.index("heading")] = course
+    depth = 60.0 + np.cumsum(draws.normal(0.0, 0.4, count))
+    readings[:, InstrumentReadings._fields.index("depth")] = depth
+    helm, planes = RudderHand(boat, Helmsman()), PlanesHand(boat, Planesman())
+    hands: tuple[RudderHand | PlanesHand, ...] = helm, planes
+    helm.looked = planes.looked = 0.0
+    aims = {name: np.full(count, boat.state[name]) for name in ("ordered_psi", "ordered_depth")}
+    ahead = TicksAhead(0, boat.method.step, {**walk, **aims}.__getitem__, readings, gauges)
+    known = [hand.first_order(ahead) for hand in hands]
+    given = [count, count]
+    for i, row in enumerate(readings.tolist()):
+        boat.state.tick = i + 1
+        for name, values in walk.items():
+            boat.state[name] = values[i]
+        gauges.remember([(boat.time, InstrumentReadings(*row))])
+        for j, hand in enumerate(hands):
+            orders = hand.look(gauges)
+            given[j] = min(given[j], i + 1) if orders else given[j]
+    assert known == given
 
 
 AHEAD = """

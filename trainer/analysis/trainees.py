@@ -83,6 +83,8 @@ ALL_CREWS: Final = (*GRADED_CREWS, *LATE_CREWS, *FAULTY_CREWS)
 class MisreadGauges(GaugeHistory):
     """Gauges that are read wrong at each glance, by a share drawn anew."""
 
+    exact = False
+
     def __init__(self, boat: Boat, share: float, seed: int) -> None:
         super().__init__(boat)
         self.draws = share * np.random.default_rng(seed).uniform(-1.0, 1.0, GLANCE_COUNT)

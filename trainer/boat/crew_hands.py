@@ -8,13 +8,14 @@ that a person could not see, so that people can reach its marks.
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
@@ -25,6 +26,7 @@ from trainer.core.kernel import Numbers, Record
 GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
 RATE_PERIOD_S: Final = 2.0  # [s] over which a rate is seen on a gauge
 TIME_ROUNDING_S: Final = 1e-6  # [s] rounding of a sum of steps
+ORDER_SLACK: Final = 1e-6  # [deg] or [m]: far more than numbers of many ticks are rounded otherwise
 ORDER_OFFSET: Final = STATE_OFFSETS["crew_order"]  # of the orders to the crew, by axis
 STAMP_OFFSET: Final = STATE_OFFSETS["crew_order_tick"]
 
@@ -33,6 +35,7 @@ STAMP_OFFSET: Final = STATE_OFFSETS["crew_order_tick"]
 class GaugeHistory:
     """The readings of the gauges over some minutes."""
 
+    exact: ClassVar[bool] = True  # whether ``mean`` and ``now`` tell what was read
     boat: Boat
     seen: list[tuple[float, InstrumentReadings]] = field(default_factory=list)
 
@@ -108,6 +111,33 @@ def mean_of(values: list[float]) -> float:
     return float(np.add.reduce(values)) / len(values)
 
 
+@dataclass(frozen=True)
+class TicksAhead:
+    """The ticks since a crew's last look, as it could see them."""
+
+    begun: int  # tick of the last look
+    step: float  # [s]
+    column: Callable[[str], Numbers]  # a field of the state at these ticks
+    readings: Numbers  # [ticks, gauges]
+    gauges: GaugeHistory  # up to the last look
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(self.readings)
+
+    def looks(self, looked: float, every: float) -> range:
+        """Return which of them a hand looks at that looked at a time [s]."""
+        least = every - TIME_ROUNDING_S
+        first = max(math.ceil((looked + least) / self.step) - self.begun - 1, 0)
+        return range(first, len(self), max(math.ceil(least / self.step), 1))
+
+
+def first_of(looks: range, may_order: NDArray[np.bool_], count: int) -> int:
+    """Return after how many ticks comes the first look that may order something, or all."""
+    first = int(may_order.argmax())
+    return looks[first] + 1 if may_order[first] else count
+
+
 @dataclass
 class KnownOrder:
     """The order to the crew on one axis. A hand knows it some seconds after it came."""
@@ -127,6 +157,12 @@ class KnownOrder:
             self.since = min(self.since, (stamp - 1.0) * boat.method.step if stamp else math.inf)
         if boat.time - self.since >= self.answer - TIME_ROUNDING_S:
             self.value = boat.plain[ORDER_OFFSET + index] if stamp else None
+
+    def next_change(self, boat: Boat) -> float:
+        """Return the time [s] from which another order is known, while nobody orders."""
+        index = CREW_AXES.index(self.axis)
+        stands = boat.plain[ORDER_OFFSET + index] if boat.plain[STAMP_OFFSET + index] else None
+        return math.inf if stands == self.value else self.since + self.answer
 
 
 @dataclass
@@ -173,6 +209,45 @@ class PlanesHand:
         deeper = aim - gauges.mean("depth", self.habits.mean_s)
         rate = gauges.rate("depth", self.habits.mean_s)
         return [*self._stern(deeper, rate), *self._bow(deeper, rate)]
+
+    def next_change(self) -> float:
+        """Return the time [s] from which it knows another order, while nobody orders."""
+        return min(each.next_change(self.boat) for each in (self.depth, self.pitch))
+
+    def first_order(self, ahead: TicksAhead) -> int:
+        """Return after how many ticks it may order something, or all of them; ``look`` decides."""
+        habits, looks = self.habits, ahead.looks(self.looked, self.habits.look_s)
+        if not looks:
+            return len(ahead)
+        at, gauges = slice(looks.start, None, looks.step), ahead.gauges
+        mean, rate = (
+            gauges.over("depth", habits.mean_s, ahead.readings, rate=rate)[at]
+            for rate in (False, True)
+        )
+        aim = ahead.column("ordered_depth")[at] if self.depth.value is None else self.depth.value
+        deeper, theta, q = (
+            aim - mean,
+            *(np.degrees(ahead.column(name)[at]) for name in ["theta", "q"]),
+        )
+        up = habits.bubble_s * rate - habits.bubble_deg_per_m * deeper
+        bubble = np.clip(up, -habits.bubble_deg_max, habits.bubble_deg_max)
+        may = np.zeros(deeper.size, np.bool_)
+        if (ordered := self.pitch.value) is not None:
+            away = (np.abs(deeper) > habits.leave_m) & (ordered * deeper < 0.0)
+            bubble = np.where(away, math.degrees(ordered), bubble)
+            may |= np.abs(np.abs(deeper) - habits.leave_m) < ORDER_SLACK
+            may |= np.abs(deeper) < ORDER_SLACK
+        rise = habits.stern_per_bubble * (bubble - theta) - habits.stern_s * q
+        may |= may_turn(rise, habits.stern_deg_max, self.stern, habits.stern_off_deg)
+        rise = habits.bow_s * rate - habits.bow_deg_per_m * deeper
+        rise = np.clip(rise, -habits.bow_deg_max, habits.bow_deg_max)
+        may |= np.abs(np.abs(deeper) - habits.bow_within_m) < ORDER_SLACK
+        for slack in (-ORDER_SLACK, ORDER_SLACK):
+            steps = np.trunc(habits.bow_step_deg * np.rint((rise + slack) / habits.bow_step_deg))
+            wanted = np.where(np.abs(deeper) <= habits.bow_within_m, steps, 0.0)
+            near = np.abs(rise + slack - self.bow) < 0.6 * habits.bow_step_deg
+            may |= (wanted != self.bow) & ~(near & (wanted != 0.0))
+        return first_of(looks, may, len(ahead))
 
     def _bubble(self, deeper: float, rate: float) -> float:
         """Return the pitch [deg] to aim at, bow up: the bubble of the inclinometer.
@@ -252,12 +327,43 @@ class RudderHand:
             return ["rudder amidships"]
         return [f"rudder {'right' if wanted > 0 else 'left'} {abs(wanted)}"]
 
+    def next_change(self) -> float:
+        """Return the time [s] from which it knows another order, while nobody orders."""
+        return self.course.next_change(self.boat)
+
+    def first_order(self, ahead: TicksAhead) -> int:
+        """Return after how many ticks it may order something, or all of them; ``look`` decides."""
+        habits, looks = self.habits, ahead.looks(self.looked, self.habits.look_s)
+        if not looks:
+            return len(ahead)
+        at = slice(looks.start, None, looks.step)
+        heading = ahead.readings[at, InstrumentReadings._fields.index("heading")]
+        may = np.zeros(heading.size, np.bool_)
+        if self.course.value is None:
+            error = ahead.column("ordered_psi")[at] - heading
+            error = np.degrees(error - math.tau * np.rint(error / math.tau))
+            may |= np.abs(np.abs(error) - 180.0) < ORDER_SLACK
+        else:
+            error = np.degrees(self.course.value - heading)
+        turn = habits.rudder_per_error * error
+        turn -= habits.rudder_s * np.degrees(ahead.column("r")[at])
+        may |= may_turn(turn, habits.rudder_deg_max, self.rudder, habits.rudder_off_deg)
+        return first_of(looks, may, len(ahead))
+
     def _to_go(self, heading: float) -> float:
         """Return how far there is to turn [deg], right positive, the way that was ordered."""
         if self.course.value is None:
             aim = float(self.boat.state.ordered_psi)
             return math.degrees(math.remainder(aim - heading, math.tau))
         return math.degrees(self.course.value - heading)
+
+
+def may_turn(wanted: Numbers, most: float, stands: int, off: float) -> NDArray[np.bool_]:
+    """Return where whole degrees, ``most`` at most, may be ``off`` or more from what stands."""
+    wanted = np.clip(wanted, -most, most)
+    above = np.rint(wanted + ORDER_SLACK) - stands >= off
+    result: NDArray[np.bool_] = above | (stands - np.rint(wanted - ORDER_SLACK) >= off)
+    return result
 
 
 def _ordered(state: Record, surface: str, letter: str) -> float:

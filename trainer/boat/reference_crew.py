@@ -22,6 +22,7 @@ from trainer.boat.crew_hands import (
     GaugeHistory,
     PlanesHand,
     RudderHand,
+    TicksAhead,
 )
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import clearance
@@ -116,17 +117,23 @@ class ReferenceCrew:
         By then it looks again; ``first_sight`` tells whether gauges have it look before.
         """
         times = [self._next_look_of(each) for each in self._waiting()]
-        times += [hand.looked + hand.habits.look_s for hand in self.hands.values()]
+        for hand in self.hands.values():
+            exact = self.gauges.exact  # else nobody knows before what a hand sees
+            times.append(hand.next_change() if exact else hand.looked + hand.habits.look_s)
         return min(times, default=math.inf) - 2.0 * TIME_ROUNDING_S
 
     def first_sight(self, column: Callable[[str], Numbers], readings: Numbers) -> int:
-        """Return after how many ticks the gauges may show what a rule waits for.
+        """Return after how many ticks a rule may begin, or a hand may order something.
 
-        It is all of the ticks that were flown if they never do.
+        It is all of the ticks that were flown if nothing does.
         ``column`` gives a field of the state at these ticks, ``readings`` has a row for each of
         what the gauges read. Means are summed otherwise than by a look, which decides.
         """
         first, now = len(readings), self.boat.time - len(readings) * self.boat.method.step
+        if self.hands and self.gauges.exact:
+            begun, step = self.boat.ticks - first, self.boat.method.step
+            ahead = TicksAhead(begun, step, column, readings, self.gauges)
+            first = min(hand.first_order(ahead) for hand in self.hands.values())
         for each in self._waiting():
             row = each.rule.row
             over = row.to_s is not None and now > row.to_s + 1.0
@@ -140,6 +147,25 @@ class ReferenceCrew:
                 if shows[soonest]:
                     first = min(first, soonest + 1)
         return first
+
+    def pass_over(self, begun: int, readings: Numbers) -> None:
+        """Take these ticks after a tick as seen, at which nothing was to be ordered.
+
+        ``readings`` [ticks, gauges] are theirs. The next look is at the last of them.
+        """
+        step = self.boat.method.step
+        ahead = TicksAhead(begun, step, lambda _: readings, readings[:-1], self.gauges)
+        for hand in self.hands.values():
+            if looks := ahead.looks(hand.looked, hand.habits.look_s):
+                hand.looked = (begun + looks[-1] + 1) * step
+        times = (step * (begun + 1 + i) for i in range(len(readings)))
+        rows = (InstrumentReadings(*row) for row in readings.tolist())
+        self.gauges.remember(zip(times, rows, strict=True))
+
+    @property
+    def has_begun_anew(self) -> bool:
+        """Return whether a rule was carried out now, so that others may follow."""
+        return any(each.given == self.boat.time for each in self.followed)
 
     def _may_show(
         self,

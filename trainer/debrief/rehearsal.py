@@ -104,7 +104,7 @@ class ByReference:
 
     def quiet_ticks(self, step: float) -> float:
         """Return the tick up to which nobody does anything, as long as nobody orders anything."""
-        if self.mute is not None:
+        if self.mute is not None or (self.crew is not None and self.crew.has_begun_anew):
             return 0
         seconds = math.inf if self.crew is None else self.crew.next_look()
         return math.ceil(seconds / step) if math.isfinite(seconds) else math.inf
@@ -116,13 +116,10 @@ class ByReference:
         column = lambda name: rows[:, PASSAGE_COLUMNS.index(name)]  # noqa: E731
         return self.crew.first_sight(column, rows[:, COLUMN_OFFSETS.size :])
 
-    def remember(self, tick: int, step: float, readings: Numbers) -> None:
-        """Have the crew know what the gauges read from a tick on."""
+    def pass_over(self, begun: int, readings: Numbers) -> None:
+        """Have the crew know what the gauges read at the ticks after one."""
         if self.crew is not None and len(readings):
-            self.crew.gauges.remember(
-                ((tick + i) * step, InstrumentReadings(*row))
-                for i, row in enumerate(readings.tolist())
-            )
+            self.crew.pass_over(begun, readings)
 
 
 def fly_rehearsal(
@@ -198,7 +195,7 @@ class Flight:
                 self.journal.note(orders)
                 self.given = []
                 self.stride = min(2 * self.stride, MAX_STRIDE_TICKS)
-                quiet = 0 if orders else self.aboard.quiet_ticks(self.plan.method.step)
+                quiet = self.aboard.quiet_ticks(self.plan.method.step)
                 quiet = min(max(self.boat.ticks + 1, quiet), self.boat.ticks + self.stride, until)
                 self._advance(int(quiet))
         return not self.lost
@@ -213,7 +210,7 @@ class Flight:
         hit = self.struck and f"collision with {self.struck}"
         self.lost = collapse_of(boat) or hit or failure
         self.rows.append(rows[:, : COLUMN_OFFSETS.size])
-        self.aboard.remember(begun + 1, self.plan.method.step, rows[:, COLUMN_OFFSETS.size :])
+        self.aboard.pass_over(begun, rows[:, COLUMN_OFFSETS.size :])
 
     def _keep(self, begun: int, rows: Numbers) -> int:
         """Return after how many rows since a tick somebody has to look, or the boat is lost."""
@@ -358,9 +355,9 @@ class Journal:
     def note(self, given: list[GivenOrder]) -> None:
         """Write down the orders and marks of the crew."""
         for crew_order in given:
-            order = parse(crew_order.text)
-            if isinstance(order, Order) and order.name == MARK_ORDER:  # no order of the boat's
-                self.mark(order.subject, LOOKOUT_GIVER)
+            name, _, subject = crew_order.text.partition(" ")
+            if name == MARK_ORDER:  # no order of the boat's
+                self.mark(subject, LOOKOUT_GIVER)
             else:
                 self.write(REFERENCE_GIVER, crew_order.text, crew_order.reply)
 
