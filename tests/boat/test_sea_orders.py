@@ -292,10 +292,10 @@ def recorded(folder: Path, speed: str, **more: str) -> bytes:
 @pytest.mark.parametrize(
     ("speed", "more"),
     [
-        *(("50", {}), ("max", {})),
+        ("50", {}),
         pytest.param("max", {"NUMBA_DISABLE_JIT": "1"}, marks=pytest.mark.slow),
     ],
-    ids=("at another pace", "again", "without JIT"),
+    ids=("at another pace", "without JIT"),
 )
 def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits(
     speed: str, more: dict[str, str], tmp_path: Path

@@ -249,17 +249,6 @@ def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
     assert "F10 quit" in last
 
 
-def test_what_was_typed_wrong_is_told_once_on_the_terminal_and_no_screen_is_shown(
-    terminal: Terminal,
-) -> None:
-    terminal.type(f"{command('run', 'periscop-depth')}; echo code $?", "Enter")
-    shown = terminal.wait(r"code \d")
-
-    assert "code 2" in shown
-    assert shown.count("trainer: ") == 1
-    assert "periscope-depth" in shown
-
-
 def test_a_killed_console_leaves_the_session_to_who_is_left(
     terminal: Terminal, ear: Callable[[Path], Ear]
 ) -> None:
@@ -269,7 +258,7 @@ def test_a_killed_console_leaves_the_session_to_who_is_left(
     other = ear(where)
     os.kill(console_of("run", "90210"), signal.SIGKILL)
 
-    ticks = other.ticks(30)
+    ticks = other.ticks(10)
     assert ticks == sorted(set(ticks))  # a busy machine may leave one out
     assert where.exists()
     other.close()
@@ -343,10 +332,11 @@ def test_a_screen_is_opened_only_where_all_three_streams_are_the_terminal(elsewh
     assert asked.returncode == (not elsewhere)
 
 
-def test_what_is_mistyped_is_told_where_it_was_typed_and_no_screen_is_opened() -> None:
+def test_what_is_mistyped_is_told_once_where_it_was_typed_and_no_screen_is_opened() -> None:
     written, code = told(*TRAINER, "run", "periscop-depth")
 
     assert OPENED not in written
+    assert written.count(b"trainer: ") == 1
     assert b"periscope-depth" in written
     assert code == 2
 
@@ -447,9 +437,9 @@ def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
     other = ear(served)
     with contextlib.closing(Screen(served, 160, 48)) as screen:
         screen.wait(b"RUNNING")
-        ticks = other.ticks(100)  # five seconds in which nobody reads the screen
+        ticks = other.ticks(40)  # two seconds in which nobody reads the screen
         assert ticks == sorted(set(ticks))
-        assert ticks[-1] - ticks[0] < 150  # a busy machine may show two at once
+        assert ticks[-1] - ticks[0] < 60  # a busy machine may show two at once
         for columns, rows in ((20, 5), (300, 100), (80, 24)):
             screen.resize(columns, rows)
             screen.wait(b"\x1b")

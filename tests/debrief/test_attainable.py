@@ -93,7 +93,7 @@ FAULTS = (
 QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
 SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved as finely as else
-SHORT = ("stern-plane-jam", "flooding-aft")
+SHORT = ("stern-plane-jam",)
 
 
 @pytest.fixture(autouse=True)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.lanes import sample_cases
 from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.waiting import stay_for
@@ -370,7 +371,7 @@ def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
 
 
 @posix
-@pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", sample_cases(["<&-", ">&-", "<&- >&- 2>&-"], "<&- >&- 2>&-"))
 def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
     start: Start, tmp_path: Path, closed: str
 ) -> None:
