@@ -40,7 +40,6 @@ from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Spread
 
-
 SHORT_BATCH_NS = 1_000_000
 
 

@@ -101,7 +101,7 @@ def test_a_user_s_session_needs_no_numba(tmp_path: Path, seconds: str) -> None:
 
 
 def test_what_is_typed_into_a_session_needs_no_numba(tmp_path: Path) -> None:
-    words = "run --speed max --duration 20 --no-record".split()
+    words = ["run", "--speed", "max", "--duration", "20", "--no-record"]
     done = subprocess.run(
         [sys.executable, "-m", "helpers.without_numba", *words],
         env=bare_environment(tmp_path),

@@ -37,7 +37,8 @@ from trainer.__main__ import main
 told = []
 for line in lines:
     sys.argv, code = ["trainer", *line.split()], 0
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as err:
+    err = io.StringIO()
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(err):
         try:
             main()
         except SystemExit as end:

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
 from helpers.screens import run_aside
 from helpers.waiting import PATIENCE, await_begun, await_that, await_work, eventually
@@ -218,7 +219,7 @@ def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_ba
 ) -> None:
     record = tmp_path / "drill.trainer"
     begin = ("run", "--headless", "--duration", "130", "--speed", "max", "--record", str(record))
-    subprocess.run([*TRAINER, *begin], check=True, capture_output=True)
+    assert run_trainer(*begin).returncode == 0
 
     terminal.type(command("resume", "drill.trainer", "--speed", "20", "--duration", "1h"), "Enter")
     terminal.wait("FROZEN")
@@ -385,9 +386,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Return the socket of a session at ten times the clock's speed."""
     where = tmp_path_factory.mktemp("s") / "s"
     words = ["serve", "--socket", str(where), "--listen", "none", "--no-record", "--speed", "10"]
-    with subprocess.Popen(
-        [*TRAINER, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
+    with start_trainer(*words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
         await_begun(process, where.exists)
         yield where
         process.terminate()

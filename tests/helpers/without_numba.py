@@ -1,8 +1,8 @@
 """Commands of ``trainer`` in a process that cannot import numba.
 
 A kernel that the machine code lacks would import it: so whatever runs is the machine code.
-``python -m helpers.without_numba FILE.json`` runs the commands of a file, a list of words each, with
-what is typed to this process. It writes a line of JSON for each: its exit code, its output,
+``python -m helpers.without_numba FILE.json`` runs the commands of a file, a list of words each,
+with what is typed to this process. It writes a line of JSON for each: its exit code, its output,
 and what was raised.
 ``python -m helpers.without_numba WORD...`` is the command ``trainer WORD...``.
 """

@@ -10,7 +10,6 @@ import re
 import shutil
 import socket
 import subprocess
-import sys
 import threading
 import tty
 from collections.abc import Callable, Iterable, Iterator
@@ -301,17 +300,8 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     folder = tmp_path_factory.mktemp("kept")
     (folder / "orders.txt").write_text(MANOEUVRES, encoding="ascii")
     arguments = ["--headless", "--speed", "max", "--duration", "10m", "--orders", "orders.txt"]
-    done = subprocess.run(
-        [
-            *(sys.executable, "-m", "trainer", "run", *arguments),
-            *("--csv", "out.csv", "--nmea-record", "drill.nmea"),
-        ],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    arguments += ["--csv", "out.csv", "--nmea-record", "drill.nmea"]
+    done = run_trainer("run", *arguments, cwd=folder, timeout=120)
     assert done.returncode == 0, done.stderr
     with (folder / "out.csv").open(encoding="ascii") as file:
         rows = [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
