@@ -168,19 +168,19 @@ def test_a_word_that_lacks_is_told_in_one_line_with_the_choices(
 
 @pytest.mark.process
 def test_a_file_whose_name_is_not_utf8_is_recorded_debriefed_and_listed(tmp_path: Path) -> None:
-    name = b"nam\xff.trainer"
+    name = os.fsdecode(b"nam\xff.trainer")
     with trainer.Boat(record=tmp_path / "run.trainer") as boat:
         boat.run(20)
-    shutil.copy(tmp_path / "run.trainer", tmp_path / os.fsdecode(name))
+    shutil.copy(tmp_path / "run.trainer", tmp_path / name)
     for words in (
         ("debrief", name),
         ("debrief", name, "--json"),
         ("debrief", name, "--html", "fly.html", "--fly"),
         ("recordings", "."),
-        ("export", name, "--csv", b"nam\xff.csv"),
+        ("export", name, "--csv", os.fsdecode(b"nam\xff.csv")),
         ("replay", name),
     ):
-        done = run_trainer(*map(os.fsdecode, words), cwd=tmp_path, env=environment())
+        done = run_trainer(*words, cwd=tmp_path, env=environment())
         assert (done.returncode, done.stderr) == (0, ""), words
 
     page = (tmp_path / os.fsdecode(b"nam\xff.html")).read_text(encoding="utf-8")
