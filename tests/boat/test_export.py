@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.exported import Core, link_shipped, shipped_kernel
+from helpers.installation import installed
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 from llvmlite import binding  # type: ignore[import-untyped]
@@ -79,6 +80,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     boat = boat_at_start(OPTIONS)
     with pytest.MonkeyPatch.context() as patched:
         if request.param == "shipped":
+            installed("objcopy", "binutils")
             patched.setattr(lowering, "kernel_text", shipped_kernel)
             patched.setattr(library, "object_code", partial(link_shipped, path))
         write_core(boat, path, "x86-64-v2")

@@ -145,7 +145,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
     *("trainer ship steering", "trainer report-1969 fit", "trainer", "trainer exercise"),
     # whose lines documents have too, or other pages of help
     *("trainer run", "trainer boat", "trainer boat evaluate", "trainer report-1969"),
-    *("trainer ship", "trainer ship decca", "trainer dev"),
+    *("trainer ship decca", "trainer dev"),
 }
 STUDY = """schema = "identify/1"
 name = "A trial"

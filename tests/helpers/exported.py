@@ -34,8 +34,10 @@ def shipped_kernel(entry: Entry) -> tuple[str, str]:
 def link_shipped(folder: Path, module: Any, target: Processor) -> bytes:
     """Return the object of a module and of the shipped kernels, whose names it hides."""
     own, shipped, linked = (folder / name for name in ("own.o", "shipped.o", "linked.o"))
+    code = shipped_object()
+    assert code, "no object of this core is shipped: trainer boat export-core --help"
     own.write_bytes(object_code(module, target))
-    shipped.write_bytes(shipped_object() or b"")
+    shipped.write_bytes(code)
     kernel = entry_of(update).name
     subprocess.run(["objcopy", f"--keep-global-symbol={kernel}", shipped], check=True)
     subprocess.run(["ld", "-r", "-o", linked, own, shipped], check=True)
