@@ -83,21 +83,15 @@ def test_only_what_waits_for_the_clock_is_tried_again(name: str, tmp_path: Path)
 
 
 @pytest.mark.process
-def test_where_one_failure_is_one_the_mark_does_not_count(tmp_path: Path) -> None:
-    (tmp_path / "test_power.py").write_text(FLAKY)
-    done = run_tests(tmp_path, [])
+@pytest.mark.parametrize(("name", "code"), [("test_any.py", 0), ("test_power.py", 1)])
+def test_what_load_disturbs_is_tried_again_alone_but_where_one_failure_is_one(
+    name: str, code: int, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text(FLAKY.replace("def test", "@pytest.mark.alone\ndef test"))
+    done = run_tests(tmp_path, [], ("-m", "alone"))
 
-    assert done.returncode == 1
-    assert "FLAKY" not in done.stdout
-
-
-@pytest.mark.process
-def test_what_load_disturbs_is_tried_again_though_nothing_ran_beside_it(tmp_path: Path) -> None:
-    text = FLAKY.replace("def test", "@pytest.mark.alone\ndef test")
-    done = run_tests(tmp_path, [text], ("-m", "alone"))
-
-    assert done.returncode == 0
-    assert "FLAKY, passed alone: test_0.py::test_flaky" in done.stdout
+    assert done.returncode == code
+    assert (f"FLAKY, passed alone: {name}::test_flaky" in done.stdout) == (code == 0)
 
 
 @pytest.mark.alone

@@ -10,6 +10,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from helpers.lanes import sample_cases
 
 from trainer.analysis.programs.neutral import panels, report_neutral
 from trainer.cli.programs import PROGRAM_COMMANDS
@@ -196,7 +197,7 @@ def test_speeds_asked_for_are_those_answered_for() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["neutral", "modes"])
+@pytest.mark.parametrize("name", sample_cases(["neutral", "modes"], "modes"))
 def test_a_page_of_a_boat_near_the_surface_tells_its_force_and_fits_a_terminal(
     name: str, tmp_path: Path
 ) -> None:

@@ -6,14 +6,13 @@ and the columns "2510 model" of 1a (horizontal zig-zag), 1c (vertical zig-zag), 
 
 import csv
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers.nursery import run_trainer
 from helpers.places import environment
 from numpy.typing import NDArray
 
@@ -34,17 +33,10 @@ SEEN = ("u", "q", "r", "y", "z", "phi", "theta", "psi")
 def turn(folder: Path, step: str) -> dict[str, float]:
     """Return the last five minutes of a 15 degree turn at the revolutions of 10 kn."""
     (folder / "orders.txt").write_text("0 turns 10\n0 rudder right 15\n")
-    command = "from trainer.cli.main import main; main()"
     options = f"run --headless --equations full --duration 20m --speed max --step {step}"
     files = ("--orders", "orders.txt", "--csv", "turn.csv")
-    subprocess.run(
-        [sys.executable, "-c", command, *options.split(), *files],
-        cwd=folder,
-        env=environment(),
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        check=True,
-    )
+    done = run_trainer(*options.split(), *files, cwd=folder, env=environment())
+    assert done.returncode == 0, done.stderr
     with (folder / "turn.csv").open(newline="") as stream:
         rows = [{name: float(text) for name, text in row.items()} for row in csv.DictReader(stream)]
     late = [row for row in rows if row["t"] >= 900.0]

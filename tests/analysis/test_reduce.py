@@ -645,7 +645,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", sample_cases(BOATS, "bb2", "sdv-mk9"))
+@pytest.mark.parametrize("name", sample_cases(BOATS, "bb2"))
 def test_the_compact_set_of_a_shipped_boat_passes_guide_turns_and_what_it_has_not_seen(
     name: str,
 ) -> None:

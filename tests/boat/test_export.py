@@ -12,18 +12,22 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from helpers.exported import Core
+from helpers.exported import Core, link_shipped, shipped_kernel
+from helpers.installation import installed
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer import __version__
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.entries import entry_of
+from trainer.boat.export import library, lowering
 from trainer.boat.export.header import PUBLISHED_NAMES, record_members
 from trainer.boat.export.library import (
     HEADER_FILE,
@@ -37,16 +41,20 @@ from trainer.boat.export.lowering import FREESTANDING_PATH, freestanding_text
 from trainer.boat.export.targets import (
     NATIVE_NAME,
     REINSTALL_HINT,
+    Effort,
     Processor,
     code_words,
     find_processor,
     object_code,
 )
+from trainer.boat.machine_code import Library as MemoryLibrary
+from trainer.boat.machine_code import call_entry
 from trainer.boat.platforms import CPU_TARGETS
 from trainer.cli.export import CPU_NAMES, boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.core.digest import core_digest
+from trainer.core.noise import gaussian_pair
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.session.options import RunOptions
@@ -63,11 +71,19 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of an exported BB2 in a sea."""
+@pytest.fixture(
+    scope="module", params=["shipped", pytest.param("compiled", marks=pytest.mark.slow)]
+)
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of an exported BB2 in a sea; every commit takes the shipped kernel."""
     path = tmp_path_factory.mktemp("core")
-    write_core(boat_at_start(OPTIONS), path, "x86-64-v2")
+    boat = boat_at_start(OPTIONS)
+    with pytest.MonkeyPatch.context() as patched:
+        if request.param == "shipped":
+            installed("objcopy", "binutils")
+            patched.setattr(lowering, "kernel_text", shipped_kernel)
+            patched.setattr(library, "object_code", partial(link_shipped, path))
+        write_core(boat, path, "x86-64-v2")
     add_library(path, "x86-64-v2")
     return path
 
@@ -148,6 +164,17 @@ def test_every_processor_and_method_gives_the_trainers_bits(
         assert boat.tick() == core.tick() == 0
 
     assert bytes(core.state) == boat.records.state.tobytes()
+
+
+def test_a_kernel_that_is_lowered_here_gives_the_bits_of_the_shipped_one() -> None:
+    entry, target = entry_of(gaussian_pair), CPU_TARGETS["native"]
+    text, kernel = lowering.kernel_text(entry)
+    own = lowering.entry_text(entry, kernel, "lowered")
+    target = target._replace(triple=binding.get_process_triple())
+    memory = MemoryLibrary(lowering.compile_for(target, (text, own), {"lowered"}, Effort(3)))
+    lowered = call_entry(entry, memory.address_of("lowered"))
+
+    assert [lowered(1, 2, k) for k in range(1000)] == [gaussian_pair(1, 2, k) for k in range(1000)]
 
 
 def compiled_library(text: str) -> ctypes.CDLL:

@@ -1,12 +1,11 @@
 """Orders about the sea, what the sea then does to the boat, and what is called out about it."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.nursery import run_trainer
 from helpers.places import environment
 
 from trainer.boat.assemble import Method
@@ -264,26 +263,12 @@ def test_sea_tanks_and_orders_give_the_same_bits_again_and_after_a_snapshot() ->
     assert state_after(239) != reference
 
 
-PROGRAM = """
-from trainer.cli.main import main
-main()
-"""
-
-
 def recorded(folder: Path, speed: str, **more: str) -> bytes:
     """Return the CSV of a headless run with sea, tanks and orders, in a process of its own."""
     (folder / "orders.txt").write_text(TIMELINE)
     words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
     files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, *words, *files],
-        cwd=folder,
-        env=environment(**more),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    done = run_trainer(*words, *files, cwd=folder, env=environment(**more), timeout=120)
     assert done.returncode == 0, done.stderr
     return (folder / "out.csv").read_bytes()
 
@@ -292,10 +277,10 @@ def recorded(folder: Path, speed: str, **more: str) -> bytes:
 @pytest.mark.parametrize(
     ("speed", "more"),
     [
-        *(("50", {}), ("max", {})),
+        ("50", {}),
         pytest.param("max", {"NUMBA_DISABLE_JIT": "1"}, marks=pytest.mark.slow),
     ],
-    ids=("at another pace", "again", "without JIT"),
+    ids=("at another pace", "without JIT"),
 )
 def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits(
     speed: str, more: dict[str, str], tmp_path: Path

@@ -3,10 +3,10 @@
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from helpers.nursery import run_trainer
 from helpers.places import environment
 from helpers.shell import HEAVY, imported, shell_environment
 
@@ -24,15 +24,8 @@ def completed(folder: Path, *words: str, shell: str = "bash") -> list[str]:
         "COMP_WORDS": "\n".join(("trainer", *words)),
         "COMP_CWORD": str(len(words)),
     }
-    done = subprocess.run(
-        [sys.executable, "-m", "trainer"],
-        cwd=folder,
-        env=environment(**asked),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert not done.stderr
+    done = run_trainer(cwd=folder, env=environment(**asked))
+    assert (done.returncode, done.stderr) == (0, "")
     return done.stdout.split()
 
 

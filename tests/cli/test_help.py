@@ -143,6 +143,9 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
         "trainer exercise check",
     ),
     *("trainer ship steering", "trainer report-1969 fit", "trainer", "trainer exercise"),
+    # whose lines documents have too, or other pages of help
+    *("trainer run", "trainer boat", "trainer boat evaluate", "trainer report-1969"),
+    *("trainer ship decca", "trainer dev"),
 }
 STUDY = """schema = "identify/1"
 name = "A trial"

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import click
 import pytest
+from helpers.nursery import run_trainer
 from helpers.places import environment
 
 import trainer
@@ -19,7 +20,7 @@ from trainer.cli import main
 Typed = Callable[..., str]
 
 
-def typed(*words: str | bytes, folder: Path, memory: int | None = None) -> tuple[int, str, str]:
+def typed(*words: str, folder: Path, memory: int | None = None) -> tuple[int, str, str]:
     """Run a command of the trainer in a folder; return exit code, stdout and stderr.
 
     ``memory`` [kB] is what it may have, as ``ulimit -v`` sets it.
@@ -44,10 +45,8 @@ def test_closed_standard_streams_change_no_exit_code_and_nothing_that_is_written
 ) -> None:
     fly = "--duration 2 --speed max --no-record --socket none"
     commands = {
-        f"run steady-course --headless {fly}": 0,
         f"serve steady-course --listen 127.0.0.1:0 {fly}": 0,
         "run steady-course --headless --duration 5 --speed max --record q.trainer": 0,
-        "resume q.trainer --headless --duration 6 --speed max": 0,
         "debrief q.trainer --html d.html": 0,
         "identify no-such.toml": 2,
     }
@@ -169,20 +168,20 @@ def test_a_word_that_lacks_is_told_in_one_line_with_the_choices(
 
 @pytest.mark.process
 def test_a_file_whose_name_is_not_utf8_is_recorded_debriefed_and_listed(tmp_path: Path) -> None:
-    name = b"nam\xff.trainer"
+    name = os.fsdecode(b"nam\xff.trainer")
     with trainer.Boat(record=tmp_path / "run.trainer") as boat:
         boat.run(20)
-    shutil.copy(tmp_path / "run.trainer", tmp_path / os.fsdecode(name))
+    shutil.copy(tmp_path / "run.trainer", tmp_path / name)
     for words in (
         ("debrief", name),
         ("debrief", name, "--json"),
         ("debrief", name, "--html", "fly.html", "--fly"),
         ("recordings", "."),
-        ("export", name, "--csv", b"nam\xff.csv"),
+        ("export", name, "--csv", os.fsdecode(b"nam\xff.csv")),
         ("replay", name),
     ):
-        code, _, told = typed(*words, folder=tmp_path)
-        assert (code, told) == (0, ""), words
+        done = run_trainer(*words, cwd=tmp_path, env=environment())
+        assert (done.returncode, done.stderr) == (0, ""), words
 
     page = (tmp_path / os.fsdecode(b"nam\xff.html")).read_text(encoding="utf-8")
     assert r"nam\udcff.trainer" in page

@@ -253,7 +253,7 @@ def test_near_the_surface_the_waves_that_move_a_boat_push_as_they_should(
     bank: int, kappa: float, most: float
 ) -> None:
     row = list(FORCE_DEPTHS).index(kappa)
-    x = np.linspace(0.3, 2.5, 2201)
+    x = np.linspace(0.3, 2.5, 441)
     wave = gains(bank, WAVE_ROWS[bank, :, :1], x)[:, 0]
     wanted = wave * x**2 * np.exp(-kappa * (x**2 - 1.0))
     found = gains(bank, FORCE_ROWS[bank, row], x)

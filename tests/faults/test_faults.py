@@ -29,7 +29,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Bench:
         (faults.damage_last_page, 10),  # type: ignore[attr-defined]
         pytest.param(faults.stop_session, 2, marks=pytest.mark.slow),  # type: ignore[attr-defined]
         pytest.param(faults.unplug, 2, marks=pytest.mark.slow),
-        (faults.full, 2),  # type: ignore[attr-defined]
+        (faults.full, 1),  # type: ignore[attr-defined]
         pytest.param(faults.full_disk, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
         pytest.param(faults.lock_recording, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]
         pytest.param(faults.relieve_disk, 1, marks=pytest.mark.slow),  # type: ignore[attr-defined]

@@ -1,9 +1,48 @@
 """An exported boat in its shared library, as a host program has it, and the rows of its orders."""
 
 import ctypes
+import subprocess
 from pathlib import Path
+from typing import Any
 
+from trainer.boat.entries import Entry, entry_of
+from trainer.boat.export.targets import Processor, object_code
+from trainer.boat.machine_code import shipped_object
 from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import update
+
+ARRAY_WORDS = "ptr, ptr, i64, i64, ptr %x{}, i64, i64"  # as numba takes one of one dimension
+
+
+def shipped_kernel(entry: Entry) -> tuple[str, str]:
+    """Return what ``lowering.kernel_text`` does; the kernel calls the shipped one of its name."""
+    given = range(len(entry.kinds))
+    taken = ", ".join(ARRAY_WORDS.format(i) for i in given)
+    words = ", ".join(f"ptr %x{i}" for i in given)
+    return (
+        f"""declare i32 @{entry.name}({words})
+        define i32 @kernel(ptr %answer, ptr %error, {taken}) {{
+          %status = call i32 @{entry.name}({words})
+          %whole = zext i32 %status to i64
+          store i64 %whole, ptr %answer
+          ret i32 0
+        }}""",
+        "kernel",
+    )
+
+
+def link_shipped(folder: Path, module: Any, target: Processor) -> bytes:
+    """Return the object of a module and of the shipped kernels, whose names it hides."""
+    own, shipped, linked = (folder / name for name in ("own.o", "shipped.o", "linked.o"))
+    code = shipped_object()
+    assert code, "no object of this core is shipped: trainer boat export-core --help"
+    own.write_bytes(object_code(module, target))
+    shipped.write_bytes(code)
+    kernel = entry_of(update).name
+    subprocess.run(["objcopy", f"--keep-global-symbol={kernel}", shipped], check=True)
+    subprocess.run(["ld", "-r", "-o", linked, own, shipped], check=True)
+    subprocess.run(["objcopy", f"--localize-symbol={kernel}", linked], check=True)
+    return linked.read_bytes()
 
 
 class Core:

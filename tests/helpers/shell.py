@@ -66,6 +66,8 @@ def ran(line: str, folder: Path) -> Done:
         line = line.replace("trainer dev bench", "trainer dev bench --seconds 1", 1)
     if "trainer run" in line and "--web" in line:
         line = f"{line} --duration 1"
+    if "--priority" in line:
+        line = f"{line} --speed max"
     if "serve" in line:
         line = f"{line} --duration 1 --listen 127.0.0.1:0"
     beside = {"PYTHONPATH": CHECKOUT} if "python -m tests." in line else {}

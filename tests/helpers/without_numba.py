@@ -1,8 +1,9 @@
 """Commands of ``trainer`` in a process that cannot import numba.
 
 A kernel that the machine code lacks would import it: so whatever runs is the machine code.
-``python -m helpers.without_numba FILE.json`` runs the commands of a file, a list of words each, and
-writes a line of JSON for each: its exit code, its output, and what was raised.
+``python -m helpers.without_numba FILE.json`` runs the commands of a file, a list of words each,
+with what is typed to this process. It writes a line of JSON for each: its exit code, its output,
+and what was raised.
 ``python -m helpers.without_numba WORD...`` is the command ``trainer WORD...``.
 """
 
@@ -39,8 +40,9 @@ def run_commands(commands: Sequence[Sequence[str]]) -> None:
 
     from trainer.cli.main import cli  # noqa: PLC0415
 
+    typed = sys.stdin.read()
     for words in commands:
-        done = CliRunner().invoke(cli, list(words))
+        done = CliRunner().invoke(cli, list(words), input=typed)
         raised = done.exception
         told = "" if raised is None or isinstance(raised, SystemExit) else repr(raised)
         where = "".join(traceback.format_exception(raised)) if told else ""

@@ -26,16 +26,18 @@ RECORDS = int(os.environ.get("TRAINER_RECORDS", "15"))
 pytestmark = pytest.mark.long
 
 
-QUICK = (heading_only, rate_only, one_log)
+QUICK = (heading_only, one_log)
 
 
-@pytest.mark.parametrize("proof", sample_cases([*QUICK, two_logs], *QUICK))
+@pytest.mark.parametrize("proof", sample_cases([*QUICK, rate_only, two_logs], *QUICK))
 def test_a_ship_of_the_report_is_found_again(proof: Any) -> None:
     for figure in proof(RECORDS):
         assert figure.low <= figure.value <= figure.high, figure
 
 
-@pytest.mark.parametrize("proof", [large_helm, other_half, bent_hull])
+@pytest.mark.parametrize(
+    "proof", sample_cases([large_helm, other_half, bent_hull], other_half, bent_hull)
+)
 def test_what_the_report_saw_is_seen_again(proof: Any) -> None:
     for figure in proof():
         assert figure.low <= figure.value <= figure.high, figure

@@ -13,6 +13,7 @@ from trainer.analysis.guide.verdicts import Validity
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.config.ship import ShipFile, load_ship
+from trainer.identify.ships import vehicle
 from trainer.identify.ships.published import compare_ship, figures_path, render, ship_digest
 
 SHIPS = shipped_names("ships")
@@ -87,7 +88,10 @@ def test_kvlcc2_is_fitted_to_one_record_and_its_turns_stand_where_they_are_bad()
 
 
 @pytest.mark.long
-def test_what_the_mariner_s_coefficients_are_worth_decides_its_verdict() -> None:
+def test_what_the_mariner_s_coefficients_are_worth_decides_its_verdict(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(vehicle, "MAX_DRAWS", 20)
     ship, published = ship_and_figures("mariner")
     ((row,),) = (each.rows for each in compare_ship(ship, published))
     assert row.figure.value == 0.875

@@ -21,6 +21,7 @@ from typing import Any
 
 import pytest
 from helpers.givers import HELM, giver_at
+from helpers.lanes import sample_cases
 from helpers.waiting import await_that, eventually
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -504,30 +505,29 @@ def test_what_reads_back_never_waits_for_the_thread_that_writes(path: Path) -> N
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("open_it", [begin, Recording.reopen, Recording.look])
-def test_one_program_alone_may_go_on_with_a_recording(
-    path: Path, open_it: Callable[[Path], Recording]
-) -> None:
-    begin(path).close()
-    if open_it is begin:
-        path.unlink()
+def test_one_program_alone_may_go_on_with_a_recording(tmp_path: Path) -> None:
+    paths = [tmp_path / f"watch #1? {name}" for name in ("begun", "gone on with", "looked at")]
+    begin(paths[1]).close()
+    begin(paths[2]).close()
     again = (
         "import sys; from pathlib import Path\n"
         "from trainer.io.recording import file as recording_file\n"
         "from trainer.io.recording.recording import Recording, RecordingError\n"
-        "recording_file.PATIENCE = 0.1\n"
-        "try: Recording.reopen(Path(sys.argv[1]))\n"
-        "except RecordingError as error: sys.exit(str(error))\n"
+        "recording_file.BUSY_TIMEOUT_S = 0.1\n"
+        "for path in sys.argv[1:]:\n"
+        "    try: Recording.reopen(Path(path))\n"
+        "    except RecordingError as error: print(error)\n"
     )
-    with closing(open_it(path)):
-        ran = subprocess.run(
-            [sys.executable, "-c", again, path], check=False, capture_output=True, text=True
-        )
-        assert "is in use: a session is writing it or a program reading it" in ran.stderr
-        with closing(Recording.look(path)) as reader:
-            assert reader.latest().tick == 0
-    with closing(Recording.reopen(path)) as recording:
-        assert recording.branch == 1
+    with closing(begin(paths[0])), closing(Recording.reopen(paths[1])):
+        with closing(Recording.look(paths[2])):
+            said = subprocess.check_output([sys.executable, "-c", again, *paths], text=True)
+        assert said.count("is in use: a session is writing it or a program reading it") == 3
+        for path in paths:
+            with closing(Recording.look(path)) as reader:
+                assert reader.latest().tick == 0
+    for path in paths:
+        with closing(Recording.reopen(path)) as recording:
+            assert recording.branch == 1
 
 
 def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
@@ -1349,7 +1349,7 @@ COUNTS = {"texts": 8, "branches": 3000, "orders": 20_000, "snapshots": 3000}
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("what", LARGE)
+@pytest.mark.parametrize("what", sample_cases(LARGE, "texts", "branches"))
 def test_what_would_fill_the_memory_is_refused(path: Path, what: str) -> None:
     series = "(WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n LIMIT {}) "
     series = series.format(COUNTS[what]) + "SELECT value FROM n)"

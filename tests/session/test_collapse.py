@@ -3,7 +3,6 @@
 import contextlib
 import math
 import sqlite3
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -32,7 +31,6 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
-TRAINER = [sys.executable, "-m", "trainer"]
 STEP = 0.5  # [s]
 TEST_DEPTH, COLLAPSE = 85.0, 120.0  # [m]
 DIVE = "stern dive 10"

@@ -128,7 +128,7 @@ def exercise(tmp_path: Path) -> Path:
 def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     serve: Callable[..., Served], exercise: Path
 ) -> None:
-    served = serve("serve", str(exercise), "--listen", "none", "--speed", "20", "--frozen")
+    served = serve("serve", str(exercise), "--listen", "none", "--speed", "50", "--frozen")
     instructor, helm = served.caller("instructor"), served.caller("helm")
     assert instructor.ask("depth 65")[0]
     assert instructor.ask("run")[0]
@@ -189,7 +189,7 @@ def test_a_duration_of_the_command_line_ends_the_session_as_ever(
 def test_an_exercise_whose_end_nobody_awaits_ends_its_session(
     serve: Callable[..., Served], exercise: Path
 ) -> None:
-    served = serve("run", str(exercise), "--teletype", "--speed", "20", "--socket", "none")
+    served = serve("run", str(exercise), "--teletype", "--speed", "50", "--socket", "none")
     told = served.account()
     assert served.process.returncode == 0
     assert "EXERCISE OVER: time is up at 20 s" in told

@@ -10,7 +10,6 @@ import re
 import shutil
 import socket
 import subprocess
-import sys
 import threading
 import tty
 from collections.abc import Callable, Iterable, Iterator
@@ -138,7 +137,7 @@ def on_deck() -> Iterator[Callable[..., Deck]]:
         yield lambda given: Deck(stack, given)
 
 
-# A ten-minute stream, at a hundred times the speed, over a terminal line and UDP at once
+# A stream of four minutes, at a hundred times the speed, over a terminal line and UDP at once
 
 
 @dataclass
@@ -180,7 +179,7 @@ def stream(tmp_path_factory: pytest.TempPathFactory) -> Stream:
         end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         drains = {"pty": Drain(lambda: os.read(near, 65536)), "udp": Drain(lambda: end.recv(2048))}
         arguments = [
-            *("--headless", "--speed", "100", "--duration", "10m", "--orders", "orders.txt"),
+            *("--headless", "--speed", "100", "--duration", "4m", "--orders", "orders.txt"),
             *("--csv", "out.csv", "--nmea", os.ttyname(far), "--nmea", deaf_name),
             *("--nmea", f"udp://127.0.0.1:{end.getsockname()[1]}"),
             *("--nmea-rate", "25", "--nmea-baud", "921600"),
@@ -248,12 +247,12 @@ def place_of(row: dict[str, float]) -> tuple[float, float]:
 @pytest.mark.process
 @pytest.mark.slow
 @pytest.mark.parametrize("way", ["pty", "udp"])
-def test_pynmea2_reads_every_sentence_of_ten_minutes_and_it_is_the_state(
+def test_pynmea2_reads_every_sentence_of_a_stream_and_it_is_the_state(
     stream: Stream, way: str
 ) -> None:
     found = by_tick(stream.lines[way])
-    assert len(found) > 60
-    assert max(found) - min(found) > 1000
+    assert len(found) > 24
+    assert max(found) - min(found) > 400
     for tick, said in found.items():
         row = stream.rows[tick]
         latitude, longitude = place_of(row)
@@ -283,9 +282,9 @@ def test_no_set_is_cut_short_by_a_reader_that_keeps_up(stream: Stream, way: str)
 def test_a_line_that_nobody_reads_loses_its_own_sentences_only(stream: Stream) -> None:
     lost = re.search(rf"trainer: .*nmea {re.escape(stream.deaf)}: (\d+) lines", stream.account)
     assert lost
-    assert int(lost[1]) > 1000
-    assert "simulated   600.0 s in 1200 ticks" in stream.account
-    assert len(stream.rows) == 1201
+    assert int(lost[1]) > 400
+    assert "simulated   240.0 s in 480 ticks" in stream.account
+    assert len(stream.rows) == 481
 
 
 @dataclass
@@ -301,17 +300,8 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     folder = tmp_path_factory.mktemp("kept")
     (folder / "orders.txt").write_text(MANOEUVRES, encoding="ascii")
     arguments = ["--headless", "--speed", "max", "--duration", "10m", "--orders", "orders.txt"]
-    done = subprocess.run(
-        [
-            *(sys.executable, "-m", "trainer", "run", *arguments),
-            *("--csv", "out.csv", "--nmea-record", "drill.nmea"),
-        ],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+    arguments += ["--csv", "out.csv", "--nmea-record", "drill.nmea"]
+    done = run_trainer("run", *arguments, cwd=folder, timeout=120)
     assert done.returncode == 0, done.stderr
     with (folder / "out.csv").open(encoding="ascii") as file:
         rows = [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]

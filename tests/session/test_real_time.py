@@ -450,13 +450,11 @@ def test_a_guesser_waits_for_his_answers_and_no_right_token_does(serve: Serve) -
         for token in ("a", "b"):
             assert first.ask(f"role helm {token}")[1] == "wrong token"
     answers = []
-    for token in ("c", "d", "e"):
+    for token in ("c", "d"):
         with contextlib.closing(session.client()) as line:
             answers.append(line.ask(f"role helm {token}")[1])
-    assert answers == [
-        "wrong token",
-        *(f"wrong token; answered after {wait} s, because there were many" for wait in (1, 2)),
-    ]
+    late = "wrong token; answered after 1 s, because there were many"
+    assert answers == ["wrong token", late]
     with (
         contextlib.closing(session.client()) as waiting,
         contextlib.closing(session.client("instructor", TOKEN)) as by,
