@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.hands import UNWORKED, WAYS, see_whole, stop_clock, work
+from helpers.hands import UNWORKED, WAYS, see_whole, skip_until, stop_clock, work
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served, served
 from helpers.slow_line import slow_line
@@ -319,8 +319,7 @@ def test_a_lost_line_is_told_kindly_and_the_kiosk_comes_back(kiosk: Kiosk, look:
         line.cut()
         expect(page.locator(".waiting")).to_be_visible()
         expect(page.locator(".waiting")).to_contain_text("kommt von selbst zurück")
-        page.clock.fast_forward(5_000)  # until it is dialled again
-        expect(page.locator(".waiting")).to_be_hidden()
+        skip_until(page, page.locator(".waiting").is_hidden)  # it is dialled again
         if page.locator("body").get_attribute("data-scene") == "dive":
             page.locator("#stop").click()
         page.locator("#start").click()

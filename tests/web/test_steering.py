@@ -85,7 +85,7 @@ def put(page: Page, name: str, way: str) -> int:
     else:
         (page.mouse.click if way == "mouse" else page.touchscreen.tap)(*on_groove(page, name, 0.9))
         slider.evaluate("(each) => (each.dataset.worked = '')")
-    for end in ("low", "high"):
+    for end in ("low", "high", "high"):  # to what was not ordered before, so that it is the last
         work(page, lever.locator(f".fine.{end}"), way)
     expect(slider).not_to_have_attribute("aria-valuenow", "0")
     return standing(page, name)
