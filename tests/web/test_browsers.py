@@ -147,15 +147,3 @@ def test_on_a_line_that_is_slow_and_loses_packets_every_order_is_obeyed_once(
     while "10.0" not in instructor.shown.get("diving", ()):
         assert time.monotonic() < end
         instructor.ask("who")
-
-
-def test_a_line_that_breaks_is_told_and_dialled_again(shared: Served, browser: Browser) -> None:
-    with slow_line(shared.port) as line, browser.new_context() as context:
-        page = context.new_page()
-        page.goto(f"{line.url}/helm")
-        expect(page.locator("#state")).to_have_text("FROZEN")
-        line.cut()
-        expect(page.locator("#state")).to_have_text("NO LINK")
-        expect(page.locator("alert-bar")).to_contain_text("No link")
-        expect(page.locator("#state")).to_have_text("FROZEN")
-        assert sum(each.startswith("/line") for each in line.asked) >= 2

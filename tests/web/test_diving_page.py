@@ -18,6 +18,7 @@ from helpers.hands import (
     work_frame,
     work_parts,
 )
+from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
@@ -212,7 +213,7 @@ def test_the_chosen_tank_has_its_controls_below(instructor: Caller, kept: Look, 
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", ["diving", "observer"])
+@pytest.mark.parametrize("name", sample_cases(["diving", "observer"], "diving"))
 def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str) -> None:
     page = await_readings(look(shared, name))
     for width, height in SIZES.values():

@@ -630,6 +630,7 @@ def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> N
 def test_a_server_that_is_stopped_is_begun_again_and_its_pages_come_back(
     shared: Served, look: Look, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    assert page_server.SILENCE_TIMEOUT_S == 10  # as docs/promises.md says
     monkeypatch.setattr(page_server, "SILENCE_TIMEOUT_S", FEW_S)
     told: list[str] = []
     with page_server.serving_pages(RunOptions(web="127.0.0.1:0")) as server:

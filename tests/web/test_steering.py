@@ -24,6 +24,7 @@ from helpers.hands import (
     work_frame,
     work_parts,
 )
+from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
@@ -351,7 +352,7 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
     expect(alerts).to_have_count(0)
 
 
-@pytest.mark.parametrize("size", ["phone", "phone-side"])
+@pytest.mark.parametrize("size", sample_cases(["phone", "phone-side"], "phone"))
 def test_the_key_that_repeats_a_long_order_shows_all_of_it(
     shared: Served, instructor: Caller, look: Look, size: str
 ) -> None:
@@ -369,7 +370,7 @@ def test_the_key_that_repeats_a_long_order_shows_all_of_it(
         assert part.evaluate("part => part.scrollHeight <= part.clientHeight")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sample_cases(NAMES, "pilot"))
 def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
     shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:

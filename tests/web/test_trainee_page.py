@@ -209,7 +209,6 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
     head(page, 2, 6)
     head(page, 3, 6)
     page.keyboard.press("m")
-    type_order(page, "time 25")
     said = ["Step 3 of 6"]
     obey_steps(page, said)
 
