@@ -216,7 +216,7 @@ def test_who_wants_no_motion_sees_a_still_view(ahead: Page) -> None:
     assert ahead.evaluate("document.querySelector('scope-view').scene.roll") == 0
 
 
-# whether a page stops drawing its view: eight pictures in a row, of four hundred at most
+# whether a page stops drawing its view: eight pictures in a row, of forty at most
 RESTS: Final = """() => new Promise((done) => {
   const { water } = document.querySelector("scope-view");
   const draw = water.draw;
@@ -224,7 +224,7 @@ RESTS: Final = """() => new Promise((done) => {
   water.draw = function (...what) { still = 0; draw.apply(this, what); };
   document.motion.addEventListener("frame", () => {
     [still, all] = [still + 1, all + 1];
-    if (still > 8 || all > 400) done(still > 8);
+    if (still > 8 || all > 40) done(still > 8);
   });
 })"""
 
