@@ -1,5 +1,6 @@
 """A browser and sessions with pages, for the tests of the pages."""
 
+import functools
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
@@ -9,9 +10,25 @@ from soak.session_process import Caller
 
 from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
 from helpers.waiting import PATIENCE
+from trainer.io.orders.sentences import order_sentence
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]
+
+LAST_TAG = "999999"  # which no page has come to
+NAME_LINE = """window.WebSocket = class extends WebSocket {
+  constructor(...how) { super(...how); window.line = this; }
+};"""
+# what is answered comes behind all that was told before; the second frame shows it
+HEAR_ALL = f"""(asks) => new Promise((done) => {{
+  const hear = ({{ data }}) => {{
+    if (!String(data).includes("$TRA,{LAST_TAG},ok")) return;
+    window.line.removeEventListener("message", hear);
+    requestAnimationFrame(() => requestAnimationFrame(done));
+  }};
+  window.line.addEventListener("message", hear);
+  window.line.send(asks);
+}})"""
 
 expect.set_options(timeout=1000.0 * PATIENCE)  # [ms]
 
@@ -59,6 +76,31 @@ def look(browser: Browser) -> Iterator[Look]:
         yield open_page
 
 
+@pytest.fixture(scope="module")
+def kept(browser: Browser, shared: Served) -> Iterator[Look]:
+    """Return a function that shows a page of the shared session: ``kept("helm", "phone")``.
+
+    The page takes touches, and stays open for the tests of a module. Each time it has heard all
+    that was told before, and is laid out for the size that is asked for.
+    """
+    with looking(browser) as look:
+        page_of = functools.cache(functools.partial(look, shared, script=NAME_LINE, has_touch=True))
+
+        def show(name: str, size: str = "laptop") -> Page:
+            page, (width, height) = page_of(name), SIZES[size]
+            page.set_viewport_size({"width": width, "height": height})
+            expect(page.locator("[data-state=connecting]")).to_have_count(0)
+            hear_all(page)
+            return page
+
+        yield show
+
+
+def hear_all(page: Page) -> None:
+    """Wait until a kept page has heard what its session has told it so far, and shows it."""
+    page.evaluate(HEAR_ALL, order_sentence("who", LAST_TAG))
+
+
 @contextmanager
 def looking(browser: Browser) -> Iterator[Look]:
     """Yield a function that opens pages, which stay open while the block lasts.
@@ -71,7 +113,12 @@ def looking(browser: Browser) -> Iterator[Look]:
         pages: list[tuple[str, Heard]] = []
 
         def open_page(
-            session: Served, name: str = "", size: str = "laptop", query: str = "", **how: object
+            session: Served,
+            name: str = "",
+            size: str = "laptop",
+            query: str = "",
+            script: str = "",
+            **how: object,
         ) -> Page:
             width, height = SIZES[size]
             viewport = {"width": width, "height": height}
@@ -85,6 +132,8 @@ def looking(browser: Browser) -> Iterator[Look]:
             page.on("pageerror", lambda error: heard.console.append(str(error)))
             page.on("request", lambda request: heard.requests.append(request.url))
             page.on("websocket", lambda line: heard.requests.append(line.url))
+            if script:
+                page.add_init_script(script)
             page.goto(f"{session.url}/{name}{query}")
             return page
 

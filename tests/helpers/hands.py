@@ -1,5 +1,6 @@
 """Hands on a page, three ways, and the truth about the boat from its session."""
 
+from collections.abc import Callable
 from typing import Final
 
 from playwright.sync_api import Locator, Page, expect
@@ -177,6 +178,16 @@ def await_obeyed(caller: Caller, words: str) -> None:
 def stop_clock(page: Page) -> None:
     """Let a page's own time go on by `run_for` alone: an installed clock goes on by itself."""
     page.clock.pause_at(page.evaluate("Date.now()") / 1000.0 + LEAP_S)
+
+
+def skip_until(page: Page, happened: Callable[[], object]) -> None:
+    """Move a page's installed clock on, a second at a time, until something happens."""
+
+    def has_happened() -> object:
+        page.clock.fast_forward(1_000)
+        return happened()
+
+    await_that(has_happened)
 
 
 def await_truth(caller: Caller, place: str, wanted: str) -> None:

@@ -96,9 +96,13 @@ def level(instructor: Caller) -> None:
     assert instructor.ask("freeze depth")[0]
 
 
-def open_ballast(look: Look, session: Served, **how: object) -> Page:
+def open_ballast(kept: Look, **how: object) -> Page:
     """Return the page, when it shows readings."""
-    page = look(session, "ballast", **how)
+    return await_readings(kept("ballast", **how))
+
+
+def await_readings(page: Page) -> Page:
+    """Return a page once it shows readings."""
     expect(page.locator("[data-place='gauges.depth']")).to_contain_text("m")
     expect(page.locator("[data-lever=aft]")).to_be_visible()
     return page
@@ -106,9 +110,9 @@ def open_ballast(look: Look, session: Served, **how: object) -> Page:
 
 @pytest.mark.parametrize("way", sample_cases(EACH_WAY, "mouse"))
 def test_every_control_does_in_the_boat_what_it_says(
-    shared: Served, instructor: Caller, look: Look, way: str
+    instructor: Caller, kept: Look, way: str
 ) -> None:
-    page = open_ballast(look, shared, has_touch=way == "touch")
+    page = open_ballast(kept)
     for control, place, wanted in CONTROLS:
         work(page, page.locator(control), way)
         await_stepped(instructor, place, wanted)
@@ -130,10 +134,8 @@ def test_every_control_does_in_the_boat_what_it_says(
     work_parts(page, way, "part-keys[part=group] button", "data-group")
 
 
-def test_switches_show_what_stands_and_what_is_ordered(
-    shared: Served, instructor: Caller, look: Look
-) -> None:
-    page = open_ballast(look, shared)
+def test_switches_show_what_stands_and_what_is_ordered(instructor: Caller, kept: Look) -> None:
+    page = open_ballast(kept)
     vent = page.locator("[data-lever=aft] [data-position=vent]")
     vent.click()
     expect(vent).to_have_attribute("aria-checked", "true")
@@ -166,30 +168,24 @@ WANTED: Final = """async (lines) => {
 }"""
 
 
-@pytest.mark.parametrize(
-    ("lines", "shown"),
-    [
-        ("reading shut, give vent, obeyed, reading vent, reading shut", "shut"),
-        ("reading shut, give vent, reading vent, obeyed, reading shut", "shut"),
-        ("reading shut, give vent, reading shut, obeyed, reading shut", "vent"),
-        ("reading shut, give vent, give shut, reading shut, obeyed, obeyed", "shut"),
-        ("reading vent, give shut, give vent, reading vent, obeyed, obeyed, reading shut", "vent"),
-    ],
-    ids=["answer first", "reading first", "an older reading", "two", "back and forth"],
-)
-def test_a_switch_shows_an_order_until_a_reading_knows_it_and_then_what_stands(
-    look: Look, shared: Served, lines: str, shown: str
-) -> None:
-    page = open_ballast(look, shared)
+HEARD: Final = {  # in these orders, and what the switch shows then
+    "reading shut, give vent, obeyed, reading vent, reading shut": "shut",
+    "reading shut, give vent, reading vent, obeyed, reading shut": "shut",
+    "reading shut, give vent, reading shut, obeyed, reading shut": "vent",
+    "reading shut, give vent, give shut, reading shut, obeyed, obeyed": "shut",
+    "reading vent, give shut, give vent, reading vent, obeyed, obeyed, reading shut": "vent",
+}
+
+
+def test_a_switch_shows_an_order_until_a_reading_knows_it_and_then_what_stands(kept: Look) -> None:
+    page = open_ballast(kept)
     pending = ASSETS_FOLDER / "js/model/pending.js"  # which is bundled on the page
     page.route("**/model/pending.js", lambda asked: asked.fulfill(path=pending))
-    assert page.evaluate(WANTED, lines.split(", "))[-1] == shown
+    assert {lines: page.evaluate(WANTED, lines.split(", "))[-1] for lines in HEARD} == HEARD
 
 
-def test_arrow_keys_move_a_switch_by_one_position(
-    shared: Served, instructor: Caller, look: Look
-) -> None:
-    page = open_ballast(look, shared)
+def test_arrow_keys_move_a_switch_by_one_position(instructor: Caller, kept: Look) -> None:
+    page = open_ballast(kept)
     page.locator("[data-lever=mid] [data-position=shut]").focus()
     page.keyboard.press("ArrowUp")
     await_stepped(instructor, "valves.vent_mid", "open")
@@ -213,10 +209,8 @@ def near(found: str, wanted: str) -> bool:
     return abs(float(found) - float(wanted)) < 0.3
 
 
-def test_a_group_that_is_shut_leaves_the_others_blowing(
-    shared: Served, instructor: Caller, look: Look
-) -> None:
-    page = open_ballast(look, shared)
+def test_a_group_that_is_shut_leaves_the_others_blowing(instructor: Caller, kept: Look) -> None:
+    page = open_ballast(kept)
     for lever, position in (("aft", "blow"), ("mid", "blow"), ("negative", "flood")):
         page.locator(f"[data-lever={lever}] [data-position={position}]").click()
     await_stepped(instructor, "valves.negative_flood", "open")
@@ -229,10 +223,8 @@ def test_a_group_that_is_shut_leaves_the_others_blowing(
     assert read(instructor, "valves.blow_forward") == "shut"
 
 
-def test_amounts_to_move_add_up_and_count_down(
-    shared: Served, instructor: Caller, look: Look
-) -> None:
-    page = open_ballast(look, shared)
+def test_amounts_to_move_add_up_and_count_down(instructor: Caller, kept: Look) -> None:
+    page = open_ballast(kept)
     assert instructor.ask("trim manual")[0]
     pump = page.locator("[data-pump=auxiliary]")
     pump.get_by_role("radio", name="5").click()
@@ -257,9 +249,9 @@ def test_amounts_to_move_add_up_and_count_down(
 
 @pytest.mark.parametrize("way", WAYS)
 def test_an_emergency_blow_needs_its_cover_lifted_and_a_push(
-    shared: Served, instructor: Caller, look: Look, way: str
+    instructor: Caller, kept: Look, way: str
 ) -> None:
-    page = open_ballast(look, shared, has_touch=way == "touch")
+    page = open_ballast(kept)
     push = page.locator("emergency-cover .push")
     expect(push).to_be_disabled()
     work(page, page.locator("emergency-cover .cover"), way)
@@ -276,11 +268,15 @@ def test_an_emergency_blow_needs_its_cover_lifted_and_a_push(
 def test_the_cover_falls_shut_again_and_two_taps_do_not_blow(
     shared: Served, instructor: Caller, look: Look
 ) -> None:
-    page = open_ballast(look, shared)
+    page = look(shared)
+    page.clock.install()
+    page.goto(f"{shared.url}/ballast")
+    await_readings(page)
     cover, push = page.locator("emergency-cover .cover"), page.locator("emergency-cover .push")
     cover.dblclick()
     expect(push).to_be_enabled()
     expect(page.locator("emergency-cover .left")).to_contain_text("shuts in")
+    page.clock.fast_forward(6_000)
     expect(push).to_be_disabled()
     step(instructor, 1)
     assert read(instructor, "valves.blow_mid") == "shut"
@@ -294,10 +290,8 @@ def test_the_cover_falls_shut_again_and_two_taps_do_not_blow(
     expect(push).to_be_enabled()
 
 
-def test_the_crew_is_told_when_little_air_is_left(
-    shared: Served, instructor: Caller, look: Look
-) -> None:
-    page = open_ballast(look, shared)
+def test_the_crew_is_told_when_little_air_is_left(instructor: Caller, kept: Look) -> None:
+    page = open_ballast(kept)
     alerts = page.locator("alert-bar")
     assert instructor.ask("emergency blow")[0]
     for share, rank, title in ((20, "caution", "below 20 %"), (5, "warning", "below 5 %")):
@@ -315,9 +309,9 @@ def test_the_crew_is_told_when_little_air_is_left(
 
 
 def test_the_picture_shows_levels_flows_and_flooded_compartments(
-    shared: Served, instructor: Caller, look: Look
+    instructor: Caller, kept: Look
 ) -> None:
-    page = open_ballast(look, shared)
+    page = open_ballast(kept)
     assert instructor.ask("trim manual")[0]
     assert instructor.ask("blow aft")[0]
     assert instructor.ask("flood depth-control 10")[0]
@@ -338,10 +332,8 @@ def test_the_picture_shows_levels_flows_and_flooded_compartments(
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_an_order_to_all_is_repeated_by_its_key(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_ballast(look, shared, has_touch=way == "touch")
+def test_an_order_to_all_is_repeated_by_its_key(instructor: Caller, kept: Look, way: str) -> None:
+    page = open_ballast(kept)
     assert instructor.ask("tell prepare to surface")[0]
     bar = page.locator("repeat-bar")
     expect(bar).to_contain_text("prepare to surface")
@@ -354,7 +346,7 @@ def test_an_order_to_all_is_repeated_by_its_key(
 def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
     shared: Served, instructor: Caller, look: Look
 ) -> None:
-    page = open_ballast(look, shared)
+    page = await_readings(look(shared, "ballast"))
     for compartment in ("aft", "centre", "forward"):
         assert instructor.ask(f"casualty flooding-{compartment}")[0]
     assert instructor.ask("emergency blow")[0]
@@ -383,7 +375,7 @@ def test_a_boat_without_tanks_is_told_so_and_has_no_controls(serve: Serve, look:
 
 def test_a_page_whose_session_dies_is_stale_and_inert(serve: Serve, look: Look) -> None:
     session = serve()
-    page = open_ballast(look, session)
+    page = await_readings(look(session, "ballast"))
     session.process.kill()
 
     expect(page.locator("#state")).to_have_text("NO LINK")
@@ -412,16 +404,16 @@ TWO_METRES_MM = 2000.0
 LEGIBLE_ARC = math.radians(15.0 / 60.0)  # MIL-STD-1472G, 5.2.2.2: 15 minutes of arc at least
 
 
-@pytest.mark.parametrize("size", ["tablet", "laptop", "desk"])
 def test_the_order_line_and_the_state_are_read_from_two_metres(
-    shared: Served, instructor: Caller, look: Look, size: str
+    instructor: Caller, kept: Look
 ) -> None:
     for words in ("order course right 45", "order depth 70", "order speed 6"):
         assert instructor.ask(words)[0]
-    page = look(shared, "ballast", size)
-    expect(page.locator("#ordered")).to_have_text(re.compile("course .*045, depth 70 m"))
-    for place in ("#ordered", "#state"):
-        height = float(page.locator(place).evaluate(CAPITAL))
-        assert height >= TWO_METRES_MM * math.tan(LEGIBLE_ARC), place
-        expect(page.locator(place)).to_be_in_viewport(ratio=1.0)
-    assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+    for size in ("tablet", "laptop", "desk"):
+        page = kept("ballast", size)
+        expect(page.locator("#ordered")).to_have_text(re.compile("course .*045, depth 70 m"))
+        for place in ("#ordered", "#state"):
+            height = float(page.locator(place).evaluate(CAPITAL))
+            assert height >= TWO_METRES_MM * math.tan(LEGIBLE_ARC), place
+            expect(page.locator(place)).to_be_in_viewport(ratio=1.0)
+        assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")

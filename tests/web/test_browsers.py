@@ -114,32 +114,6 @@ def secure(serve: Serve, tmp_path: Path) -> Served:
     return serve("--token", "mast", "--web-cert", str(cert), "--web-key", str(key))
 
 
-def test_a_page_by_tls_takes_a_word_and_its_line_is_encrypted(
-    secure: Served, browser: Browser
-) -> None:
-    url = secure.url.replace("http", "https")
-    with browser.new_context(ignore_https_errors=True) as context:
-        page = context.new_page()
-        lines: list[str] = []
-        page.on("websocket", lambda line: lines.append(line.url))
-        page.goto(f"{url}/helm")
-        page.locator("#word input").fill("mast")
-        page.keyboard.press("Enter")
-        expect(page.locator("#state")).to_have_text("FROZEN")
-        (cookie,) = context.cookies(f"{url}/line")
-
-    assert {line.split("/line")[0] for line in lines} == {url.replace("https", "wss")}
-    assert cookie["secure"]
-    assert cookie["httpOnly"]
-
-
-def test_a_browser_that_does_not_know_the_certificate_is_told(
-    secure: Served, browser: Browser
-) -> None:
-    with browser.new_context() as context, pytest.raises(Exception, match="ERR_CERT"):
-        context.new_page().goto(f"{secure.url.replace('http', 'https')}/helm")
-
-
 @pytest.mark.slow
 def test_firefox_comes_in_by_tls(secure: Served, fox: Tab) -> None:
     fox.open(f"{secure.url.replace('http', 'https')}/helm?lang=en")
@@ -173,16 +147,3 @@ def test_on_a_line_that_is_slow_and_loses_packets_every_order_is_obeyed_once(
     while "10.0" not in instructor.shown.get("diving", ()):
         assert time.monotonic() < end
         instructor.ask("who")
-
-
-def test_a_line_that_breaks_is_told_and_dialled_again(shared: Served, browser: Browser) -> None:
-    with slow_line(shared.port, SLOW_S) as line, browser.new_context() as context:
-        page = context.new_page()
-        page.goto(f"{line.url}/helm")
-        expect(page.locator("#state")).to_have_text("FROZEN")
-        for _ in range(2):
-            line.cut()
-            expect(page.locator("#state")).to_have_text("NO LINK")
-            expect(page.locator("alert-bar")).to_contain_text("No link")
-            expect(page.locator("#state")).to_have_text("FROZEN")
-        assert sum(each.startswith("/line") for each in line.asked) >= 3

@@ -18,6 +18,7 @@ from helpers.hands import (
     work_frame,
     work_parts,
 )
+from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
@@ -38,19 +39,21 @@ NUMBERS: Final = (
 )
 
 
-def open_page(look: Look, session: Served, name: str = "diving", **how: object) -> Page:
+def open_page(kept: Look, name: str = "diving", **how: object) -> Page:
     """Return the page, when it shows readings."""
-    page = look(session, name, **how)
+    return await_readings(kept(name, **how))
+
+
+def await_readings(page: Page) -> Page:
+    """Return a page once it shows readings."""
     expect(page.locator("#state")).to_have_text("FROZEN")
     expect(page.locator("[data-place='gauges.heel']")).not_to_be_empty()
     return page
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_the_keypad_orders_the_crew(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_page(look, shared, has_touch=way == "touch")
+def test_the_keypad_orders_the_crew(instructor: Caller, kept: Look, way: str) -> None:
+    page = open_page(kept)
     for digits, key, wanted in NUMBERS:
         for digit in digits:
             work(
@@ -68,9 +71,9 @@ def test_the_keypad_orders_the_crew(
 
 
 def test_what_is_ordered_stands_in_its_unit_until_it_is_belayed(
-    shared: Served, instructor: Caller, look: Look
+    instructor: Caller, kept: Look
 ) -> None:
-    page = open_page(look, shared)
+    page = open_page(kept)
     page.locator("order-keypad").get_by_role("button", name="2", exact=True).focus()
     page.keyboard.type("2000")
     expect(page.locator("order-keypad .ends").get_by_text("depth, m")).to_be_disabled()
@@ -91,9 +94,9 @@ def test_what_is_ordered_stands_in_its_unit_until_it_is_belayed(
 
 @pytest.mark.parametrize("way", WAYS)
 def test_phrases_to_the_crew_are_orders_to_the_crew(
-    shared: Served, instructor: Caller, look: Look, way: str
+    instructor: Caller, kept: Look, way: str
 ) -> None:
-    page = open_page(look, shared, has_touch=way == "touch")
+    page = open_page(kept)
     phrases = (
         ("Periscope depth", "orders.depth", "17.5"),
         ("Zero bubble", "orders.pitch", "0.0"),
@@ -119,10 +122,8 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_what_acts_at_once_asks_first(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_page(look, shared, has_touch=way == "touch")
+def test_what_acts_at_once_asks_first(instructor: Caller, kept: Look, way: str) -> None:
+    page = open_page(kept)
     acts = (
         ("Surface", "valves.blow_mid", "open"),
         ("Dive", "valves.vent_mid", "open"),
@@ -143,8 +144,8 @@ def test_what_acts_at_once_asks_first(
         assert read(instructor, place) == value
 
 
-def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, look: Look) -> None:
-    page = open_page(look, shared)
+def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, kept: Look) -> None:
+    page = open_page(kept)
     planes = shared.attach("planes")
     page.locator("order-keypad").get_by_role("button", name="8", exact=True).click()
     page.locator("order-keypad").get_by_role("button", name="0", exact=True).click()
@@ -161,9 +162,9 @@ def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, look: L
 
 @pytest.mark.parametrize("way", WAYS)
 def test_the_instructors_order_is_repeated_by_its_key(
-    shared: Served, instructor: Caller, look: Look, way: str
+    instructor: Caller, kept: Look, way: str
 ) -> None:
-    page = open_page(look, shared, has_touch=way == "touch")
+    page = open_page(kept)
     assert instructor.ask("order depth 90 m")[0]
     bar = page.locator("repeat-bar")
     expect(bar).to_contain_text("depth 90 m")
@@ -173,9 +174,9 @@ def test_the_instructors_order_is_repeated_by_its_key(
 
 
 def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(
-    shared: Served, instructor: Caller, look: Look
+    instructor: Caller, kept: Look
 ) -> None:
-    page = open_page(look, shared)
+    page = open_page(kept)
     assert instructor.ask("freeze depth")[0]
     assert instructor.ask("bow planes rise 6")[0]
     assert instructor.ask("stern planes dive 2")[0]
@@ -193,10 +194,8 @@ def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_the_chosen_tank_has_its_controls_below(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_page(look, shared, has_touch=way == "touch")
+def test_the_chosen_tank_has_its_controls_below(instructor: Caller, kept: Look, way: str) -> None:
+    page = open_page(kept)
     expect(page.locator("[data-pump=auxiliary]")).to_be_hidden()
     work(page, page.locator(".tank[data-part=auxiliary]"), way)
     expect(page.locator("#tank")).to_contain_text("Auxiliary: ")
@@ -214,9 +213,9 @@ def test_the_chosen_tank_has_its_controls_below(
 
 
 @pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize("name", ["diving", "observer"])
+@pytest.mark.parametrize("name", sample_cases(["diving", "observer"], "diving"))
 def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str) -> None:
-    page = open_page(look, shared, name)
+    page = await_readings(look(shared, name))
     for width, height in SIZES.values():
         page.set_viewport_size({"width": width, "height": height})
         keys = page.locator("part-keys[part=part] button:visible")
@@ -228,9 +227,9 @@ def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str) -> No
 
 @pytest.mark.parametrize("way", WAYS)
 def test_an_observer_marks_a_moment_and_works_nothing_else(
-    shared: Served, instructor: Caller, look: Look, way: str
+    instructor: Caller, kept: Look, way: str
 ) -> None:
-    page = open_page(look, shared, "observer", has_touch=way == "touch")
+    page = open_page(kept, "observer")
     assert page.locator("main [data-control]").evaluate_all("each => each.map(x => x.id)") == [
         "mark"
     ]
@@ -256,10 +255,8 @@ def test_an_observer_marks_a_moment_and_works_nothing_else(
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_what_else_the_officer_works(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_page(look, shared, size="desk", has_touch=way == "touch")
+def test_what_else_the_officer_works(instructor: Caller, kept: Look, way: str) -> None:
+    page = open_page(kept, size="desk")
     pad = page.locator("order-keypad")
     for digit in "1234567890":
         work(page, pad.get_by_role("button", name=digit, exact=True), way)
@@ -283,7 +280,7 @@ def test_what_else_the_officer_works(
 @pytest.mark.slow
 def test_pages_whose_session_dies_are_stale_and_inert(serve: Serve, look: Look) -> None:
     session = serve()
-    pages = [open_page(look, session, name) for name in ("diving", "observer")]
+    pages = [await_readings(look(session, name)) for name in ("diving", "observer")]
     session.process.kill()
     for page in pages:
         expect(page.locator("#state")).to_have_text("NO LINK")
@@ -294,8 +291,8 @@ def test_pages_whose_session_dies_are_stale_and_inert(serve: Serve, look: Look) 
 
 
 @pytest.mark.usefixtures("instructor")
-def test_an_observer_has_charts_before_the_log(shared: Served, look: Look) -> None:
-    page = open_page(look, shared, "observer")
+def test_an_observer_has_charts_before_the_log(kept: Look) -> None:
+    page = open_page(kept, "observer")
     charts, log = page.locator(".plots strip-chart"), page.locator("#log")
     order = "(log) => log.compareDocumentPosition(document.querySelector('.plots'))"
     assert log.evaluate(order) & 2  # Node.DOCUMENT_POSITION_PRECEDING

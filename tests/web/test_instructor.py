@@ -316,32 +316,6 @@ def test_a_late_comer_sees_the_past(shared: Served, caller: Caller, look: Look) 
     expect(depth).to_have_text(re.compile(r"80\.\d|79\.\d"))
 
 
-def test_two_instructors_see_the_same_and_one_has_command(
-    shared: Served, caller: Caller, look: Look
-) -> None:
-    caller.hang_up()
-    first = settled(shared, look)
-    expect(first.locator("#aboard")).to_have_text("no station aboard")
-    second = settled(shared, look, "laptop")
-
-    expect(first.locator("#command")).to_contain_text("You have command")
-    expect(second.locator("#command")).to_contain_text("has command. You watch")
-    first.locator("#order").fill("depth 90")
-    first.keyboard.press("Enter")
-    expect(second.locator("#log")).to_contain_text("depth 90")
-    first.locator("#step").click()
-    for page in (first, second):
-        expect(page.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("90")
-    second.locator("#freeze").click()
-    # a count of earlier messages may stand above it
-    expect(second.locator("#log")).to_contain_text("take command asks for it")
-    second.get_by_role("button", name="Take command").click()
-    expect(first.locator("#command")).to_contain_text("asks for command")
-    first.get_by_role("button", name="Give command").click()
-    expect(second.locator("#command")).to_contain_text("You have command")
-    expect(first.locator("#command")).to_contain_text("You watch")
-
-
 @pytest.fixture
 def another(browser: Browser) -> Iterator[Browser]:
     """Return a second Chromium, a process of its own."""

@@ -1,6 +1,5 @@
 """Levers that are held, not hit: fingers on glass, one scale with the dial, words that are read."""
 
-import functools
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,12 +7,12 @@ from itertools import pairwise
 from typing import Any, Final
 
 import pytest
-from helpers.browser import looking
+from helpers.browser import hear_all
 from helpers.hands import await_truth, on_groove
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from helpers.waiting import await_that
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
 from trainer.web.pages import PAGES
@@ -25,39 +24,24 @@ PHONE: Final = (390, 844)
 # Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
 LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768), (1024, 768))
 SIX: Final = ((1920, 1080), (1366, 768), (1024, 768), (844, 390), PHONE, (360, 640))
-LEVERS: Final = (("helm", "rudder"), ("planes", "stern"), ("planes", "bow"))
+PAGE_OF: Final = {"rudder": "helm", "stern": "planes", "bow": "planes"}
 CHANNELS: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 STEP: Final = 5  # [deg] of a tap on the groove
 LEAST_TEXT_PX: Final = 11.0
-each_lever = pytest.mark.parametrize(("name", "lever"), LEVERS, ids=[each[1] for each in LEVERS])
+each_lever = pytest.mark.parametrize("lever", sample_cases(PAGE_OF, "rudder", "stern"))
 
 
 FOUR: Final = sample_cases([PHONE, (768, 1024), (1366, 768), (1920, 1080)], PHONE, (1366, 768))
 
-SENT: Final = """() => { const send = WebSocket.prototype.send;
-WebSocket.prototype.send = function (line) {
+SENT: Final = """() => { window.sent = []; window.line.send = function (line) {
     if (/TRO,\\d+,(rudder|stern|bow)/.test(line)) window.sent.push(line);
-    send.call(this, line);
+    WebSocket.prototype.send.call(this, line);
 }; }"""
-
-
-@pytest.fixture(scope="module")
-def kept(browser: Browser, shared: Served) -> Iterator[Callable[[str], Page]]:
-    """Return the page of a station under fingers, which stays open for the tests of this module."""
-    with looking(browser) as look:
-
-        @functools.cache
-        def page_of(name: str) -> Page:
-            page = look(shared, name, has_touch=True)
-            page.evaluate(SENT)
-            return page
-
-        yield page_of
 
 
 @pytest.fixture
 def opened(
-    kept: Callable[[str], Page],
+    kept: Look,
     instructor: Caller,  # noqa: ARG001  who takes the boat to its start
 ) -> Opened:
     """Return a function that shows the page of a station, whose boat is as at its start."""
@@ -65,13 +49,12 @@ def opened(
     def show(name: str, size: tuple[int, int] = PHONE) -> Page:
         page = kept(name)
         page.set_viewport_size({"width": size[0], "height": size[1]})
-        expect(page.locator("#state")).to_have_text("FROZEN")
         for lever in page.locator("order-lever").all():
             mode = page.locator(f"[data-mode={lever.get_attribute('name')}]")
             expect(mode).not_to_have_text("by hand")
         expect(page.locator("order-lever .knob").first).not_to_be_empty()
-        page.wait_for_timeout(300)  # until all is laid out, and the last readings have moved it
-        page.evaluate("window.sent = []")
+        page.evaluate(SENT)
+        hear_all(page)
         return page
 
     return show
@@ -120,81 +103,79 @@ def travel(page: Page, lever: str) -> float:
 
 @each_lever
 def test_a_finger_at_the_knobs_edge_orders_nothing_and_keeps_its_place(
-    instructor: Caller, opened: Opened, name: str, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(name)
+    page = opened(PAGE_OF[lever])
     before, finger = standing(page, lever), Finger(page)
     knob, a_degree = box_of(knob_of(page, lever)), travel(page, lever) / 60.0
     x, y = knob["x"] + knob["width"] - 3.0, knob["y"] + 3.0
     with finger.down(x, y):
-        page.wait_for_timeout(700)  # longer than a hold on the groove waits
+        page.wait_for_timeout(500)  # longer than a hold on the groove waits
         assert page.evaluate("sent") == []
         assert standing(page, lever) == before
         along = 12 * a_degree
         for part in range(1, 7):  # towards right, or rise
             step = along * part / 6.0
             finger.send("touchMove", (x + step, y) if lever == "rudder" else (x, y - step))
-        for _ in range(100):  # until the page has heard the finger
-            page.wait_for_timeout(100)
-            if abs(standing(page, lever) - before - 12) <= 1:
-                break
-        assert standing(page, lever) == pytest.approx(before + 12, abs=1)
+        wanted = pytest.approx(before + 12, abs=1)
+        await_that(lambda: standing(page, lever) == wanted)
     await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{standing(page, lever):.1f}")
     assert len(page.evaluate("sent")) >= 1
 
 
 @each_lever
 def test_a_touch_that_leaves_the_knob_where_it_was_takes_no_surface_by_hand(
-    instructor: Caller, opened: Opened, name: str, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(name)
+    page = opened(PAGE_OF[lever])
     knob = box_of(knob_of(page, lever))
     page.touchscreen.tap(knob["x"] + knob["width"] - 2.0, knob["y"] + knob["height"] / 2.0)
-    page.wait_for_timeout(300)
     assert page.evaluate("sent") == []
     await_truth(instructor, f"{CHANNELS[lever]}.{lever}_mode", "auto")
 
 
 @each_lever
 def test_a_tap_on_the_groove_steps_towards_it(
-    instructor: Caller, opened: Opened, name: str, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(name)
+    page = opened(PAGE_OF[lever])
     knob_of(page, lever).press("Home")
     for share, wanted in ((0.95, STEP), (0.95, 2 * STEP), (0.05, STEP)):
         page.touchscreen.tap(*on_groove(page, lever, share))
         await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{wanted:.1f}")
-        page.wait_for_timeout(600)  # and no further, by itself
         assert standing(page, lever) == wanted
+    page.wait_for_timeout(500)  # and no further, by itself
+    assert standing(page, lever) == STEP
 
 
 @each_lever
 def test_a_hold_on_the_groove_makes_the_lever_go_to_the_finger(
-    instructor: Caller, opened: Opened, name: str, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(name)
+    page = opened(PAGE_OF[lever])
     knob_of(page, lever).press("Home")
     x, y = on_groove(page, lever, 0.8)
     with Finger(page).down(x, y):
-        page.wait_for_function(
-            "(lever) => document.querySelector(`order-lever[name=${lever}]`).value > 12", arg=lever
-        )
-        page.wait_for_timeout(1500)  # it is there
-        knob = box_of(knob_of(page, lever))
-        middle = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
-        off = middle[0] - x if lever == "rudder" else middle[1] - y
-        assert abs(off) < travel(page, lever) / 60.0
+
+        def off() -> float:
+            knob = box_of(knob_of(page, lever))
+            middle = knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2
+            return abs(middle[0] - x if lever == "rudder" else middle[1] - y)
+
+        await_that(lambda: off() < travel(page, lever) / 60.0)
+        page.wait_for_timeout(300)  # it is there
+        assert off() < travel(page, lever) / 60.0
         arrived = standing(page, lever)
-    page.wait_for_timeout(300)
-    assert standing(page, lever) == arrived
+    assert arrived > 12
     await_truth(instructor, f"{CHANNELS[lever]}.ordered_{lever}", f"{arrived:.1f}")
+    assert standing(page, lever) == arrived
 
 
 @each_lever
 def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
-    instructor: Caller, opened: Opened, name: str, lever: str
+    instructor: Caller, opened: Opened, lever: str
 ) -> None:
-    page = opened(name)
+    page = opened(PAGE_OF[lever])
     knob_of(page, lever).press("Home")
     place = f"{CHANNELS[lever]}.ordered_{lever}"
     for end, share, way in (("high", 1.0, 1), ("low", 0.0, -1)):
@@ -209,7 +190,7 @@ def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
         key.press("Enter")
         await_truth(instructor, place, f"{2 * way:.1f}")
         with Finger(page).down(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2):
-            page.wait_for_timeout(1300)
+            await_that(lambda: way * standing(page, lever) > 3)  # noqa: B023
         held = standing(page, lever)
         assert 3 < way * held < 12
         await_truth(instructor, place, f"{held:.1f}")
@@ -218,10 +199,8 @@ def test_fine_keys_at_both_ends_move_a_degree_and_go_on_while_they_are_held(
 
 
 @each_lever
-def test_the_figure_stands_above_the_thumb_while_it_holds(
-    opened: Opened, name: str, lever: str
-) -> None:
-    page = opened(name)
+def test_the_figure_stands_above_the_thumb_while_it_holds(opened: Opened, lever: str) -> None:
+    page = opened(PAGE_OF[lever])
     figure = page.locator(f"order-lever[name={lever}] .figure")
     expect(figure).to_be_hidden()
     knob = box_of(knob_of(page, lever))
@@ -257,11 +236,19 @@ BELOW: Final = """() => [document.documentElement.scrollHeight - innerHeight]
   .filter((each) => each > 0)"""
 
 
+ENDS: Final = """(keys) => keys.map((each) => getComputedStyle(each, "::after").content)
+  .map((text) => text === "none" ? "" : text.slice(1, -1))"""
+
+
 @pytest.mark.parametrize("name", ["helm", "planes", "pilot", "trainee"])
-def test_each_groove_is_three_hundred_pixels_long_on_a_phone(
-    shared: Served, instructor: Caller, look: Look, name: str
+def test_grooves_are_three_hundred_pixels_long_on_a_phone_and_telegraphs_have_large_keys(
+    instructor: Caller, kept: Look, name: str
 ) -> None:
-    page = look(shared, name, has_touch=True)
+    page = kept(name)
+    for key in page.locator("#close-briefing:visible").all():
+        key.click()
+    if name != "planes":
+        see_telegraph(page)
     for words in ("order course 45", "order depth 70"):  # which take room until they are repeated
         assert instructor.ask(words)[0]
     expect(page.locator("repeat-bar button")).to_be_visible()
@@ -276,7 +263,23 @@ def test_each_groove_is_three_hundred_pixels_long_on_a_phone(
             await_shown(page, BELOW, (width, height, part))
 
 
-@pytest.mark.parametrize("lever", ["stern", "bow"])
+def see_telegraph(page: Page) -> None:
+    """See that each bell has a key of forty pixels on a phone on its side."""
+    for width, height in ((844, 390), (640, 360)):
+        page.set_viewport_size({"width": width, "height": height})
+        keys = page.locator("order-telegraph button")
+        expect(keys).to_have_count(9)
+        for key in keys.all():
+            box = box_of(key)
+            assert min(box["height"], box["width"]) >= 40, (width, height, box)
+            assert box["y"] + box["height"] <= height
+        assert keys.evaluate_all(ENDS) == [""] * 6 + ["\u2193"] * 3  # which bells are astern
+
+
+each_plane = pytest.mark.parametrize("lever", sample_cases(["stern", "bow"], "stern"))
+
+
+@each_plane
 def test_a_phone_on_its_side_has_the_planes_levers_across_and_rise_to_the_right(
     instructor: Caller, opened: Opened, lever: str
 ) -> None:
@@ -305,15 +308,6 @@ ARROWS: Final = """() => [...document.querySelectorAll("order-lever .fine")]
       && arrow.top >= key.top && arrow.bottom <= key.bottom;
     return !within || arrow.width < 5;
   }).map((each) => each.className)"""
-
-
-def test_each_fine_key_has_its_arrow_inside_it(opened: Opened) -> None:
-    page = opened("pilot")
-    for width, height in LOOKED_AT:
-        page.set_viewport_size({"width": width, "height": height})
-        for part in range(parts_of(page)):
-            show_part(page, part)
-            await_shown(page, ARROWS, (width, height, part))
 
 
 # Where the scale of a dial and the knob of its lever stand, by angles; set and read at one moment.
@@ -360,7 +354,7 @@ def test_the_rudders_lever_is_the_lower_rim_of_an_arc_across_the_panel_on_one_sc
     assert max(steps) - min(steps) < 1.0
 
 
-@pytest.mark.parametrize("lever", ["stern", "bow"])
+@each_plane
 @pytest.mark.parametrize("size", FOUR)
 def test_the_planes_lever_lies_on_the_chord_of_its_dial_twice_as_large_as_it_was(
     opened: Opened, lever: str, size: tuple[int, int]
@@ -437,11 +431,16 @@ def show_part(page: Page, part: int) -> None:
         keys.nth(part).evaluate("(each) => each.click()")
 
 
+NEXT_FRAMES: Final = (
+    "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+)
+
+
 def small_texts(page: Page) -> list[Any]:
     """Return the texts that are too small, once the page is laid out and tells scales anew."""
     end = time.monotonic() + 5.0
     while True:
-        page.wait_for_timeout(60)
+        page.evaluate(NEXT_FRAMES)
         texts: list[Any] = page.evaluate(TEXTS)
         assert texts
         small = [each for each in texts if each[0] < LEAST_TEXT_PX]
@@ -453,17 +452,17 @@ def small_texts(page: Page) -> list[Any]:
 @pytest.mark.parametrize(
     "name", sample_cases([page.name for page in PAGES], "trainee"), ids=lambda name: name or "first"
 )
-def test_no_drawn_text_is_smaller_than_eleven_pixels_at_any_size(
+def test_no_drawn_text_is_small_and_each_fine_key_has_its_arrow_inside_it_at_any_size(
     shared: Served, look: Look, name: str
 ) -> None:
     page = look(shared, name)
     expect(page.locator("[data-state=connecting]")).to_have_count(0)
-    page.wait_for_timeout(700)
     for width, height in LOOKED_AT:
         page.set_viewport_size({"width": width, "height": height})
         for part in range(parts_of(page)):
             show_part(page, part)
             assert not small_texts(page), f"{name} at {width}x{height}, part {part}"
+            await_shown(page, ARROWS, (width, height, part))
 
 
 # Pointers that touch words of their instrument, and words that touch others, all over its range.
@@ -519,22 +518,7 @@ TOUCHED: Final = """() => {
 }"""
 
 
-@pytest.mark.usefixtures("instructor")
-@pytest.mark.parametrize(
-    "name", sample_cases(["helm", "planes", "trainee", "diving", "observer"], "helm")
-)
-def test_no_needle_lies_on_a_numeral_and_no_word_on_another(
-    shared: Served, look: Look, name: str
-) -> None:
-    page = look(shared, name)
-    expect(page.locator("#state")).to_have_text("FROZEN")
-    for width, height in SIX:
-        page.set_viewport_size({"width": width, "height": height})
-        for part in range(parts_of(page)):
-            show_part(page, part)
-            await_shown(page, TOUCHED, (width, height, part))
-
-
+# The size of each numeral of an arc, and that which the arc is laid out for.
 ARC_NUMERALS: Final = """() => [...document.querySelectorAll("angle-dial .numeral")]
   .filter((each) => each.checkVisibility())
   .map((each) => [each, each.closest("angle-dial")]
@@ -542,17 +526,23 @@ ARC_NUMERALS: Final = """() => [...document.querySelectorAll("angle-dial .numera
 
 
 @pytest.mark.usefixtures("instructor")
-def test_the_numerals_of_an_arc_have_the_size_that_it_is_laid_out_for(
-    shared: Served, look: Look
+@pytest.mark.parametrize(
+    "name", sample_cases(["helm", "planes", "trainee", "diving", "observer"], "helm")
+)
+def test_no_needle_lies_on_a_numeral_and_no_word_on_another_and_numerals_have_their_size(
+    shared: Served, look: Look, name: str
 ) -> None:
-    page = look(shared, "helm")
+    page = look(shared, name)
     expect(page.locator("#state")).to_have_text("FROZEN")
     for width, height in (*SIX, (3840, 2160)):
         page.set_viewport_size({"width": width, "height": height})
-        sizes = page.evaluate(ARC_NUMERALS)
-        assert sizes
-        for numeral, around in sizes:
-            assert numeral == pytest.approx(max(11.5, 0.8 * around), abs=0.01), (width, height)
+        for part in range(parts_of(page)):
+            show_part(page, part)
+            await_shown(page, TOUCHED, (width, height, part))
+            sizes = page.evaluate(ARC_NUMERALS)
+            assert sizes or name != "helm"
+            for numeral, around in sizes:
+                assert numeral == pytest.approx(max(11.5, 0.8 * around), abs=0.01), (width, height)
 
 
 CHARTS: Final = """() => [...document.querySelectorAll("strip-chart")]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from helpers.hands import see_whole
+from helpers.hands import see_whole, skip_until
 from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
@@ -62,6 +62,7 @@ when = ["depth_m > 19"]
 light = "depth"
 """
 FAST = "time 10"  # a lesson takes minutes
+FASTEST = "time 50"  # where nothing has to be done meanwhile
 SHOWN = "(each) => getComputedStyle(each).outlineWidth"
 
 
@@ -108,35 +109,7 @@ def drill(tmp_path: Path) -> str:
 # The way in
 
 
-def test_the_first_page_asks_who_trains_and_who_instructs_and_knows_a_lesson(
-    serve: Serve, look: Look
-) -> None:
-    session = serve("wheel-and-course")
-    page = look(session)
-
-    expect(page.locator("#title")).to_have_text("Lesson 1: the wheel and the course")
-    expect(page.locator("#facts")).to_contain_text("Lesson: 6 steps that lead who trains")
-    expect(page.locator("#ask b")).to_have_text(["I train", "I instruct"])
-    page.locator("#ask a").first.click()
-    begin(page)
-    head(page, 1, 6)
-
-
-def test_who_sails_freely_may_choose_a_lesson_and_the_last_one_is_left(
-    serve: Serve, look: Look
-) -> None:
-    page = look(serve(), "trainee")
-
-    expect(page.locator("#briefing-title")).to_have_text("Free sailing")
-    offered = page.locator("#lessons b")
-    expect(offered).to_have_text([each.title for each in lessons()])
-    offered.nth(1).click()
-    expect(page.locator("#briefing-title")).to_have_text(lessons()[1].title)
-    begin(page)
-    head(page, 1, 6)
-
-
-def test_the_list_of_lessons_says_which_of_them_who_trains_has_done(
+def test_who_sails_freely_takes_any_chair_or_a_lesson_and_sees_which_are_done(
     serve: Serve, look: Look, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = serve("--trainee", "Ann")
@@ -145,10 +118,51 @@ def test_the_list_of_lessons_says_which_of_them_who_trains_has_done(
         name = lessons()[branch].name
         add_run("Ann", ProgressRun("a", branch, name, "t", "2026", 60.0, outcome, None))
 
-    kept = look(session, "trainee").locator("#lessons small")
+    page = open_by_clock(look, session, "trainee")
+    expect(page.locator("#briefing-title")).to_have_text("Free sailing")
+    offered, kept = page.locator("#lessons b"), page.locator("#lessons small")
+    expect(offered).to_have_text([each.title for each in lessons()])
     expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps, done")
     expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps, begun")
     expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps")
+    for place in lighted_places().values():
+        expect(page.locator(place)).to_have_count(1)
+
+    page.keyboard.press(":")
+    page.keyboard.type("role instructor")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/instructor"))
+    expect(page.locator("#state")).to_contain_text("FROZEN")
+    page.locator("#order").fill("role trainee")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/trainee"))
+    offered.nth(1).click()
+    await_lesson(page, lessons()[1].title)
+    begin(page)
+    head(page, 1, 6)
+
+
+def open_by_clock(look: Look, session: Served, name: str = "") -> Page:
+    """Return a page whose own clock a test may move on."""
+    page = look(session)
+    page.clock.install()
+    page.goto(f"{session.url}/{name}")
+    return page
+
+
+def await_lesson(page: Page, title: str) -> None:
+    """Wait for the briefing of a lesson; the page dials again when its exercise has changed."""
+    skip_until(page, lambda: page.locator("#briefing-title").text_content() == title)
+
+
+def lighted_places() -> dict[str, str]:
+    """Return where a page has the instruments that a step may light up, by their names."""
+    script = (ASSETS_FOLDER / "js" / "crew" / "step-panel.js").read_text(encoding="utf-8")
+    return dict(re.findall(r'(\w+): \{ place: "(.*?)"', script))
+
+
+def test_a_page_knows_each_instrument_that_a_step_may_light_up() -> None:
+    assert lighted_places().keys() == set(LIGHTED_INSTRUMENTS)
 
 
 # Led through a lesson
@@ -182,7 +196,11 @@ def test_a_step_lights_up_its_instrument_gives_its_hint_and_comes_again_if_misse
 def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_the_next(
     serve: Serve, look: Look
 ) -> None:
-    page = look(serve("wheel-and-course"), "trainee")
+    page = open_by_clock(look, serve("wheel-and-course"))
+    expect(page.locator("#title")).to_have_text("Lesson 1: the wheel and the course")
+    expect(page.locator("#facts")).to_contain_text("Lesson: 6 steps that lead who trains")
+    expect(page.locator("#ask b")).to_have_text(["I train", "I instruct"])
+    page.locator("#ask a").first.press("Enter")
     begin(page)
     head(page, 1, 6)
     for _ in range(10):
@@ -197,9 +215,9 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
     expect(page.locator("#lesson-head")).to_have_text("The last step is done.")
     expect(page.locator("#briefing-text")).to_contain_text("Lessons have no marks.")
     expect(page.locator("#next")).to_be_focused()
-    page.wait_for_timeout(1100)  # a key that was meant for the boat is not taken at once
+    page.clock.fast_forward(1_100)  # a key that was meant for the boat is not taken at once
     page.keyboard.press("Enter")
-    expect(page.locator("#briefing-title")).to_have_text("Lesson 2: the planes and the bubble")
+    await_lesson(page, "Lesson 2: the planes and the bubble")
     begin(page)
     head(page, 1, 6)
     for _ in range(5):
@@ -258,7 +276,7 @@ def test_who_has_lost_gets_the_marks_and_flies_again_from_where_it_went_wrong(
     page = look(serve(str(path)), "trainee")
     begin(page)
     type_order(page, "stern planes dive 20")
-    type_order(page, FAST)
+    type_order(page, FASTEST)
     wrong = page.locator("#from-wrong")
     expect(wrong).to_have_text(re.compile(r"^Again from 00:\d\d, where it went wrong$"))
     expect(page.locator("#briefing-text")).to_contain_text("lost, 0 marks of 100")
@@ -285,16 +303,6 @@ def test_the_page_has_the_keys_of_the_terminals_panel_that_lessons_name() -> Non
         for key in KEYS["trainee"]
         if isinstance(key.act, MoveAction) and key.act.surface == "bow"
     }
-
-
-def test_each_instrument_that_a_step_may_light_up_is_on_the_page(serve: Serve, look: Look) -> None:
-    script = (ASSETS_FOLDER / "js" / "crew" / "step-panel.js").read_text(encoding="utf-8")
-    places = dict(re.findall(r'(\w+): \{ place: "(.*?)"', script))
-
-    assert places.keys() == set(LIGHTED_INSTRUMENTS)
-    page = look(serve(), "trainee")
-    for place in places.values():
-        expect(page.locator(place)).to_have_count(1)
 
 
 # Sizes
@@ -333,29 +341,6 @@ TOO_LARGE = """() => [...document.querySelectorAll(
   .map((each) => each.outerHTML.slice(0, 90))"""
 
 
-ENDS = """(keys) => keys.map((each) => getComputedStyle(each, "::after").content)
-  .map((text) => text === "none" ? "" : text.slice(1, -1))"""
-
-
-@pytest.mark.parametrize("name", ["helm", "pilot", "trainee"])
-def test_the_telegraph_has_keys_of_forty_pixels_on_a_phone_on_its_side(
-    shared: Served, look: Look, name: str
-) -> None:
-    page = look(shared, name)
-    if name == "trainee":
-        page.locator("#close-briefing").click()
-    for width, height in ((844, 390), (640, 360)):
-        page.set_viewport_size({"width": width, "height": height})
-        keys = page.locator("order-telegraph button")
-        expect(keys).to_have_count(9)
-        for key in keys.all():
-            box = key.bounding_box()
-            assert box
-            assert min(box["height"], box["width"]) >= 40, (width, height, box)
-            assert box["y"] + box["height"] <= height
-        assert keys.evaluate_all(ENDS) == [""] * 6 + ["\u2193"] * 3  # which bells are astern
-
-
 # What is hidden
 
 
@@ -370,7 +355,7 @@ def test_nothing_hidden_reaches_the_line_of_who_trains(serve: Serve, look: Look)
     page.on("websocket", listen)
     page.goto(f"{session.url}/trainee")
     begin(page)
-    type_order(page, FAST)
+    type_order(page, FASTEST)
     page.wait_for_function("() => document.querySelector('#time').textContent >= '01:20'")  # jammed
 
     told = "\n".join(heard)
@@ -439,19 +424,3 @@ def test_a_newcomer_comes_through_the_six_lessons_by_the_page_alone_and_to_the_f
     expect(page.locator("#briefing-title")).to_have_text(course()[0].title)
     begin(page)
     expect(page.locator("#lesson")).to_be_hidden()
-
-
-def test_who_is_alone_takes_another_chair_and_the_page_becomes_its(
-    serve: Serve, look: Look
-) -> None:
-    page = look(serve(), "trainee")
-    expect(page.locator("#state")).to_have_text("FROZEN")
-
-    page.keyboard.press(":")
-    page.keyboard.type("role instructor")
-    page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile("/instructor"))
-    expect(page.locator("#state")).to_contain_text("FROZEN")
-    page.locator("#order").fill("role trainee")
-    page.keyboard.press("Enter")
-    expect(page).to_have_url(re.compile("/trainee"))

@@ -1,12 +1,11 @@
 """The wall: ten people read it from four metres, and nobody works it."""
 
 import re
-import signal
 from collections.abc import Callable, Iterator
 
 import pytest
-from helpers.hands import await_obeyed, stop_clock
-from helpers.pages import Served, served
+from helpers.hands import await_obeyed, see_whole, stop_clock
+from helpers.pages import SIZES, Served, served
 from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
@@ -74,12 +73,18 @@ def test_the_wall_shows_alerts_the_bell_and_the_track_by_dead_reckoning(look: Lo
         )
         assert instructor.ask("freeze")[0]
         expect(truth.locator("#state")).to_have_text("FROZEN")
-        page.wait_for_timeout(2500)  # the tracks' own pace
-        reckoned, sailed = (
-            [int(each) for each in re.findall(r"(\d+) m", str(wall.evaluate(TRACK)))]
-            for wall in (page, truth)
-        )
-        assert reckoned[1] == pytest.approx(sailed[1], rel=0.1)
+
+        def reckoned_and_sailed() -> list[int]:
+            return [
+                int(re.findall(r"(\d+) m", str(wall.evaluate(TRACK)))[1]) for wall in (page, truth)
+            ]
+
+        def is_near() -> bool:  # the tracks have their own pace
+            reckoned, sailed = reckoned_and_sailed()
+            return reckoned == pytest.approx(sailed, rel=0.1)
+
+        await_that(is_near, reckoned_and_sailed)
+        see_reckoned(page)
         assert page.locator("track-chart").evaluate(INK) > 100
 
 
@@ -92,11 +97,11 @@ RECKONED = """async () => {
 }"""
 
 
-def test_a_boat_seen_each_minute_is_reckoned_by_the_mean_of_two_readings(look: Look) -> None:
-    with served() as session:
-        page, script = look(session, "wall"), ASSETS_FOLDER / "js/model/reckoning.js"
-        page.route("**/model/reckoning.js", lambda asked: asked.fulfill(path=script))
-        gathers, turns = page.evaluate(RECKONED)
+def see_reckoned(page: Page) -> None:
+    """See that a boat seen each minute is reckoned by the mean of two readings."""
+    script = ASSETS_FOLDER / "js/model/reckoning.js"
+    page.route("**/model/reckoning.js", lambda asked: asked.fulfill(path=script))
+    gathers, turns = page.evaluate(RECKONED)
 
     knot = 1852 / 3600
     assert gathers == [pytest.approx((0, each * knot), abs=0.01) for each in (0, 180, 720)]
@@ -138,38 +143,31 @@ def test_a_wall_that_came_first_as_an_instructor_gives_command_to_who_asks(look:
         await_obeyed(instructor, "run")  # once the page has given command
         expect(wall.locator("#state")).to_have_text("RUNNING")
 
+        session.process.kill()  # what is lost is told, and nothing on a wall can be worked
+        expect(wall.locator("alert-bar .alert")).to_contain_text("No link")
+        expect(wall.locator("boat-side")).to_have_attribute("data-stale", "")
+        assert wall.locator(":is(button, input, select, a):visible").count() == 0
+
+
+ROLLS = """() => [...document.querySelectorAll("main, body")].filter((each) =>
+  each.scrollWidth > each.clientWidth + 1 || each.scrollHeight > each.clientHeight + 1)
+  .map((each) => each.tagName)"""
+
 
 def test_digits_are_seven_of_a_hundred_parts_of_the_height_at_least(
     sailing: tuple[Served, Caller], look: Look
 ) -> None:
+    page = look(sailing[0], "wall")
     for size, share in (("desk", 0.13), ("laptop", 0.13), ("tablet", 0.05)):
-        page = look(sailing[0], "wall", size=size)
+        width, height = SIZES[size]
+        page.set_viewport_size({"width": width, "height": height})
         expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
         size_of = "getComputedStyle(document.querySelector('#depth')).fontSize"
         assert float(page.evaluate(f"parseFloat({size_of}) / innerHeight")) >= share
-        cut = "e => e.scrollWidth > e.clientWidth + 1 || e.scrollHeight > e.clientHeight + 1"
-        assert not page.locator("main").evaluate(cut)
-        assert not page.locator("body").evaluate(cut)
+        see_whole(page, size, ROLLS)
 
 
-def test_alerts_are_shown_and_nothing_on_the_wall_can_be_worked(look: Look) -> None:
-    with served() as session:
-        page = look(session, "wall")
-        expect(page.locator("#state")).to_have_text("FROZEN")
-        assert session.attach().ask("run")[0]
-        expect(page.locator("#state")).to_have_text("RUNNING")
-        session.process.send_signal(signal.SIGSTOP)
-        try:
-            expect(page.locator("alert-bar .alert")).to_contain_text("No link")
-            expect(page.locator("boat-side")).to_have_attribute("data-stale", "")
-            worked = page.locator(":is(button, input, select, a):visible")
-            assert worked.count() == 0
-        finally:
-            session.process.send_signal(signal.SIGCONT)
-        expect(page.locator("#state")).to_have_text("RUNNING")
-
-
-def test_the_pointer_goes_when_it_is_still_and_comes_back_when_it_moves(
+def test_a_still_pointer_goes_and_the_picture_moves_a_little_each_minute(
     sailing: tuple[Served, Caller], look: Look
 ) -> None:
     page = look(sailing[0])
@@ -183,16 +181,6 @@ def test_the_pointer_goes_when_it_is_still_and_comes_back_when_it_moves(
     expect(page.locator("body")).to_have_css("cursor", "none")
     page.mouse.move(210, 200)
     expect(page.locator("body")).not_to_have_css("cursor", "none")
-
-
-def test_the_picture_moves_a_little_each_minute_and_stays_on_the_screen(
-    sailing: tuple[Served, Caller], look: Look
-) -> None:
-    page = look(sailing[0])
-    page.clock.install()
-    page.goto(f"{sailing[0].url}/wall")
-    expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
-    stop_clock(page)
     places = set()
     for _ in range(9):
         page.clock.fast_forward(60_000)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from helpers import node, wire
+from helpers.browser import NAME_LINE, hear_all
 from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
@@ -183,6 +184,7 @@ def test_a_third_language_is_one_file_and_no_english_is_left(
 ) -> None:
     with browser.new_context(locale="xx") as context:
         page = context.new_page()
+        page.add_init_script(NAME_LINE)
         page.goto(f"http://127.0.0.1:{odd.port}/{name}?lang=xx")
         expect(page.locator("html")).to_have_attribute("lang", "xx")
         if name != "kiosk":
@@ -190,13 +192,13 @@ def test_a_third_language_is_one_file_and_no_english_is_left(
         for key in ("#open-exercise", "#open-drawer"):
             if page.locator(key).count():
                 page.locator(key).click()
-        page.wait_for_timeout(1500)  # readings come twice a second
+        hear_all(page)
         for _ in range(20):  # what is being drawn on a busy machine is drawn at last
             shown = page.evaluate(SHOWN, SESSIONS)
             english = set(filter(is_english, shown))
             if not english:
                 break
-            page.wait_for_timeout(500)
+            page.wait_for_timeout(200)
 
     assert any(ODD in text for text in shown)
     assert not english
@@ -219,11 +221,17 @@ def test_language_and_units_are_chosen_on_the_page_and_kept(shared: Served, look
     page = look(shared, "pilot", query="?lang=en&units=m")
     expect(page.locator("#state")).to_have_text("FROZEN")
     metres = digits_of(page)
+    see_decimals(page, ".")
 
     page.locator("#open-choices").click()
     page.locator("#language").select_option("de")
     expect(page.locator("#state")).to_have_text("ANGEHALTEN")
     expect(page.locator("#h-depth")).to_contain_text("Tiefe")
+    see_decimals(page, ",")
+    knob = page.locator("order-lever[name=stern] [role=slider]")
+    knob.press("ArrowUp")  # whose order is in the grammar's words in any language
+    expect(page.locator("#answer")).to_contain_text("stern rise 1")
+    expect(knob).to_have_attribute("aria-valuetext", "1 oben")
     page.locator("#open-choices").click()
     page.locator("#units").select_option("ft")
     expect(page.locator("depth-gauge .label")).to_have_text("Fuß")
@@ -237,17 +245,15 @@ def test_language_and_units_are_chosen_on_the_page_and_kept(shared: Served, look
     expect(page.locator("#truth [data-of=depth] th")).to_have_text("Tiefe, ft")
 
 
-@pytest.mark.process
-def test_decimals_stand_behind_the_mark_of_the_language(shared: Served, look: Look) -> None:
-    for language, mark in (("de", ","), ("en", ".")):
-        page = look(shared, "pilot", query=f"?lang={language}")
-        for place in ("depth-gauge", "pitch-gauge", "angle-dial#rudder"):
-            digits = page.locator(f"{place} .digits")
-            expect(digits).to_have_text(re.compile(rf"^\d+\{mark}\d\D*$"))  # and which way
-        expect(page.locator("#speed .head b")).to_have_text(re.compile(rf"^\d+\{mark}\d kn$"))
-        expect(page.locator("[role=slider]").first).to_have_attribute(
-            "aria-valuenow", re.compile(r"^-?\d+$")
-        )
+def see_decimals(page: Page, mark: str) -> None:
+    """See that figures have the decimal mark of the language, and values for machines a point."""
+    for place in ("depth-gauge", "pitch-gauge", "angle-dial#rudder"):
+        digits = page.locator(f"{place} .digits")
+        expect(digits).to_have_text(re.compile(rf"^\d+\{mark}\d\D*$"))  # and which way
+    expect(page.locator("#speed .head b")).to_have_text(re.compile(rf"^\d+\{mark}\d kn$"))
+    expect(page.locator("[role=slider]").first).to_have_attribute(
+        "aria-valuenow", re.compile(r"^-?\d+$")
+    )
 
 
 def digits_of(page: Page) -> float:
@@ -273,13 +279,3 @@ def test_an_address_without_a_page_says_so_in_the_browsers_language(
         page = context.new_page()
         page.goto(f"{shared.url}/hlem")
         expect(page.locator("h1")).to_have_text("Diese Seite gibt es nicht")
-
-
-@pytest.mark.process
-def test_a_lever_orders_in_the_grammars_words_in_any_language(shared: Served, look: Look) -> None:
-    page = look(shared, "pilot", query="?lang=de")
-    expect(page.locator("#state")).to_have_text("ANGEHALTEN")
-    knob = page.locator("order-lever[name=stern] [role=slider]")
-    knob.press("ArrowUp")
-    expect(page.locator("#answer")).to_contain_text("stern rise 1")
-    expect(knob).to_have_attribute("aria-valuetext", "1 oben")
