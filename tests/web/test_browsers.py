@@ -10,7 +10,7 @@ from helpers.pages import Served
 from helpers.slow_line import slow_line
 from helpers.waiting import PATIENCE
 from helpers.wire import make_certificate
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 from soak.session_process import Caller
 
 from trainer.web.pages import PAGES
@@ -30,6 +30,25 @@ def fox(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
     """Return a tab of one Firefox for the tests of this module."""
     with firefox(tmp_path_factory.mktemp("fox") / "profile") as tab:
         yield tab
+
+
+def test_a_line_that_did_well_is_dialled_again_within_a_second(shared: Served, look: Look) -> None:
+    page = look(shared, "helm")
+    lines: list[tuple[float, WebSocketRoute]] = []
+
+    def carry(line: WebSocketRoute) -> None:
+        line.connect_to_server()
+        lines.append((time.monotonic(), line))
+
+    page.route_web_socket("**/*", carry)
+    page.reload()
+    expect(page.locator("angle-dial .digits").first).not_to_be_empty()
+    broken = time.monotonic()
+    lines[0][1].close(code=1011)
+    while len(lines) < 2:
+        page.wait_for_timeout(20.0)  # [ms] in which the browser's events are heard
+        assert time.monotonic() - broken < PATIENCE, "it is not dialled again"
+    assert lines[1][0] - broken < 3.0  # [s]; a line that fails again and again waits for five
 
 
 @pytest.mark.slow

@@ -106,7 +106,8 @@ export class Link extends EventTarget {
     this.why = reason || (code === NO_SESSION ? say("no session") : say("the server does not answer"));
     if (code === OLDER_PAGE) this.stopped = true;
     this.dispatchEvent(new Event(code === OLDER_PAGE ? "older" : "lost"));
-    const wait = code === REFUSED ? WAITS.at(-1) : WAITS[Math.min(this.tries, WAITS.length) - 1];
+    const tried = Math.max(Math.min(this.tries, WAITS.length), 1); // none of a line that did well
+    const wait = code === REFUSED ? WAITS.at(-1) : WAITS[tried - 1];
     this.timer = setTimeout(() => this.open(), (wait ?? 5) * 1000);
   }
 
@@ -123,7 +124,7 @@ export class Link extends EventTarget {
     for (const tag of [...this.asked.keys()]) this.answer(tag, false, why);
   }
 
-  /** Says that the line does well: the next loss is dialled again at once. */
+  /** Says that the line does well: the next loss is dialled again soon. */
   settle() {
     this.tries = 0;
   }
