@@ -162,6 +162,11 @@ def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: P
     assert load_study(tmp_path / "b" / "study.toml").data.resolve() == path
 
 
+def test_a_folder_in_place_of_a_record_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"\.: cannot be read: Is a directory"):
+        answered("new", Path())
+
+
 def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:
     pytest.importorskip("scipy")
     rng = np.random.default_rng(1)
