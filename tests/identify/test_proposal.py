@@ -113,7 +113,9 @@ def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
 
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "heading": HEADING})
-    with pytest.raises(ConfigError, match="no column looks like the rudder; it has t, heading"):
+    with pytest.raises(
+        ConfigError, match="the rudder; it has t, heading: call the right one rudder,"
+    ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
 
@@ -143,7 +145,9 @@ def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> Non
 
 def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "Kurs": HEADING})
-    with pytest.raises(ConfigError, match=r"no column looks like heading, .*; it has .*Kurs"):
+    with pytest.raises(
+        ConfigError, match=r"no column looks like heading, .*; it has .*Kurs.*call .* heading, for"
+    ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
 
