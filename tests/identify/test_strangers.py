@@ -65,7 +65,7 @@ def observed(folder: Path) -> Record:
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# a remark\n"])
 def test_an_empty_file_is_called_empty(tmp_path: Path, text: str) -> None:
-    with pytest.raises(ConfigError, match=r"a\.csv: is empty; the headings of columns belong there"):
+    with pytest.raises(ConfigError, match=r"a\.csv: is empty; headings of columns belong there"):
         proposed(tmp_path, "a.csv", text)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, Position, nearest, path_named, write_over
-from trainer.config.schema import Quantity, WholeNumber, within
+from trainer.config.schema import Kind, Quantity, WholeNumber, within
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
@@ -53,7 +53,7 @@ OPTION_CHOICES: Final = {
     "method": FIT_METHODS,
     "positive_rudder": ("port", "starboard"),
 }
-OPTION_NUMBERS: Final = {
+OPTION_NUMBERS: Final[Mapping[str, Kind]] = {
     "length": Quantity("m", within(0.1, 600), "of the ship"),
     "speed": Quantity("kn", within(0.01, 60), "of the ship"),
     "every": WholeNumber(1, 1000, "samples of which one is taken"),

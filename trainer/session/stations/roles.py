@@ -339,7 +339,7 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
 def refuse_unsayable_token(word: str) -> None:
     """Raise ConfigError, without the word, if no order could hold it."""
     if not TOKEN_FORM.fullmatch(word):
-        raise ConfigError('--token: a word has plain letters, digits and signs, but no space " # $ *')
+        raise ConfigError('--token: a word has plain letters, digits and signs; no space " # $ *')
 
 
 def refuse_open_door(option: str, host: str, tokens: Mapping[str, str]) -> None:
