@@ -21,6 +21,7 @@ from helpers.waiting import await_that
 
 import trainer
 from trainer.cli.main import cli
+from trainer.cli.run import be
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.client import dial
@@ -228,6 +229,15 @@ def test_each_role_has_its_own_token_or_the_one_for_all() -> None:
 def test_a_token_given_twice_or_none_is_refused(given: tuple[str, ...]) -> None:
     with pytest.raises(ConfigError, match="--token"):
         read_tokens(given)
+
+
+@pytest.mark.parametrize("word", ["wörd", "two words", "a#b", 'a"b', "a$b", "a*b"])
+def test_a_token_that_no_order_can_hold_is_refused_at_both_ends(word: str) -> None:
+    with pytest.raises(ConfigError, match="--token: a word has plain letters") as refused:
+        read_tokens((f"helm={word}",))
+    assert word not in str(refused.value)
+    with pytest.raises(ConfigError, match="--token: a word has plain letters"):
+        be("tcp://127.0.0.1:9", "helm", word, teletype=True)
 
 
 def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -244,6 +244,31 @@ def test_what_a_command_has_written_it_may_write_again(typed: Typed, tmp_path: P
     assert typed("schema", "sea", "-o", os.devnull) == (0, "")
 
 
+@pytest.mark.parametrize("there", ['schema = "identify/1"\n', 'schema = "gert', "# notes\n"])
+def test_settings_of_another_kind_are_not_written_over(
+    typed: Typed, tmp_path: Path, there: str
+) -> None:
+    (tmp_path / "mine.toml").write_text(there)
+    code, told = typed("boat", "estimate", "small-boat", "-o", "mine.toml", "--draws", "0")
+    assert (code, told) == (
+        2,
+        "trainer: mine.toml is there already, and is of another kind: give a new name\n",
+    )
+    assert (tmp_path / "mine.toml").read_text() == there
+
+
+def test_a_boat_of_one_s_own_is_not_written_over_but_an_estimate_is(
+    typed: Typed, tmp_path: Path
+) -> None:
+    line = ("boat", "estimate", "small-boat", "-o", "mine.toml", "--draws", "0")
+    assert typed(*line)[0] == typed(*line)[0] == 0
+    (tmp_path / "mine.toml").unlink()
+    assert typed("boat", "new", "mine.toml", "--from", "bb2")[0] == 0
+    before = (tmp_path / "mine.toml").read_bytes()
+    assert typed(*line)[0] == 2
+    assert (tmp_path / "mine.toml").read_bytes() == before
+
+
 def test_a_file_that_is_kept_between_searches_is_of_no_other_kind(typed: Typed) -> None:
     code, told = typed("identify", "b.toml", "--checkpoint", "b.toml")
     assert code == 2

@@ -297,6 +297,17 @@ def test_what_is_sent_and_answered_stands_in_the_log() -> None:
     at_the_console(order, talk)
 
 
+@pytest.mark.parametrize("words", ["наутилус", "mark why * this", "mark $5", "rudder right 10°"])
+def test_what_no_order_can_hold_is_refused_and_the_screen_stays(words: str) -> None:
+    talk = tape()
+    model = sight_of(talk)
+    model.hear()
+    model.order(words)
+    assert "cannot be sent" in model.journal.entries[-1].text
+    model.order("depth 70")
+    assert talk.orders == ["depth 70"]
+
+
 def test_tab_completes_and_the_arrows_bring_orders_back() -> None:
     async def order(pilot: Pilot[Refused], app: Console) -> None:
         entry = app.query_one(Entry)

@@ -1,5 +1,6 @@
 """The Python face of fits: arrays, frames and files in; numbers, predictions and plots out."""
 
+import math
 import re
 import subprocess
 import sys
@@ -128,7 +129,7 @@ def test_series_matrices_plots_and_files_come_out(ship: Any, tmp_path: Path) -> 
 
 
 def test_parameters_may_begin_elsewhere_and_be_held() -> None:
-    found = fitted(motion(1), fixed={"T": 25.0}, start={"K": -0.03})
+    found = fitted(motion(1), fixed={"T": np.float32(25.0)}, start={"K": -0.03}, every=np.int64(1))
     assert "T" not in found.parameters
     assert found.T1 == 25.0
 
@@ -145,6 +146,14 @@ def test_parameters_may_begin_elsewhere_and_be_held() -> None:
         ({}, {"lenght": 3}, "no keyword 'lenght'; nearest is length"),
         ({}, {"noise": "white"}, "noise = 'white': must be output-error or"),
         ({}, {"length": None}, r"frame: lacks \[ship\]"),
+        ({}, {"length": math.nan}, "fit: length = nan: must be finite, 0.1 to 600 m"),
+        ({}, {"length": "120"}, 'fit: length = "120": must be a number, 0.1 to 600 m'),
+        ({}, {"speed": -12}, "fit: speed = -12: must be 0.01 to 60 kn"),
+        ({}, {"every": 0}, "fit: every = 0: must be a whole number, 1 to 1000"),
+        ({}, {"end": "x"}, 'fit: end = "x": must be a number'),
+        ({}, {"start": {"T": math.nan}}, "fit: start: T = nan: must be a finite number"),
+        ({}, {"fixed": {"T": "x"}}, "fit: fixed: T = 'x': must be a finite number"),
+        ({}, {"start": 5}, "fit: start: must be numbers by name, such as {'T': 20.0}"),
     ],
 )
 def test_what_cannot_be_fitted_is_named(change: Any, keywords: Any, told: str) -> None:

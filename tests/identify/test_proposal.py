@@ -113,7 +113,9 @@ def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
 
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "heading": HEADING})
-    with pytest.raises(ConfigError, match="no column looks like the rudder; it has t, heading"):
+    with pytest.raises(
+        ConfigError, match="the rudder; it has t, heading: call the right one rudder,"
+    ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
 
@@ -143,7 +145,9 @@ def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> Non
 
 def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "Kurs": HEADING})
-    with pytest.raises(ConfigError, match=r"no column looks like heading, .*; it has .*Kurs"):
+    with pytest.raises(
+        ConfigError, match=r"no column looks like heading, .*; it has .*Kurs.*call .* heading, for"
+    ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
 
@@ -160,6 +164,11 @@ def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: P
     (tmp_path / "b").mkdir()
     answered("new", path, "-o", tmp_path / "b" / "study.toml", "--length", 100, "--at", 12)
     assert load_study(tmp_path / "b" / "study.toml").data.resolve() == path
+
+
+def test_a_folder_in_place_of_a_record_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"\.: cannot be read: Is a directory"):
+        answered("new", Path())
 
 
 def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:

@@ -63,6 +63,12 @@ def observed(folder: Path) -> Record:
     return observe_record(load_study(folder / "a.toml"))
 
 
+@pytest.mark.parametrize("text", ["", "\n\n", "# a remark\n"])
+def test_an_empty_file_is_called_empty(tmp_path: Path, text: str) -> None:
+    with pytest.raises(ConfigError, match=r"a\.csv: is empty; headings of columns belong there"):
+        proposed(tmp_path, "a.csv", text)
+
+
 @pytest.mark.parametrize("name", READ)
 def test_a_stranger_s_record_is_the_ship_s_run(tmp_path: Path, name: str) -> None:
     units, told = READ[name]

@@ -59,10 +59,10 @@ def estimate(hull: str, file: Path | None, output: Path | None, **options: Any) 
     if options["study"] is not None and output is None:
         raise click.UsageError("--study: needs -o, the boat that it flies")
     made = write_boat(open_hull(hull), output or Path(f"{Path(hull).stem}-boat.toml"))
-    with show_progress(turns_of(made, options["draws"]), "turning") as step:
-        result = survey_boat(made, options["draws"], step)
     if output is not None:
         write_text(output, made.text)
+    with show_progress(turns_of(made, options["draws"]), "turning") as step:
+        result = survey_boat(made, options["draws"], step)
     if options["html"] is not None:
         write_text(options["html"], html_page(result, made))
     if options["study"] is not None:

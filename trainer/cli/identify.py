@@ -405,7 +405,7 @@ def new(
         path, proposal = ship, write_ship_file(record, ship, length)
         last = f"fill in [dimensions]; fit it by: {fit_command(record, ship)}"
     else:
-        path = output or record.with_suffix(".toml")
+        path = output or record.parent / f"{record.stem or 'study'}.toml"
         proposal = write_proposal(record, path, length, knots)
         lacking = "" if length else "fill in the length of [ship]; "
         last = f"{lacking}fit it by: trainer identify {as_typed(path)}"

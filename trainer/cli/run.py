@@ -403,7 +403,10 @@ def station(role: str, url: str | None, token: str | None, *, teletype: bool) ->
 def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
     """Be a station of that role, on a screen or as a teletype. Return the exit code."""
     from trainer.console.terminal import has_terminal
+    from trainer.session.stations.roles import refuse_unsayable_token
 
+    if token:
+        refuse_unsayable_token(token)
     if has_terminal() and not teletype:
         from trainer.console.launch import attend_session
 

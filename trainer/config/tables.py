@@ -301,6 +301,8 @@ def _separator(text: str) -> str:
 
 def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
     """Check that the first line can be the headings of columns; ConfigError if it is none."""
+    if not heads:
+        raise ConfigError(f"{path}: is empty; headings of columns belong there, {HEADINGS_EXAMPLE}")
     first = next((n for n, line in enumerate(text.splitlines(), 1) if line.strip()), 1)
     if len(heads) > 1 and all(map(_is_number, heads)):
         raise ConfigError(

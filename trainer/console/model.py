@@ -21,7 +21,7 @@ from trainer.console.readings import ChannelReadings
 from trainer.console.vessel import CasualtyOffer, Vessel
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.help import NO_ROLE_TEXT
-from trainer.io.orders.sentences import Sentence
+from trainer.io.orders.sentences import Sentence, unsendable_sign
 
 BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
 LONG_ANSWER_LINES: Final = 4  # [lines] from which an answer is read in a window of its own
@@ -209,6 +209,9 @@ class SessionModel:
     def _send(self, words: str, *, quiet: bool) -> bool:
         if not quiet:
             self.journal.add(self.picture.seconds, "sent", words)
+        if sign := unsendable_sign(words):
+            self.journal.add(None, "refused", f'"{sign}" cannot be sent; type plain letters')
+            return False
         tag = self.talk.order(words)
         if tag:
             self.sent.asked[tag] = SentOrder(words, quiet)

@@ -160,7 +160,7 @@ def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[ScheduledOrde
     for i, (seconds, text) in enumerate(orders, start=1):
         order = parse(text)
         if not isinstance(order, Order):
-            raise ConfigError(f"{text}: is no order")
+            raise ConfigError(f"{text}: {order.reason if order else 'is no order'}")
         scheduled.append(ScheduledOrder(seconds, order, i))
     return scheduled
 

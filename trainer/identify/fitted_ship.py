@@ -14,7 +14,8 @@ import numpy as np
 
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, nearest, path_named, write_over
+from trainer.config.files import ConfigError, Position, nearest, path_named, write_over
+from trainer.config.schema import Kind, Quantity, WholeNumber, within
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
@@ -51,6 +52,13 @@ OPTION_CHOICES: Final = {
     "noise": NOISE_MODELS,
     "method": FIT_METHODS,
     "positive_rudder": ("port", "starboard"),
+}
+OPTION_NUMBERS: Final[Mapping[str, Kind]] = {
+    "length": Quantity("m", within(0.1, 600), "of the ship"),
+    "speed": Quantity("kn", within(0.01, 60), "of the ship"),
+    "every": WholeNumber(1, 1000, "samples of which one is taken"),
+    "begin": Quantity("s", within(-1e9, 1e9), "first time used"),
+    "end": Quantity("s", within(-1e9, 1e9), "last time used"),
 }
 MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
 # fmt: off
@@ -150,6 +158,7 @@ def fit(
                 f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {known_names}"
             )
     chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
+    _check_numbers(chosen)
     unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
@@ -158,6 +167,20 @@ def fit(
     if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
         raise ConfigError(f"model {model}: takes one frame")
     return _fit_steering(cast("Frame", frame), model, chosen)
+
+
+def _check_numbers(given: Mapping[str, Any]) -> None:
+    """Check that numbers among the keywords can be so; ConfigError if one cannot."""
+    for name, kind in OPTION_NUMBERS.items():
+        value = given[name]
+        if value is not None:  # numpy's numbers are taken as Python's own
+            kind.read(name, value.item() if hasattr(value, "item") else value, Position("fit", ""))
+    for name in ("start", "fixed"):
+        if not isinstance(given[name], Mapping):
+            raise ConfigError(f"fit: {name}: must be numbers by name, such as {{'T': 20.0}}")
+        for key, value in given[name].items():
+            if not (isinstance(value, int | float | np.number) and np.isfinite(value)):
+                raise ConfigError(f"fit: {name}: {key} = {value!r}: must be a finite number")
 
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":

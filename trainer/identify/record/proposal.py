@@ -109,9 +109,10 @@ def _guessed(data: Path) -> GuessedColumns:
     columns = guess_columns(table, CHANNEL_WORDS)
     for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):
         if wanted.isdisjoint(columns.columns):
-            name = "it rudder" if "rudder" in wanted else "one so"
+            name = "rudder" if "rudder" in wanted else "heading, for example"
             raise ConfigError(
-                f"{data}: no column looks like {what}; it has {', '.join(table.names)}: name {name}"
+                f"{data}: no column looks like {what}; it has {', '.join(table.names)}: "
+                f"call the right one {name}, in the file's first row"
             )
     return columns
 

@@ -184,6 +184,12 @@ def order_sentence(words: str, tag: str = "") -> str:
     return frame("TRO", tag, words)
 
 
+def unsendable_sign(words: str) -> str:
+    """Return the first character that no order can hold, "" where there is none."""
+    found = UNSAFE_PATTERN.search(words)
+    return found[0] if found else ""
+
+
 def answer(tag: str, *, accepted: bool, text: str) -> str:
     """Return the last line of an answer: done, or why not."""
     return frame("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")

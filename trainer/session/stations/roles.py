@@ -68,6 +68,7 @@ PANEL_NAMES: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
 TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 ROLE_FIRST_TEXT: Final = "say who you are first: role NAME TOKEN"
 MAX_TOKEN_GUESSES: Final = 3  # wrong tokens before a line is closed
+TOKEN_FORM: Final = re.compile(r"[!%-)+-~]+")  # what an order, and a page, can hold
 SHORT_TOKEN_LETTERS: Final = 6  # [characters]
 ANY_ROLE: Final = ""  # the role of a token that stands for all roles without their own
 FREE_GUESSES: Final = 3  # wrong tokens of a machine that are answered at once
@@ -328,10 +329,17 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
             role, word = ANY_ROLE, text
         if not word:
             raise ConfigError(f"--token {role}=: say {role}=WORD")
+        refuse_unsayable_token(word)
         if role in tokens:
             raise ConfigError(f"--token: {role or 'a word for all roles'} is given twice")
         tokens[role] = word
     return tokens
+
+
+def refuse_unsayable_token(word: str) -> None:
+    """Raise ConfigError, without the word, if no order could hold it."""
+    if not TOKEN_FORM.fullmatch(word):
+        raise ConfigError('--token: a word has plain letters, digits and signs; no space " # $ *')
 
 
 def refuse_open_door(option: str, host: str, tokens: Mapping[str, str]) -> None:
