@@ -351,7 +351,10 @@ def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> Non
     async def resize(pilot: Pilot[Refused], app: Console) -> None:
         for width, height in SIZES:
             await pilot.resize_terminal(width, height)
-            await pilot.pause(0.12)
+            for _ in range(100):
+                await pilot.pause(0.12)
+                if app.query_one(Entry).region.bottom <= height:
+                    break
             for pane in app.screen.query(Pane):
                 size = pane.size
                 assert all(len(plain([row])) <= size.width for row in pane.lines[: size.height])
