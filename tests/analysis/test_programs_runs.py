@@ -216,7 +216,7 @@ def test_a_column_that_a_run_lacks_is_named_with_the_nearest() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "first line must name the columns"),
+        ("", "is empty; headings of columns belong there"),
         ("time,u\n0,1\n1,2\n", "first line must name the columns, t"),
         ("t,u,u\n0,1,1\n", 'column "u" is given twice'),
         ("t,u\n0,1\n1\n", "row 3: has 1 fields, the heading 2"),
