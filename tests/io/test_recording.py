@@ -986,6 +986,22 @@ def test_a_recording_is_read_where_nothing_can_be_written(
     assert files(path) == held
 
 
+def test_a_recording_in_which_a_text_is_none_is_told_as_damaged_by_who_goes_on(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "watch.recording"
+    with closing(begin(path)) as recording:
+        fill(recording)
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA writable_schema = ON")
+        comment = "CAST(CAST(sql AS BLOB) || x'2d2dff' AS TEXT)"  # of a byte that is no letter
+        connection.execute(f"UPDATE sqlite_schema SET sql = {comment} WHERE type = 'table'")
+        connection.commit()
+    for open_it in (Recording.look, Recording.reopen):
+        with pytest.raises(RecordingError, match="is damaged: a text in it is none"):
+            open_it(path).close()
+
+
 @pytest.fixture
 def tiny_disk(tmp_path: Path) -> Iterator[Path]:
     """Give the folder of a disk of 800 kB, where this user may mount one."""

@@ -206,6 +206,8 @@ def reopen(path: Path) -> sqlite3.Connection:
                 format_1.upgrade(connection, CHANGED_TABLES)
             connection.execute("PRAGMA busy_timeout = 0")  # who writes waits in its own way
         except sqlite3.OperationalError as error:
+            if not hasattr(error, "sqlite_errorcode"):  # a text that is none: the file is damaged
+                raise
             raise RecordingError(f"{path} cannot be written: {_why_not(error, path)}") from None
         unless_good.pop_all()
     return connection
