@@ -8,7 +8,7 @@ from trainer.console.drawing.chart import strip
 from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.panels import top, trainee
 from trainer.console.guide import briefing_rows
-from trainer.console.key_orders import SWITCHES, KeyOrders
+from trainer.console.key_orders import SWITCH_ORDERS, KeyOrders
 from trainer.console.keys import KEYS, OrderAction, PlainAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
@@ -147,7 +147,7 @@ def test_a_key_switches_an_aid_on_and_off_again(
     act: PlainAction, channels: dict[str, dict[str, str]], words: str
 ) -> None:
     assert KeyOrders(seen(**channels)).make(act) == words
-    assert act in SWITCHES
+    assert act in SWITCH_ORDERS
     assert act in [key.act for key in KEYS["trainee"]]
 
 

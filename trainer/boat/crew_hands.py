@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,11 +225,9 @@ class PlanesHand:
             for rate in (False, True)
         )
         aim = ahead.column("ordered_depth")[at] if self.depth.value is None else self.depth.value
-        deeper, theta, q = (
-            aim - mean,
-            *(np.degrees(ahead.column(name)[at]) for name in ["theta", "q"]),
-        )
-        up = habits.bubble_s * rate - habits.bubble_deg_per_m * deeper
+        deeper = aim - mean
+        theta, q = (np.degrees(ahead.column(name)[at]) for name in ("theta", "q"))
+        up = self._up(deeper, rate)
         bubble = np.clip(up, -habits.bubble_deg_max, habits.bubble_deg_max)
         may = np.zeros(deeper.size, np.bool_)
         if (ordered := self.pitch.value) is not None:
@@ -237,9 +235,9 @@ class PlanesHand:
             bubble = np.where(away, math.degrees(ordered), bubble)
             may |= np.abs(np.abs(deeper) - habits.leave_m) < ORDER_SLACK
             may |= np.abs(deeper) < ORDER_SLACK
-        rise = habits.stern_per_bubble * (bubble - theta) - habits.stern_s * q
+        rise = self._stern_rise(bubble - theta, q)
         may |= may_turn(rise, habits.stern_deg_max, self.stern, habits.stern_off_deg)
-        rise = habits.bow_s * rate - habits.bow_deg_per_m * deeper
+        rise = self._bow_rise(deeper, rate)
         rise = np.clip(rise, -habits.bow_deg_max, habits.bow_deg_max)
         may |= np.abs(np.abs(deeper) - habits.bow_within_m) < ORDER_SLACK
         for slack in (-ORDER_SLACK, ORDER_SLACK):
@@ -248,6 +246,21 @@ class PlanesHand:
             near = np.abs(rise + slack - self.bow) < 0.6 * habits.bow_step_deg
             may |= (wanted != self.bow) & ~(near & (wanted != 0.0))
         return first_of(looks, may, len(ahead))
+
+    # The laws of one look and of many at once, numbers or arrays: numpy alone would take four times
+    # as long for one look.
+
+    def _up(self, deeper: Any, rate: Any) -> Any:
+        """Return the pitch [deg] that leads to the depth."""
+        return self.habits.bubble_s * rate - self.habits.bubble_deg_per_m * deeper
+
+    def _stern_rise(self, error: Any, turn: Any) -> Any:
+        """Return how far stern planes are to rise [deg], by the error and rate of pitch."""
+        return self.habits.stern_per_bubble * error - self.habits.stern_s * turn
+
+    def _bow_rise(self, deeper: Any, rate: Any) -> Any:
+        """Return how far bow planes are to rise [deg]."""
+        return self.habits.bow_s * rate - self.habits.bow_deg_per_m * deeper
 
     def _bubble(self, deeper: float, rate: float) -> float:
         """Return the pitch [deg] to aim at, bow up: the bubble of the inclinometer.
@@ -258,13 +271,13 @@ class PlanesHand:
         habits, ordered = self.habits, self.pitch.value
         if ordered is not None and abs(deeper) > habits.leave_m and ordered * deeper < 0.0:
             return math.degrees(ordered)
-        up = habits.bubble_s * rate - habits.bubble_deg_per_m * deeper
+        up: float = self._up(deeper, rate)
         return min(max(up, -habits.bubble_deg_max), habits.bubble_deg_max)
 
     def _stern(self, deeper: float, rate: float) -> list[str]:
         habits, (theta, q) = self.habits, self.boat.numbers(("theta", "q"))
         error = self._bubble(deeper, rate) - math.degrees(theta)
-        rise = habits.stern_per_bubble * error - habits.stern_s * math.degrees(q)
+        rise = self._stern_rise(error, math.degrees(q))
         wanted = round(min(max(rise, -habits.stern_deg_max), habits.stern_deg_max))
         if abs(wanted - self.stern) < habits.stern_off_deg:
             return []
@@ -273,7 +286,7 @@ class PlanesHand:
 
     def _bow(self, deeper: float, rate: float) -> list[str]:
         habits = self.habits
-        rise = habits.bow_s * rate - habits.bow_deg_per_m * deeper
+        rise = self._bow_rise(deeper, rate)
         rise = min(max(rise, -habits.bow_deg_max), habits.bow_deg_max)
         within = abs(deeper) <= habits.bow_within_m
         wanted = int(habits.bow_step_deg * round(rise / habits.bow_step_deg)) if within else 0
@@ -318,7 +331,7 @@ class RudderHand:
         self.looked = self.boat.time
         error = self._to_go(gauges.now().heading)
         rate = math.degrees(self.boat.plain[STATE_OFFSETS["r"]])
-        wanted = self.habits.rudder_per_error * error - self.habits.rudder_s * rate
+        wanted = self._turn(error, rate)
         wanted = round(min(max(wanted, -self.habits.rudder_deg_max), self.habits.rudder_deg_max))
         if abs(wanted - self.rudder) < self.habits.rudder_off_deg:
             return []
@@ -345,10 +358,13 @@ class RudderHand:
             may |= np.abs(np.abs(error) - 180.0) < ORDER_SLACK
         else:
             error = np.degrees(self.course.value - heading)
-        turn = habits.rudder_per_error * error
-        turn -= habits.rudder_s * np.degrees(ahead.column("r")[at])
+        turn = self._turn(error, np.degrees(ahead.column("r")[at]))
         may |= may_turn(turn, habits.rudder_deg_max, self.rudder, habits.rudder_off_deg)
         return first_of(looks, may, len(ahead))
+
+    def _turn(self, error: Any, rate: Any) -> Any:
+        """Return the rudder [deg] for an error of course and a rate of turn, numbers or arrays."""
+        return self.habits.rudder_per_error * error - self.habits.rudder_s * rate
 
     def _to_go(self, heading: float) -> float:
         """Return how far there is to turn [deg], right positive, the way that was ordered."""

@@ -89,7 +89,6 @@ class ReferenceCrew:
         self.crew = crew
         self.reaction = reaction or CrewReaction()
         self.gauges = GaugeHistory(boat)
-        self._known_waiting: list[RuleProgress] | None = None  # until a rule is carried out
         self.follow_rules([RuleProgress(rule) for rule in crew.rules])
         self._factors: dict[str, float] = {}  # of the quantities that rules have asked for
         self.hands: dict[str, PlanesHand | RudderHand] = {}
@@ -199,17 +198,15 @@ class ReferenceCrew:
 
     def _waiting(self) -> list[RuleProgress]:
         """Return the rules that wait for something."""
-        if self._known_waiting is None:
-            self._known_waiting = [
-                each
-                for lead, each in self._led
-                if not each.over and (lead is None or lead.given is not None)
-            ]
-        return self._known_waiting
+        return [
+            each
+            for lead, each in self._led
+            if not each.over and (lead is None or lead.given is not None)
+        ]
 
     def follow_rules(self, rules: list[RuleProgress]) -> None:
         """Follow these rules, and no others."""
-        self.followed, self._known_waiting = rules, None
+        self.followed = rules
         # each after the one that it follows upon, None for one that follows none
         self._led = [
             (lead if each.rule.row.then else None, each)
@@ -258,7 +255,7 @@ class ReferenceCrew:
     def count(self, progress: RuleProgress) -> None:
         """Count a rule as carried out now; one that comes again waits again."""
         row, order = progress.rule.row, progress.rule.order
-        progress.given, progress.due, self._known_waiting = self.boat.time, None, None
+        progress.given, progress.due = self.boat.time, None
         progress.over = row.ordered is None and row.every_s is None
         if order.name in CREW_HANDS:
             self._switch(order)

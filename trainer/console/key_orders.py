@@ -29,7 +29,7 @@ PUMP_ORDERS: Final = {  # to the sea or aft, and the other way
 }
 TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of the keys
 # what tells whether something is on, and the orders that switch it on and off
-SWITCHES: Final[Mapping[KeyAction, tuple[tuple[str, str], str, str]]] = {
+SWITCH_ORDERS: Final[Mapping[KeyAction, tuple[tuple[str, str], str, str]]] = {
     PlainAction.SHOW: (("time", "shown"), "demonstrate", "demonstrate off"),
     PlainAction.GHOST: (("ghost", "depth"), "ghost on", "ghost off"),
     PlainAction.PREDICT: (("predictor", "depth"), "predictor 60 s", "predictor off"),
@@ -65,8 +65,8 @@ class KeyOrders:
                 words = self._pump(tank, tonnes)
             case PlainAction.REPEAT if self._model.crew.to_repeat(self._model.role):
                 words = "aye"
-            case PlainAction() if act in SWITCHES:
-                (channel, name), *orders = SWITCHES[act]
+            case PlainAction() if act in SWITCH_ORDERS:
+                (channel, name), *orders = SWITCH_ORDERS[act]
                 words = orders[picture.word(channel, name) not in ("", "no")]
             case PlainAction.AGAIN if picture.word("time", "replay") == "yes":
                 words = "take over"

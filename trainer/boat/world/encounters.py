@@ -325,8 +325,8 @@ class EncounterMonitor:
             if north * v_north + east * v_east > 0.0:  # it goes away
                 over += [ship.name] if called else []
                 continue
-            course = math.atan2(own_east, own_north)
-            own = own or OwnMotion(now.north, now.east, course, speed, turning)
+            way = math.atan2(own_east, own_north), speed, turning
+            own = own or OwnMotion(now.north, now.east, *way)
             closest, until = closest_approach(north, east, v_north, v_east)
             if leaves_lines(own, motion, until, rules.cpa_m):
                 near = nears_on_arcs(own, motion, recall, rules.warn_s)
