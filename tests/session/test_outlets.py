@@ -395,7 +395,7 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
             # by UDP gpsd does not see where a set ends, and reports no fix for a long time
             line = os.ttyname(gps_far)
             wanted = {("TPV", line), ("ATT", line), ("ATT", udp)}
-            for report in itertools.islice(watched(port), 400):
+            for report in itertools.islice(watched(port), 4000):
                 kind, way = report["class"], report.get("device")
                 if kind == "TPV" and "lat" in report:
                     assert report.get("altMSL", -60.0) == pytest.approx(-60.0, abs=1.0)

@@ -160,6 +160,7 @@ def test_the_view_follows_a_drag_and_the_arrows(desk: Caller, ahead: Page) -> No
         page.keyboard.press("Shift+ArrowLeft")
     expect(view).to_have_attribute("data-ships", "0")
     expect(page.locator("#bearing")).to_have_text("309")
+    await_truth(desk, "scope.train", "309.0")  # or its order would come after the next test's
 
 
 def test_the_page_s_waves_are_the_session_s(desk: Caller, ahead: Page) -> None:
