@@ -1,6 +1,7 @@
 """Flights without a session: flown in long stretches, they are those of one tick after another."""
 
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -14,9 +15,12 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory, PlanesHand, RudderHand, TicksAhead
 from trainer.boat.helm import obey_order
+from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.reference_crew import Helmsman, Planesman
 from trainer.debrief import rehearsal
+from trainer.debrief.attainable import RunExplorer
+from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import (
     ByReference,
     Flight,
@@ -61,6 +65,34 @@ def test_a_crew_that_looks_when_it_must_gives_the_orders_of_one_that_always_look
     monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", 1)
     assert flown.trajectory.orders
     assert_same(flown, fly_rehearsal(plan, plan.crew))
+
+
+@pytest.mark.parametrize("name", sample_cases(CREWED, "stern-plane-jam", *CREWED[-2:]))
+def test_a_mute_crew_that_looks_when_it_must_knows_what_one_knows_that_always_looks(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """It knows it at each moment kept, whether the run is the reference crew's or nobody's."""
+    plan, moments = plan_of(name), 0
+    for crew in (plan.crew, None):
+        flown = fly_rehearsal(plan, crew).trajectory
+        known = []
+        for stride in (rehearsal.MAX_STRIDE_TICKS, 1):
+            monkeypatch.setattr(rehearsal, "MAX_STRIDE_TICKS", stride)
+            run = RunExplorer(plan, flown, lambda each: judge_run(each, plan, {}))
+            run.finest = 60
+            run.fly_again()
+            known.append([(tick, knowledge(each.crew)) for tick, each in run.departures.items()])
+            monkeypatch.undo()
+        assert known[0] == known[1]
+        moments += len(known[0])
+    assert moments > 10
+
+
+def knowledge(mute: MuteCrew | None) -> object:
+    """Return what a mute crew knows of its rules, and of its hands."""
+    assert mute is not None
+    hands = [{**vars(hand), "boat": None} for hand in mute.crew.hands.values()]
+    return [replace(each) for each in mute.crew.followed], hands, mute.crew.gauges.seen[-400:]
 
 
 def test_a_crew_that_misreads_its_gauges_looks_as_often_as_one_that_always_looks(
@@ -137,6 +169,7 @@ def test_a_boat_that_is_lost_on_the_way_is_where_it_was_lost(
         assert_same(flown, fly_rehearsal(plan))
         assert flown.trajectory.boat.ticks == flown.trajectory.ticks[-1]
     assert [each.lost for each in flights] == ["collapse at 450 m", "collision with anchored"]
+    assert [go_out(plan).flight.lost for plan in plans] == [each.lost for each in flights]
 
 
 def test_a_member_of_a_sweep_flies_as_tick_by_tick() -> None:

@@ -19,7 +19,6 @@ from trainer.io.orders.sentences import parse_sentence
 from trainer.session.marks import Judgement
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.second_boat import boat_of
 from trainer.session.stations.aids import Predictor
 from trainer.session.stations.roles import ROLES
 
@@ -112,7 +111,7 @@ def test_the_predictor_tells_where_the_boat_goes_if_nobody_does_anything(
     ship = allowing
     ship.fly(10)
     ship.order("stern planes dive 5")
-    predictor = Predictor(boat_of(planned("first-depth-change")), 60.0)
+    predictor = Predictor(planned("first-depth-change").launch_boat(), 60.0)
     ahead = predictor.look_ahead(ship.boat.records.state.view(np.float64).tolist())
 
     now = ship.boat.time
@@ -141,12 +140,12 @@ def test_the_predictor_knows_nothing_of_what_is_still_to_break() -> None:
     plan = plan_run(RunOptions())
     exercise = parse_exercise(text, load_exercise("watch").path)
     armed = replace(plan, armed=exercise.armed)
-    start = boat_of(armed).records.state.view(np.float64).tolist()
-    jammed = boat_of(armed)
+    start = armed.launch_boat().records.state.view(np.float64).tolist()
+    jammed = armed.launch_boat()
     for _ in range(120):
         jammed.tick()
 
-    ahead = Predictor(boat_of(armed), 60.0).look_ahead(start)[-1]
+    ahead = Predictor(armed.launch_boat(), 60.0).look_ahead(start)[-1]
 
     assert float(jammed.state.z) > 65.0
     assert ahead.depth == pytest.approx(60.0, abs=0.5)
@@ -158,7 +157,7 @@ def test_the_predictor_reads_the_gauges_as_they_will_lie(allowing: Crewed) -> No
     stuck = instrument_readings(ship.boat).depth
     ship.order("casualty depth-gauge-stuck")
     ship.order("stern planes dive 8")
-    predictor = Predictor(boat_of(planned("first-depth-change")), 60.0)
+    predictor = Predictor(planned("first-depth-change").launch_boat(), 60.0)
     ahead = predictor.look_ahead(ship.boat.records.state.view(np.float64).tolist())
     assert {round(each.depth, 2) for each in ahead} == {round(stuck, 2)}
     assert math.degrees(ahead[-1].pitch) < -3.0
@@ -246,7 +245,7 @@ def test_a_second_boat_begins_with_the_bits_of_the_first() -> None:
     plan = planned("periscope-sea-3")
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    assert boat_of(plan).snapshot().tobytes() == boat.snapshot().tobytes()
+    assert plan.launch_boat().snapshot().tobytes() == boat.snapshot().tobytes()
 
 
 def test_the_ghost_has_a_past_and_the_predictor_has_none(allowing: Crewed) -> None:

@@ -244,8 +244,7 @@ def check_exercise(name: str) -> list[str]:
             if isinstance(vessel, str):
                 load_vessel(relative_name(path, vessel))
         raise ConfigError(*dict.fromkeys(problems))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = plan.launch_boat()
     checked = None if plan.duration is None else fly_both(plan)
     path = path_named(name, "exercises")
     position = Position(path.name, "")

@@ -34,8 +34,7 @@ class StepFlight:
 
 def fly_steps(plan: Plan) -> list[StepFlight]:
     """Return how each step of a plan goes, flown by the newcomer. The last one may fail."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = plan.launch_boat()
     timed = iter([*plan.schedule])
     coming = next(timed, None)
     flights: list[StepFlight] = []

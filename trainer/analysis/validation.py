@@ -26,7 +26,6 @@ from trainer.analysis.trainees import (
     silly_orders,
 )
 from trainer.analysis.workers import worker_pool
-from trainer.boat.boat import Boat
 from trainer.config.baseline import digest_of
 from trainer.config.files import ConfigError, path_named, read_text
 from trainer.core.digest import core_digest
@@ -176,8 +175,7 @@ def fly_skilled(plan: Plan, skill: Skill, seed: int) -> Rehearsal:
 
 def fly_silly(plan: Plan, policy: SillyPolicy, alone: Rehearsal) -> Rehearsal:
     """Return an exercise flown by a silly crew. ``alone`` is it with nobody aboard."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = plan.launch_boat()
     beside = orders_beside_crew(alone.trajectory, plan)
     orders = {tick: list(given) for tick, given in beside.items()}
     for seconds, order in silly_orders(policy, plan):

@@ -130,6 +130,10 @@ class Records(NamedTuple):
     state: Record
     scratch: Record
 
+    def copy(self) -> "Records":
+        """Return a copy, of plain bytes: numpy copies a record name by name, and slowly."""
+        return Records(*(each.view(np.uint8).copy().view(each.dtype) for each in self))
+
 
 def body_values(file: VesselFile) -> dict[str, float]:
     """Return size, mass and balance [SI] by the core's names."""

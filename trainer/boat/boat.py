@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.assemble import Method, fit_out
+from trainer.boat.assemble import Method, Records, fit_out
 from trainer.boat.machine_code import EMPTY_CHART, bind_tick
 from trainer.boat.world.world import World
 from trainer.config.casualties import load_casualties
@@ -54,11 +54,14 @@ class Boat:
     twentieth of the time.
     """
 
-    def __init__(self, file: VesselFile, method: Method) -> None:
-        """Fit the boat out; it lies still at the surface until ``start``."""
+    def __init__(self, file: VesselFile, method: Method, outfit: Records | None = None) -> None:
+        """Fit the boat out; it lies still at the surface until ``start``.
+
+        ``outfit`` is one that ``fit_out`` has made of this file and method, to be copied.
+        """
         self.file = file
         self.method = method
-        self.records = fit_out(file, method)
+        self.records = fit_out(file, method) if outfit is None else outfit.copy()
         self.vessel = self.records.vessel[0]
         self.state = self.records.state[0]
         whole: Any = self.records.state.view(np.uint8)

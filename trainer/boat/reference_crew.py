@@ -128,11 +128,17 @@ class ReferenceCrew:
         ``column`` gives a field of the state at these ticks, ``readings`` has a row for each of
         what the gauges read. Means are summed otherwise than by a look, which decides.
         """
-        first, now = len(readings), self.boat.time - len(readings) * self.boat.method.step
+        first = self.first_cause(column, readings)
         if self.hands and self.gauges.exact:
-            begun, step = self.boat.ticks - first, self.boat.method.step
+            step = self.boat.method.step
+            begun = self.boat.ticks - len(readings)
             ahead = TicksAhead(begun, step, column, readings, self.gauges)
-            first = min(hand.first_order(ahead) for hand in self.hands.values())
+            first = min(first, *(hand.first_order(ahead) for hand in self.hands.values()))
+        return first
+
+    def first_cause(self, column: Callable[[str], Numbers], readings: Numbers) -> int:
+        """Return after how many ticks a rule may begin by the gauges, or all."""
+        first, now = len(readings), self.boat.time - len(readings) * self.boat.method.step
         for each in self._waiting():
             row = each.rule.row
             over = row.to_s is not None and now > row.to_s + 1.0

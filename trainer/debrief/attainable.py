@@ -19,7 +19,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
@@ -47,6 +46,7 @@ from trainer.debrief.rehearsal import (
     due_tick,
     fly,
     last_tick,
+    stretches,
     world_orders_in,
 )
 from trainer.debrief.scoring import Scorecard
@@ -154,19 +154,19 @@ class RunExplorer:
         NoCurve for a run that has no curve.
         """
         refuse_unfit(self.plan, self.trajectory)
-        boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(boat)
+        boat = self.plan.launch_boat()
         crew = MuteCrew(boat, self.plan.crew)
         flight = Flight(self.plan, boat, ByReference(mute=crew, speaks_from=math.inf))
         to_world: list[Any] = []
-        for tick in range(self.last):
+        moments = {*range(0, self.last, self.finest), *self.recorded}
+        for tick, until in stretches(0, self.last, moments):
             if tick % self.finest == 0:
                 state = boat.snapshot()
                 self.departures[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
             given = self.recorded.get(tick, ())
             to_world += world_orders_in(given, tick)
             flight.give_again(given)
-            if not flight.fly_to(tick + 1):
+            if not flight.fly_to(until):
                 break
         self._compare(flight.rehearsal().trajectory)
 

@@ -19,7 +19,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import ConfigError
@@ -62,8 +61,7 @@ class RunFollower:
     stretches: list[FollowedStretch] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(boat)
+        boat = self.plan.launch_boat()
         crew = MuteCrew(boat, self.plan.crew, CrewReaction())
         start = Departure(0, boat.snapshot(), (), crew.aboard(boat))
         first = Flight(self.plan, boat, ByReference()).rehearsal().trajectory

@@ -4,6 +4,7 @@ Debriefs and checks of exercises fly runs by it, because a run beside a recorded
 stations and no clock. It is flown from its start, or from any moment of another run of it.
 """
 
+import functools
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -12,6 +13,7 @@ from itertools import accumulate, pairwise
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
@@ -45,12 +47,10 @@ from trainer.session.layout import LAYOUT
 from trainer.session.plan import Plan
 
 LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
-COLUMN_OFFSETS: Final = np.array([LAYOUT.index(name) for name in PASSAGE_COLUMNS], np.int64)
-POSE_INDICES: Final = [PASSAGE_COLUMNS.index(name) for name in POSE_NAMES]
+GAUGE_COUNT: Final = len(InstrumentReadings._fields)
 MAX_STRIDE_TICKS: Final = 4096  # ticks flown at once
-PLANE_INDICES: Final = POSE_INDICES[:2]  # north and east
-Z_INDEX: Final = PASSAGE_COLUMNS.index("z")
 HULL_COLUMNS: Final = ("z", "theta", "held_depth")
+WATCHED_COLUMNS: Final = tuple(dict.fromkeys((*POSE_NAMES, *HULL_COLUMNS)))  # to see a boat lost
 
 ComeAboard = Callable[[Boat, Crew, CrewReaction | None], ReferenceCrew]
 OrdersByTick = Mapping[int, Sequence[RecordedOrder]]  # recorded orders, to be given again
@@ -104,22 +104,32 @@ class ByReference:
 
     def quiet_ticks(self, step: float) -> float:
         """Return the tick up to which nobody does anything, as long as nobody orders anything."""
-        if self.mute is not None or (self.crew is not None and self.crew.has_begun_anew):
+        crew, until = self._watcher, self.speaks_from if self.mute else math.inf
+        if crew is None:
+            return math.inf
+        if crew.has_begun_anew:
             return 0
-        seconds = math.inf if self.crew is None else self.crew.next_look()
-        return math.ceil(seconds / step) if math.isfinite(seconds) else math.inf
+        seconds = crew.next_look()
+        return min(math.ceil(seconds / step), until) if math.isfinite(seconds) else until
 
-    def first_sight(self, rows: Numbers) -> int:
-        """Return after how many rows the crew may see what it waits for, or all."""
-        if self.crew is None:
-            return len(rows)
-        column = lambda name: rows[:, PASSAGE_COLUMNS.index(name)]  # noqa: E731
-        return self.crew.first_sight(column, rows[:, COLUMN_OFFSETS.size :])
+    def first_sight(self, column: Callable[[str], Numbers], readings: Numbers) -> int:
+        """Return after how many ticks the crew may see what it waits for, or all.
+
+        ``column`` and ``readings`` are those of ``ReferenceCrew.first_sight``.
+        """
+        if self.mute:
+            return self.mute.crew.first_cause(column, readings)
+        return self.crew.first_sight(column, readings) if self.crew else len(readings)
 
     def pass_over(self, begun: int, readings: Numbers) -> None:
         """Have the crew know what the gauges read at the ticks after one."""
-        if self.crew is not None and len(readings):
-            self.crew.pass_over(begun, readings)
+        if self._watcher is not None and len(readings):
+            self._watcher.pass_over(begun, readings)
+
+    @property
+    def _watcher(self) -> ReferenceCrew | None:
+        """Return who looks at the gauges, mute or not."""
+        return self.mute.crew if self.mute else self.crew
 
 
 def fly_rehearsal(
@@ -132,27 +142,38 @@ def fly_rehearsal(
 
     Nobody is aboard where no crew is given. ConfigError if it cannot begin, or has no end.
     """
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = plan.launch_boat()
     aboard = ByReference(None if crew is None else come_aboard(boat, crew, reaction))
-    flight, due = Flight(plan, boat, aboard), due_orders(plan)
-    for tick, until in stretches(0, last_tick(plan), due):
-        flight.give_scheduled(due.get(tick, ()))
-        if not flight.fly_to(until):
-            break
+    flight = Flight(plan, boat, aboard)
+    flight.fly_schedule()
     return flight.rehearsal()
+
+
+@functools.cache
+def offsets_of(names: Sequence[str]) -> NDArray[np.int64]:
+    """Return where a state has these fields."""
+    return np.array([LAYOUT.index(name) for name in names], np.int64)
 
 
 class Flight:
     """A plan under way without a session: a boat, whoever is aboard, and the journal."""
 
-    def __init__(self, plan: Plan, boat: Boat, aboard: ByReference) -> None:
-        """Begin where the boat is."""
+    def __init__(
+        self,
+        plan: Plan,
+        boat: Boat,
+        aboard: ByReference,
+        columns: Sequence[str] = PASSAGE_COLUMNS,
+    ) -> None:
+        """Begin where the boat is, and keep these fields of the state after each tick."""
         self.plan, self.boat, self.aboard = plan, boat, aboard
+        self.names = tuple(dict.fromkeys((*columns, *WATCHED_COLUMNS)))
+        self.offsets = offsets_of(self.names)
+        self.poses = [self.names.index(name) for name in POSE_NAMES]
         self.journal, self.first, self.lost = Journal(boat), boat.ticks, ""
         self.struck = ""  # the ship that the boat ran into
         self.stride = 1  # [ticks] flown at once, while nothing has somebody look sooner
-        self.rows = [boat.records.state.view(np.float64)[None, COLUMN_OFFSETS]]
+        self.rows = [boat.records.state.view(np.float64)[None, self.offsets]]
         contacts = contacts_in(boat)
         ends = contacts is not None and contacts.encounters.collision == "end"
         self.contacts = contacts if ends else None  # those whose touch ends the flight
@@ -187,6 +208,14 @@ class Flight:
                 fact = ordered_fact(self.boat, order)
             self.given.append(self.journal.repeat(entry, reply, fact))
 
+    def fly_schedule(self) -> None:
+        """Fly from start to end by the schedule, whoever is aboard at work."""
+        due = due_orders(self.plan)
+        for tick, until in stretches(0, last_tick(self.plan), due):
+            self.give_scheduled(due.get(tick, ()))
+            if not self.fly_to(until):
+                break
+
     def fly_to(self, until: int) -> bool:
         """Fly to a tick, whoever is aboard at work; return whether the boat goes on."""
         with np.errstate(all="ignore"):
@@ -203,21 +232,27 @@ class Flight:
     def _advance(self, until: int) -> None:
         """Fly on to a tick at which somebody looks again, or to where the boat is lost."""
         boat, begun = self.boat, self.boat.ticks
-        rows = np.empty((until - begun, COLUMN_OFFSETS.size + len(InstrumentReadings._fields)))
-        status, rows = boat.fly_and_keep(COLUMN_OFFSETS, rows, lambda rows: self._keep(begun, rows))
+        width = self.offsets.size
+        rows = np.empty((until - begun, width + GAUGE_COUNT))
+        status, rows = boat.fly_and_keep(self.offsets, rows, lambda rows: self._keep(begun, rows))
         self.stride = max(len(rows), 1)
         failure = boat.failure(status) if status else ""
         hit = self.struck and f"collision with {self.struck}"
         self.lost = collapse_of(boat) or hit or failure
-        self.rows.append(rows[:, : COLUMN_OFFSETS.size])
-        self.aboard.pass_over(begun, rows[:, COLUMN_OFFSETS.size :])
+        self.rows.append(rows[:, :width])
+        self.aboard.pass_over(begun, rows[:, width:])
 
     def _keep(self, begun: int, rows: Numbers) -> int:
         """Return after how many rows since a tick somebody has to look, or the boat is lost."""
         if len(rows) > 1:
-            rows = rows[: self.aboard.first_sight(rows)]
+            column = functools.partial(self._column, rows)
+            rows = rows[: self.aboard.first_sight(column, rows[:, self.offsets.size :])]
         count, self.struck = self._end(begun, rows)
         return count
+
+    def _column(self, rows: Numbers, name: str) -> Numbers:
+        """Return a field of the state in some rows."""
+        return rows[:, self.names.index(name)]
 
     def _end(self, begun: int, rows: Numbers) -> tuple[int, str]:
         """Return how many rows since a tick there are to the loss of the boat, or in all.
@@ -225,15 +260,14 @@ class Flight:
         Return the ship too that it then runs into, "" for none.
         """
         count = len(rows)
-        if count > 1 and float(rows[:, Z_INDEX].max()) >= self.crush_depth:
-            columns = (rows[:, PASSAGE_COLUMNS.index(name)] for name in HULL_COLUMNS)
+        if count > 1 and float(self._column(rows, "z").max()) >= self.crush_depth:
+            columns = (self._column(rows, name) for name in HULL_COLUMNS)
             crushed = is_crushed(self.boat.file.hull, *columns)
             count = min(count_before(crushed) + 1, count)
         contacts, hull = self.contacts, self.hull
         if contacts is None or not count or self._is_clear(contacts, hull, begun, rows[:count]):
             return count, ""
-        flown = np.vstack([self.rows[-1][-1:], rows[:count, : COLUMN_OFFSETS.size]])
-        poses = flown[:, POSE_INDICES]
+        poses = np.vstack([self.rows[-1][-1:, self.poses], rows[:count, self.poses]])
         ticks = np.arange(begun, begun + len(poses), dtype=np.int64)
         passed = passed_ships(contacts, ticks, poses.T)
         struck = collisions_in(passed, hull, poses.T)
@@ -244,7 +278,7 @@ class Flight:
 
         A ship that the water carries, or that has a rudder, may go faster than its kind.
         """
-        here, there = self.rows[-1][-1, PLANE_INDICES], rows[:, PLANE_INDICES]
+        here, there = self.rows[-1][-1, self.poses[:2]], rows[:, self.poses[:2]]
         own = float(np.abs(there - here).max(axis=0).sum())  # [m] at most
         seconds, (north, east) = len(rows) * self.plan.method.step, here.tolist()
         fleet = contacts.fleet(begun)
@@ -255,16 +289,20 @@ class Flight:
                 return False
         return True
 
+    def columns(self) -> dict[str, Numbers]:
+        """Return what was kept so far, each column from the begin on."""
+        return dict(zip(self.names, np.concatenate(self.rows).T, strict=True))
+
     def rehearsal(self) -> Rehearsal:
         """Return what was flown so far."""
-        columns = np.concatenate(self.rows).T
-        count = columns.shape[1]
+        columns = self.columns()
+        count = len(columns["z"])
         trajectory = Trajectory(
             boat=self.boat,
             limits=self.plan.limits,
             orders=tuple(self.journal.entries),
             ticks=np.arange(self.first, self.first + count, dtype=np.int64),
-            columns=dict(zip(PASSAGE_COLUMNS, columns, strict=True)),
+            columns=columns,
             lateness=np.full(count, np.nan),
             work=np.full(count, np.nan),
             marks=tuple(self.journal.marks),
@@ -303,8 +341,7 @@ def fly(
 
 def depart(plan: Plan, since: Departure) -> Boat:
     """Return a boat as it is at a moment."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = plan.launch_boat()
     boat.restore(since.state)
     boat.world.obey_anew(since.to_world)
     return boat

@@ -14,7 +14,7 @@ from trainer.session.aside import BackgroundTask
 from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.plan import Plan
-from trainer.session.second_boat import boat_of, fly_ghost
+from trainer.session.second_boat import fly_ghost
 from trainer.session.shown import ScreenOutput
 from trainer.session.stations.aids import GhostReading, Predictor, ShownAids
 from trainer.session.stations.past import PastReader
@@ -90,7 +90,7 @@ class Aids:
         if name == GHOST:
             work.begin(name, partial(fly_ghost, plan, work.closing), self._take_ghost, fail)
         else:
-            work.begin(name, lambda: Predictor(boat_of(plan)), self._take_predictor, fail)
+            work.begin(name, lambda: Predictor(plan.launch_boat()), self._take_predictor, fail)
 
     def _take_ghost(self, ghost: list[GhostReading]) -> None:
         self._making.discard(GHOST)

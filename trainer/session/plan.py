@@ -7,11 +7,12 @@ the boat and the session by the plan; replays and marks make it again from a rec
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
 from trainer.boat import casualties as casualties_module
-from trainer.boat.assemble import Method
+from trainer.boat.assemble import Method, Records, fit_out
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
@@ -127,6 +128,17 @@ class Plan:
         The briefing of an older file is then for the instructor alone.
         """
         return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
+
+    @cached_property
+    def outfit(self) -> Records:
+        """Return the records that each boat of this plan copies."""
+        return fit_out(self.file, self.method)
+
+    def launch_boat(self) -> Boat:
+        """Return another boat, started as planned; ConfigError if it cannot."""
+        boat = Boat(self.file, self.method, self.outfit)
+        self.start(boat)
+        return boat
 
     def start(self, boat: Boat) -> None:
         """Start the boat as planned; ConfigError if it cannot."""

@@ -35,16 +35,9 @@ MAX_GHOST_S: Final = 3600.0  # [s] of an exercise without an end
 REST_S: Final = 0.0001  # [s] after each tick, in which other threads have their turn
 
 
-def boat_of(plan: Plan) -> Boat:
-    """Return another boat at the start of a plan."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
-
-
 def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
     """Return what the gauges read at each tick of the reference crew's run."""
-    boat = boat_of(plan)
+    boat = plan.launch_boat()
     crew = ReferenceCrew(boat, plan.crew)
     due, index, last = plan.schedule, 0, round((plan.duration or MAX_GHOST_S) / plan.method.step)
     readings = [reading_of(boat)]
@@ -80,7 +73,7 @@ def follow_run(
 
     It is aboard a boat of its own, which is where the run was at the end of that tick.
     """
-    boat = boat_of(plan)
+    boat = plan.launch_boat()
     mute, given = MuteCrew(boat, plan.crew), orders_by_tick(plan, orders, marks)
     with np.errstate(all="ignore"):
         while boat.ticks < last_tick:

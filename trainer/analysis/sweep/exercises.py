@@ -10,28 +10,22 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.helm import obey_order
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import read_vessel
-from trainer.debrief.rehearsal import due_orders, last_tick, stretches
-from trainer.io.orders.grammar import Refused
+from trainer.debrief.rehearsal import ByReference
+from trainer.debrief.rehearsal import Flight as UnderWay
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.plan import Plan, into_hand
 
 CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
-MOTION_OFFSETS: Final = np.array(
-    [STATE_OFFSETS["tick" if name == "t" else name] for name in MOTION_COLUMNS], np.int64
-)
+STATE_COLUMNS: Final = tuple("tick" if name == "t" else name for name in MOTION_COLUMNS)
 SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
 
@@ -87,26 +81,19 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
 
 def go_out(plan: Plan) -> Outing:
     """Return the exercise flown from its start to its end; ConfigError if it cannot begin."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    table, refused, status = np.empty((last_tick(plan) + 1, len(MOTION_COLUMNS))), "", 0
-    table[0] = boat.records.state.view(np.float64)[MOTION_OFFSETS]
-    due = due_orders(plan)
-    with np.errstate(all="ignore"):
-        for tick, until in stretches(0, last_tick(plan), due):
-            for entry in due.get(tick, ()):
-                order = plan.schedule[entry].order
-                reply = obey_order(boat, order)
-                if isinstance(reply, Refused) and not refused:
-                    refused = f"{order.text}: refused: {reply.reason}"
-            if status := boat.fly(MOTION_OFFSETS, table[tick + 1 : until + 1]):
-                break
-    lost, step = boat.failure(status) if status else "", plan.method.step
-    columns = dict(zip(MOTION_COLUMNS, table[: boat.ticks + 1].T.copy(), strict=True))
-    columns["t"] *= step  # the state counts ticks
-    series = Series(Path(plan.file.name), columns)
-    speed = float(columns["u"][0])
-    return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
+    under_way = UnderWay(plan, plan.launch_boat(), ByReference(), STATE_COLUMNS)
+    under_way.fly_schedule()
+    refused = [each for each in under_way.journal.entries if each.accepted is False]
+    columns, step = under_way.columns(), plan.method.step
+    motion = {
+        name: columns[kept].copy() for name, kept in zip(MOTION_COLUMNS, STATE_COLUMNS, strict=True)
+    }
+    motion["t"] *= step  # the state counts ticks
+    series = Series(Path(plan.file.name), motion)
+    speed = float(motion["u"][0])
+    flight = Flight(speed, plan.file.hull.length, step, series, (), under_way.lost)
+    why = f"{refused[0].text}: refused: {refused[0].answer}" if refused else ""
+    return Outing(flight, why)
 
 
 class ExerciseSubject:
