@@ -208,6 +208,7 @@ def test_the_processor_is_named_as_the_kernel_lists_it(tmp_path: Path) -> None:
 @pytest.mark.process
 def test_the_page_is_ascii_in_79_columns(figures: BenchFigures) -> None:
     page = render(figures)
+    assert "load of the machine in the minute before: " in page
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79
@@ -244,7 +245,9 @@ def test_json_is_one_object_whose_keys_carry_the_units(
     bare = {
         n
         for n in units(tree)
-        if not n.endswith(("_s", "_ns", "_percent", "_than_1969", "_the_calm", "_the_bare"))
+        if not n.endswith(
+            ("_s", "_ns", "_percent", "_than_1969", "_the_calm", "_the_bare", "_processes")
+        )
     }
     assert not bare
     assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])

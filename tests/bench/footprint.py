@@ -13,6 +13,7 @@ which 1969 had not either, is counted by itself.
 """
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from helpers.places import tests_environment
+from helpers.tables_1969 import CORE_WORDS
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.boat.entries import BOAT_RECORDS, Entry
@@ -41,6 +43,7 @@ from trainer.core.autopilot.steering import (
 )
 from trainer.core.ballast.ballast import balance
 from trainer.core.compact import forces, lagged_rates
+from trainer.core.elementary import cosine_and_sine
 from trainer.core.integrators import adams
 from trainer.core.kernel import kernel
 from trainer.core.kinematics import attitude_of, kinematics
@@ -51,7 +54,10 @@ from trainer.core.terms import EXTRA_TERMS
 from trainer.core.vessel import COMPACT, COURSE_INTEGRAL_GAIN, INTEGRAL_GAIN
 
 CPUS: Final = ("x86-64-v3", "x86-64-v4")
-WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
+WORDS_1969: Final = {  # [16-bit words] of its Table 16
+    "update": CORE_WORDS["UPDATE"],
+    "tick": sum(CORE_WORDS.values()),
+}
 MEMORY: Final = 4096  # [16-bit words] for a tick with its constants and its state
 VESSEL: Final = "bb2"
 ORDERS: Final = ("source", "list-burr")  # of the instructions: as written, for few registers
@@ -66,6 +72,8 @@ LATER: Final = {  # what the state holds besides, from one number of it to anoth
     "waves, ascent, hovering and trim": ("wave_slow", "trim_forward"),
 }
 WIDE: Final = "wide"  # the program that 1969 had not
+ELEMENTARY: Final = "elementary"  # square root, sine and cosine, which are within the others
+OWN_TO_PROCESSORS: Final = "floating point", "data transfer"  # no programs any more
 CHILD: Final = """
 import json, sys
 from llvmlite import binding
@@ -75,6 +83,7 @@ kernel.part = kernel.kernel = kernel.compiled_with(error_model="numpy", **kernel
 from bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 ticks[footprint.WIDE] = footprint.wide_of_today
+ticks[footprint.ELEMENTARY] = footprint.elementary_of_1969
 print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
 """
 
@@ -191,20 +200,30 @@ def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
 
 def lines(figures: Footprint) -> list[str]:
     """Return the figures as lines of a page."""
-    of_1969 = [code for code in figures.codes if code.code_words_1969 is not None]
-    later = [code for code in figures.codes if code.code_words_1969 is None]
+    of_1969 = [code for code in figures.codes if code.program in WORDS_1969]
+    later = [code for code in figures.codes if code.program == WIDE]
+    functions = [code.code_words for code in figures.codes if code.program == ELEMENTARY]
     half = f"half the memory of 1969: {figures.whole_words_wanted}"
     return [
         "",
         "FOOTPRINT ([16-bit words], compiled for size; modified set, the report's trigonometry)",
         f"  {'program':<8}{'processor':<12}{'code':>8}{'constants':>11}{'1969':>8}{'times':>8}",
         *(_row(code) for code in of_1969),
-        f"  state {figures.state_words}, constants of the boat {figures.compact_words}",
+        _part("SQRT and SIN/COS", min(functions, default=0)),
+        *(_part(name, 0) for name in OWN_TO_PROCESSORS),
+        _part("COMMON", figures.state_words + figures.compact_words),
+        f"    SQRT and SIN/COS are within the programs; COMMON is state {figures.state_words} and",
+        f"    constants of the boat {figures.compact_words}, at four words a number (1969: two)",
         f"  the tick with all of it {figures.least_whole_words}; {half}",
         "  besides, what 1969 had not; wide: the motion beyond the range of its coefficients",
         *(_row(code) for code in later),
         *(f"  state, {what} {words}" for what, words in figures.later_state_words.items()),
     ]
+
+
+def _part(name: str, words: int) -> str:
+    """Return a part of the program of 1969 as a row of the table, with our words of it."""
+    return f"  {name:<20}{words:>8}{'':>11}{CORE_WORDS[name]:>8}"
 
 
 def _row(code: Code) -> str:
@@ -259,6 +278,15 @@ def tick_of_1969(boat: Any, few: Any, how: Any, now: Any, work: Any) -> int:
         )
     s.u_c += h / c.propulsion_lag * (s.command_u_c - s.u_c)
     s.tick += 1.0
+    return 0
+
+
+@kernel
+def elementary_of_1969(boat: Any, few: Any, how: Any, now: Any, work: Any) -> int:  # noqa: ARG001 as all
+    """Write a square root, a sine and a cosine; return 0."""
+    s = now[0]
+    s.zdot = math.sqrt(s.u)
+    s.xdot, s.ydot = cosine_and_sine(s.psi)
     return 0
 
 

@@ -20,7 +20,7 @@ import click
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
-from trainer.analysis.bench.on_time import head, row
+from trainer.analysis.bench.on_time import head, load_line, machine_load, row
 from trainer.analysis.bench.order_delay import TIME_SPEED, Latency, time_orders
 from trainer.analysis.bench.session_tick import (
     SessionTickCost,
@@ -74,6 +74,7 @@ class BenchMachine:
     numpy: str
     numba: str
     code: str  # how the kernels were computed
+    load_processes: float | None  # before the bench
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
     TCP for ``seconds``. ConfigError if the boat cannot fly straight, or loses its numbers at such a
     step.
     """
-    step = file.run.step_s
+    step, load = file.run.step_s, machine_load()
     ordered = ready_boat(file, STANDARD_METHOD, step)
     twice = (*DUTY_1969, *DUTY_1969, step / TIME_SPEED)  # recorded, and not
     length = sum(round(seconds / each) for each in twice)
@@ -150,6 +151,7 @@ def bench_boat(file: VesselFile, seconds: int) -> BenchFigures:
             numpy=np.__version__,
             numba=metadata.version("numba"),
             code=way_name(),
+            load_processes=load,
         ),
         real_time=paced,
         updates=tuple(time_update(ready_boat(file, way, step)) for way in BUSY_LOOP_METHODS),
@@ -222,8 +224,9 @@ def render(figures: BenchFigures) -> str:
     then = f"   of {figures.memory_1969_words_of_16_bits} words in 1969"
     processors = f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"
     system = f"{machine.system}, {versions}; the core {machine.code}"
+    heading = (figures.vessel, processors, system, load_line(machine.load_processes))
     lines = [
-        *(line for text in (figures.vessel, processors, system) for line in wrap(text, "", INDENT)),
+        *(line for text in heading for line in wrap(text, "", INDENT)),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
         f"  with a sea, tanks at work and six casualties {figures.troubled.troubled.median_ns:.0f}",

@@ -49,6 +49,17 @@ class CrowdLateness:
     lateness: Spread
 
 
+def machine_load() -> float | None:
+    """Return how many processes wanted a processor in the last minute, None if nobody knows."""
+    return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+
+
+def load_line(load: float | None) -> str:
+    """Return a ``machine_load`` before a bench as a line of its page."""
+    told = "unknown" if load is None else f"{load:.2f} processes"
+    return f"load of the machine in the minute before: {told}"
+
+
 @contextlib.contextmanager
 def busy_processors(count: int) -> Iterator[None]:
     """Keep ``count`` processors busy inside the block."""

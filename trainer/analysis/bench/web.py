@@ -7,8 +7,6 @@ orders over the page's own line and counts pictures.
 
 import asyncio
 import contextlib
-import math
-import os
 import re
 import signal
 import tempfile
@@ -29,6 +27,8 @@ from trainer.analysis.bench.on_time import (
     count_missed,
     head,
     lateness_of,
+    load_line,
+    machine_load,
     row,
 )
 from trainer.config.extras import advise_install
@@ -149,13 +149,13 @@ class WebFigures:
     looking: PageDelay
     alone: WebTicks
     attended: WebTicks
-    machine_load: float  # [processes] that wanted a processor in the minute before
+    machine_load: float | None
 
 
 def time_pages(file: VesselFile, seconds: float) -> WebFigures:
     """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
     browser = able_browser()
-    machine_load = os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan
+    load = machine_load()
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
         with sailing(file, folder, "alone") as session:
@@ -166,7 +166,7 @@ def time_pages(file: VesselFile, seconds: float) -> WebFigures:
             with attending(session.url):
                 looking = watch_page(session.url, browser, Effort.of(seconds))
                 time.sleep(max(end - time.monotonic(), 0.0))
-        return WebFigures(looking, alone, ticks_of(session, STATION_COUNT), machine_load)
+        return WebFigures(looking, alone, ticks_of(session, STATION_COUNT), load)
 
 
 def able_browser() -> str:
@@ -330,5 +330,5 @@ def lines(figures: WebFigures) -> list[str]:
         row("  alone", alone.lateness, 26),
         row(f"  {attended.stations} stations", attended.lateness, 26),
         f"  deadlines missed: {missed} with stations (0)",
-        f"  load of the machine in the minute before: {figures.machine_load:.2f} processes",
+        f"  {load_line(figures.machine_load)}",
     ]
