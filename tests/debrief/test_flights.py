@@ -92,7 +92,8 @@ def knowledge(mute: MuteCrew | None) -> object:
     """Return what a mute crew knows of its rules, and of its hands."""
     assert mute is not None
     hands = [{**vars(hand), "boat": None} for hand in mute.crew.hands.values()]
-    return [replace(each) for each in mute.crew.followed], hands, mute.crew.gauges.seen[-400:]
+    seen = [(time, *row) for time, row in mute.crew.gauges.seen]
+    return [replace(each) for each in mute.crew.followed], hands, seen
 
 
 def test_a_crew_that_misreads_its_gauges_looks_as_often_as_one_that_always_looks(
@@ -198,9 +199,9 @@ def test_a_gauge_that_an_order_breaks_is_read_anew_in_that_tick() -> None:
     broken = flight.journal.write(SCHEDULE_GIVER, "casualty depth-gauge-biased 1 ramp 0", "")
     flight.give_again([broken])
     flight.fly_to(21)
-    time, shown = crew.gauges.seen[-2]
+    time, row = crew.gauges.seen[-2]
     assert time == 20 * plan.method.step
-    assert shown.depth == pytest.approx(before + 10.0)  # [m] of the table
+    assert InstrumentReadings(*row).depth == pytest.approx(before + 10.0)  # [m] of the table
     assert [each for each, _ in crew.gauges.seen].count(time) == 1
 
 

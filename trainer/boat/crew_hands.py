@@ -8,7 +8,7 @@ that a person could not see, so that people can reach its marks.
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
@@ -37,7 +37,7 @@ class GaugeHistory:
 
     exact: ClassVar[bool] = True  # whether ``mean`` and ``now`` tell what was read
     boat: Boat
-    seen: list[tuple[float, InstrumentReadings]] = field(default_factory=list)
+    seen: list[tuple[float, Sequence[float]]] = field(default_factory=list)  # each with its time
 
     def look(self) -> None:
         """Read the gauges at this tick, unless what was flown has told their readings."""
@@ -50,7 +50,7 @@ class GaugeHistory:
             del self.seen[-1]
         self.look()
 
-    def remember(self, readings: Iterable[tuple[float, InstrumentReadings]]) -> None:
+    def remember(self, readings: Iterable[tuple[float, Sequence[float]]]) -> None:
         """Take readings with their times [s], the latest last."""
         self.seen += readings
         del self.seen[: self._index(self.seen[-1][0] - GAUGE_MEMORY_S)]
@@ -61,7 +61,7 @@ class GaugeHistory:
 
     def now(self) -> InstrumentReadings:
         """Return the readings of the last look."""
-        return self.seen[-1][1]
+        return InstrumentReadings(*self.seen[-1][1])
 
     def mean(self, name: str, seconds: float) -> float:
         """Return the mean of a gauge over the last seconds; 0: what it shows now."""

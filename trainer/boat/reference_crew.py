@@ -163,9 +163,8 @@ class ReferenceCrew:
         for hand in self.hands.values():
             if looks := ahead.looks(hand.looked, hand.habits.look_s):
                 hand.looked = (begun + looks[-1] + 1) * step
-        times = (step * (begun + 1 + i) for i in range(len(readings)))
-        rows = (InstrumentReadings(*row) for row in readings.tolist())
-        self.gauges.remember(zip(times, rows, strict=True))
+        times = step * np.arange(begun + 1, begun + 1 + len(readings))
+        self.gauges.remember(zip(times.tolist(), readings.tolist(), strict=True))
 
     @property
     def has_begun_anew(self) -> bool:
