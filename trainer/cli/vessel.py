@@ -228,7 +228,7 @@ def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
-    from trainer.analysis.reduce import reduction, vessel_text
+    from trainer.analysis.reduce import page, reduction
     from trainer.analysis.reduce.objective import compact_terms
     from trainer.config.files import renew_file, write_over
 
@@ -240,8 +240,8 @@ def _search_reduction(
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
-    tables = vessel_text.factor_tables(reduced.factors, reduced.needs, notes)
+    tables = page.factor_tables(reduced.factors, reduced.needs, notes)
     write = renew_file if result == file.path else write_over
-    write(result, vessel_text.rewrite_vessel(file.text, tables))
+    write(result, page.rewrite_vessel(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

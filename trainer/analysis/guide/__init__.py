@@ -2,9 +2,8 @@
 
 Begin with ``programme``, the manoeuvres that are flown, and ``contents``, which flies and judges
 all of them; ``page`` and ``summary`` show it, ``moves`` lays it beside an earlier one. ``trials``
-reads published figures, ``validation`` and ``verdicts`` judge by them, ``neighbours`` says which
-numbers nothing can be judged by. ``uncertainty`` says how far ours can be trusted, ``reasons``
-which dropped coefficient makes a difference.
+reads published figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far
+ours can be trusted, ``reasons`` which dropped coefficient makes a difference.
 
 ``findings`` of 1969 flown again, ``delays`` and the ``judged_page`` are chapters of the page alone.
 """
@@ -12,7 +11,7 @@ which dropped coefficient makes a difference.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "contents", "moves", "neighbours", "page", "programme", "reasons", "summary", "trials",
+    "contents", "moves", "page", "programme", "reasons", "summary", "trials",
     "uncertainty", "validation", "verdicts",
 ]
 # fmt: on

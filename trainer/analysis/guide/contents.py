@@ -18,7 +18,6 @@ from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
 from trainer.analysis.guide.delays import DelaySheet, measure_delays
 from trainer.analysis.guide.findings import Finding, StepRun
-from trainer.analysis.guide.neighbours import set_apart
 from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
 from trainer.analysis.guide.trials import Published, load_published, numbers_digest, trials_path
 from trainer.analysis.guide.uncertainty import SpreadTable, load_spreads
@@ -36,6 +35,7 @@ from trainer.analysis.guide.verdicts import (
     judge,
     keep_checks,
     passes_all,
+    set_apart,
     verdict_account,
 )
 from trainer.analysis.manoeuvres.catalogue import ParameterValues, manoeuvre_parameters

@@ -19,10 +19,10 @@ import numpy as np
 from trainer import __version__
 from trainer.analysis.guide.programme import Leg
 from trainer.analysis.guide.reasons import DropEffect
-from trainer.analysis.reduce.candidates import CandidatePool
 from trainer.analysis.reduce.objective import (
     CONTROL_COEFFICIENTS,
     Candidate,
+    CandidatePool,
     Yardstick,
     compact_terms,
     fixed_terms,

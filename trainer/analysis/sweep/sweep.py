@@ -10,9 +10,16 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.sweep.chunks import folder_of, result_of, take_up, writing_alone
 from trainer.analysis.sweep.job import Batch, Job, OpenJob, fly_chunk, open_job
-from trainer.analysis.sweep.results import join_parts, schema_of, write_table
+from trainer.analysis.sweep.results import (
+    folder_of,
+    join_parts,
+    result_of,
+    schema_of,
+    take_up,
+    write_table,
+    writing_alone,
+)
 from trainer.analysis.workers import worker_pool
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError

@@ -2,14 +2,14 @@
 
 Begin with ``problem``: which parameters are sought, from which samples; ``study_problem`` poses it
 from a file. ``likelihood`` and ``prediction_error`` are its costs, ``start_values`` where the
-search begins, ``minimise`` and ``estimate`` the search. ``armax``, ``classical`` and ``nonlinear``
-fit in ways of their own. All modules are open.
+search begins, ``minimise`` and ``estimate`` the search. ``armax`` and ``nonlinear`` fit in ways of
+their own. All modules are open.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "armax", "classical", "estimate", "likelihood", "minimise", "nonlinear", "prediction_error",
-    "problem", "start_values", "study_problem",
+    "armax", "estimate", "likelihood", "minimise", "nonlinear", "prediction_error", "problem",
+    "start_values", "study_problem",
 ]
 # fmt: on

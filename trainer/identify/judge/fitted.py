@@ -32,13 +32,14 @@ from trainer.identify.fitting.prediction_error import (
 )
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
-from trainer.identify.judge.propagation import Spread, propagate_covariance
 from trainer.identify.judge.uncertainty import (
     BOUNDED_PREFIXES,
+    Spread,
     Uncertainty,
     beside_bounds,
     hessian,
     inseparable,
+    propagate_covariance,
     uncertainty,
 )
 from trainer.identify.model.derived import quantities, quantity_units

@@ -27,9 +27,16 @@ from trainer.identify.judge.residuals import (
     describe_tests,
     examine_residuals,
 )
-from trainer.identify.judge.rivals import RivalModel, compare_models, compare_without
 from trainer.identify.judge.uncertainty import intervals
-from trainer.identify.judge.validation import ValidationCheck, bend_of, check_of, predict_alone
+from trainer.identify.judge.validation import (
+    RivalModel,
+    ValidationCheck,
+    bend_of,
+    check_of,
+    compare_models,
+    compare_without,
+    predict_alone,
+)
 from trainer.identify.model.derived import DERIVATIVE_NAMES, quantity_units
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.pages.series import (

@@ -1,7 +1,7 @@
 """``trainer ship prbs`` for ships that are not linear: plans, and what each would determine.
 
 Each plan is flown by the ship itself in a calm. The expected information of a fit to that record
-gives the standard deviations, as ``judge/design`` has them for a boat.
+gives the standard deviations, as ``pages/experiment`` has them for a boat.
 """
 
 import math
