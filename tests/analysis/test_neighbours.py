@@ -20,11 +20,10 @@ from trainer.analysis.guide.verdicts import (
 )
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Submarine
-from trainer.analysis.reduce import objective, page, verdict
+from trainer.analysis.reduce import objective, page, reduction
 from trainer.analysis.reduce.objective import Candidate, CandidatePool, Yardstick
 from trainer.analysis.reduce.programme import turn_legs
-from trainer.analysis.reduce.reduction import Reduction
-from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict, judge_legs
+from trainer.analysis.reduce.reduction import PART_TOLERANCES, LegVerdict, Reduction, judge_legs
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
@@ -159,7 +158,7 @@ def test_each_part_of_a_verdict_asks_by_what_it_allows(monkeypatch: pytest.Monke
         shares.append(given[-1])
         return ()
 
-    monkeypatch.setattr(verdict, "verdict_legs", lambda *_: (leg,))
+    monkeypatch.setattr(reduction, "verdict_legs", lambda *_: (leg,))
     monkeypatch.setattr(objective, "set_apart", note)
     judge_legs(file, Candidate(file, "modified"))
 

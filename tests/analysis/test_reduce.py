@@ -43,6 +43,13 @@ from trainer.analysis.reduce.programme import (
     legs_of_guide,
     turn_legs,
 )
+from trainer.analysis.reduce.reduction import (
+    PART_TOLERANCES,
+    LegVerdict,
+    effect_table,
+    judge_legs,
+    passes_legs,
+)
 from trainer.analysis.reduce.search import (
     SLACKEST_LEASH,
     Search,
@@ -54,13 +61,6 @@ from trainer.analysis.reduce.search import (
     cost_rises,
     descend_slopes,
     without_terms,
-)
-from trainer.analysis.reduce.verdict import (
-    PART_TOLERANCES,
-    LegVerdict,
-    effect_table,
-    judge_legs,
-    passes_legs,
 )
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce

@@ -14,7 +14,7 @@ texts say (``stated``) stay here. ``workers`` are the processes that all fly in.
 # fmt: off
 __all__ = [
     "bench", "boat_page", "check", "check_cases", "check_page", "estimate", "exercise_page",
-    "gains", "guide", "manoeuvres", "programs", "readiness", "recording_export", "reduce", "seaway",
+    "gains", "guide", "manoeuvres", "programs", "recording_export", "reduce", "seaway",
     "series", "sweep", "validation", "workers",
 ]
 # fmt: on

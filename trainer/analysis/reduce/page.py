@@ -13,9 +13,8 @@ from typing import Final
 from trainer import __version__
 from trainer.analysis.guide.reasons import DropEffect
 from trainer.analysis.guide.verdicts import verdict_account
-from trainer.analysis.reduce.reduction import Reduction
+from trainer.analysis.reduce.reduction import PART_TOLERANCES, LegVerdict, Reduction
 from trainer.analysis.reduce.search import TermNeed
-from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict
 from trainer.core.terms import EXTRA_TERMS, SLIP_TERMS
 from trainer.report.text import ascii_text, format_number, table, wrap
 

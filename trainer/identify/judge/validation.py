@@ -27,8 +27,7 @@ from trainer.identify.fitting.nonlinear import (
 )
 from trainer.identify.fitting.prediction_error import Innovations
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.fitting.start_values import INITIAL_STATE_NAMES
-from trainer.identify.fitting.study_problem import table_of
+from trainer.identify.fitting.study_problem import INITIAL_STATE_NAMES, table_of
 from trainer.identify.judge.fitted import ModelFit, fit_study
 from trainer.identify.judge.residuals import aic_of_likelihood, ratio_test
 from trainer.identify.judge.uncertainty import covariance_root

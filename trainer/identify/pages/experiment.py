@@ -33,7 +33,7 @@ from trainer.identify.experiment import (
 )
 from trainer.identify.fitting.likelihood import Likelihood
 from trainer.identify.fitting.problem import problem_of
-from trainer.identify.fitting.start_values import ERROR_NAMES, INITIAL_STATE_NAMES, free_names
+from trainer.identify.fitting.study_problem import ERROR_NAMES, INITIAL_STATE_NAMES, free_names
 from trainer.identify.judge.uncertainty import propagate_covariance, uncertainty
 from trainer.identify.model.derived import QUANTITY_UNITS, quantities, quantity_units
 from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Plant, Ship
