@@ -28,9 +28,8 @@ from trainer.identify.fitting.prediction_error import (
 )
 from trainer.identify.fitting.problem import FurtherRun, Problem, problem_of
 from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Model, Plant, Ship
-from trainer.identify.model.nomoto import rate_coefficients
+from trainer.identify.model.nomoto import SteeringModel, find_steering, rate_coefficients
 from trainer.identify.model.own_systems import NOISE_MATRICES, model_of
-from trainer.identify.model.steering import SteeringModel, find_steering
 from trainer.identify.record.measurements import Record, check_count, samples_of
 from trainer.identify.record.study import Study, speed_of, studies_of
 from trainer.identify.record.study_records import ModelTable, ParameterRow

@@ -43,7 +43,7 @@ from trainer.identify.judge.uncertainty import (
     uncertainty,
 )
 from trainer.identify.model.derived import quantities, quantity_units
-from trainer.identify.model.steering import SteeringModel
+from trainer.identify.model.nomoto import SteeringModel
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 from trainer.io.outputs import write_whole

@@ -37,8 +37,7 @@ from trainer.identify.fitting.study_problem import ERROR_NAMES, INITIAL_STATE_NA
 from trainer.identify.judge.uncertainty import propagate_covariance, uncertainty
 from trainer.identify.model.derived import QUANTITY_UNITS, quantities, quantity_units
 from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Plant, Ship
-from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import SteeringModel, find_steering
+from trainer.identify.model.nomoto import Nomoto, SteeringModel, find_steering
 from trainer.identify.record.measurements import Record, samples_of
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap

@@ -20,8 +20,13 @@ from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.model.nomoto import Nomoto, time_constants
-from trainer.identify.model.steering import SteeringModel, find_steering, tabled_steering
+from trainer.identify.model.nomoto import (
+    Nomoto,
+    SteeringModel,
+    find_steering,
+    tabled_steering,
+    time_constants,
+)
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import load_study, observe_record, plain_study
 from trainer.report.plots import Curve, Panel

@@ -21,8 +21,8 @@ from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import REGISTER_TAPS, HelmOptions, prbs
 from trainer.identify.ships.fit import ShipFit, expect_fit, problem_of
+from trainer.identify.ships.likelihood import YAW_GYRATION_LENGTHS, prior_of
 from trainer.identify.ships.page import in_words
-from trainer.identify.ships.priors import YAW_GYRATION_LENGTHS, prior_of
 from trainer.identify.ships.records import MIN_TRIAL_SAMPLES, Trial, with_steps
 from trainer.identify.ships.results import (
     BOOK_PRIOR_SHARE,
