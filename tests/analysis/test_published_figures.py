@@ -15,8 +15,8 @@ from trainer.analysis.guide import delays, judged_page, trials, uncertainty, val
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide.contents import GuideContents, write_guide
 from trainer.analysis.guide.moves import leaves
+from trainer.analysis.guide.page import render
 from trainer.analysis.guide.programme import fly_boat, fly_task, guide_legs
-from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.trials import (
     Figure,
     Published,
@@ -53,7 +53,7 @@ def book() -> GuideContents:
 
 @pytest.fixture(scope="module")
 def page(book: GuideContents) -> str:
-    return guide_page.render(book, None)
+    return guide_page.html_page(book, None)
 
 
 # --- shipped figures
@@ -558,7 +558,7 @@ def test_a_stale_or_missing_table_is_told_on_the_first_page(book: GuideContents)
         for one in book.guide.trials
     )
     doubted = replace(book.guide, trials=rows, doubts=("No table: fly one",))
-    html = guide_page.render(replace(book, guide=doubted, spreads=None), None)
+    html = guide_page.html_page(replace(book, guide=doubted, spreads=None), None)
 
     assert "No table: fly one." in html
     assert "None are stored for this boat." in html

@@ -1,9 +1,9 @@
 """The automatic test guide of a vessel file.
 
 Begin with ``programme``, the manoeuvres that are flown, and ``contents``, which flies and judges
-all of them; ``page`` and ``summary`` show it, ``moves`` lays it beside an earlier one. ``trials``
-reads published figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far
-ours can be trusted, ``reasons`` which dropped coefficient makes a difference.
+all of them; ``page`` shows it, ``moves`` lays it beside an earlier one. ``trials`` reads published
+figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far ours can be
+trusted, ``reasons`` which dropped coefficient makes a difference.
 
 ``findings`` of 1969 flown again, ``delays`` and the ``judged_page`` are chapters of the page alone.
 """
@@ -11,7 +11,7 @@ ours can be trusted, ``reasons`` which dropped coefficient makes a difference.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "contents", "moves", "page", "programme", "reasons", "summary", "trials",
-    "uncertainty", "validation", "verdicts",
+    "contents", "moves", "page", "programme", "reasons", "trials", "uncertainty", "validation",
+    "verdicts",
 ]
 # fmt: on
