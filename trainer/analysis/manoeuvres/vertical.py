@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar, Final
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, TIME_ROUNDING_S, Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     RISE,
@@ -27,9 +27,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     zero_crossings,
 )
 
-LEAD_TIME_S: Final = 2.0  # [s] of straight flight
 SHOWN_CYCLES: Final = 5  # of a decay that are reported
-TIME_ROUNDING_S: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.programme import Leg, fly_all, guide_legs
 from trainer.analysis.guide.reasons import DropEffect, MeasureNames, drop_effects, tasks_without
 from trainer.analysis.guide.verdicts import BEYOND_TOLERANCE, NOT_DETERMINED, allowed_multiple
+from trainer.analysis.manoeuvres.submarine import DEEP_WATER_M
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
 from trainer.analysis.reduce.objective import (
     CONTROL_COEFFICIENTS,
@@ -68,7 +69,6 @@ PART_TOLERANCES: Final = {  # [%] of change allowed, [s] of zero crossings
 }
 TIMED_TICKS: Final = 2000  # [ticks] timed at once, long against the resolution of the clock
 TIMING_REPEATS: Final = 7  # of which the fastest counts: other programs only add to the time
-DEEP_WATER_M: Final = 1000.0  # [m]
 SENSITIVITY_MEASURES: Final[MeasureNames] = {
     "turn": ("steady diameter", "steady speed", "largest roll"),
     "meander": ("pitch peak 1", "damping ratio"),

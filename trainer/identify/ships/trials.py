@@ -11,7 +11,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, Conn, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.ship.models import model_for
@@ -46,7 +46,6 @@ READING_NAMES: Final = ("speed", "sway", "yaw_rate", "heading")
 STATE_NAMES: Final = ("u", "v", "r", "psi", "p", "phi")
 SENSOR_CHANNELS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 PLAN_LETTERS: Final = "ABCDE"
-LEAD_TIME_S: Final = 2.0  # [s] of straight motion
 
 
 @dataclass(frozen=True)
