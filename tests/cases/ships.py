@@ -26,10 +26,9 @@ from cases.reference_ships import (
 )
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import find_best_minimum
-from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import Innovations, Likelihood, no_gain
 from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.fitting.prediction_error import Innovations, no_gain
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge import uncertainty as uncertainty_module
 from trainer.identify.judge.uncertainty import (

@@ -17,15 +17,15 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.minimise import Cost
-from trainer.identify.fitting.prediction_error import (
+from trainer.identify.fitting.likelihood import (
     Innovations,
+    Likelihood,
     MultiStep,
     no_gain,
     own_gain,
     settled_gain,
 )
+from trainer.identify.fitting.minimise import Cost
 from trainer.identify.fitting.problem import FurtherRun, Problem, problem_of
 from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Model, Plant, Ship
 from trainer.identify.model.nomoto import SteeringModel, find_steering, rate_coefficients

@@ -17,18 +17,18 @@ import numpy as np
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import find_best_minimum
+from trainer.identify.fitting.likelihood import (
+    FLAG_REASONS,
+    MultiStep,
+    chi_square_limits,
+    run_filter,
+)
 from trainer.identify.fitting.minimise import (
     Cost,
     Progress,
     SearchOptions,
     SearchResult,
     ignore_news,
-)
-from trainer.identify.fitting.prediction_error import (
-    FLAG_REASONS,
-    MultiStep,
-    chi_square_limits,
-    run_filter,
 )
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of

@@ -15,7 +15,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.likelihood import possible
+from trainer.identify.fitting.likelihood import Innovations, possible
 from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.fitting.nonlinear import (
     CURVE_NAMES,
@@ -25,7 +25,6 @@ from trainer.identify.fitting.nonlinear import (
     bend_from_records,
     curve_from_turns,
 )
-from trainer.identify.fitting.prediction_error import Innovations
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import INITIAL_STATE_NAMES, table_of
 from trainer.identify.judge.fitted import ModelFit, fit_study

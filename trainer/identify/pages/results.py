@@ -15,8 +15,8 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.nonlinear import BendEstimate
-from trainer.identify.fitting.prediction_error import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import table_of
 from trainer.identify.judge.allowed import MIN_COMPLEX_SHARE, AllowedShips, draw_allowed
