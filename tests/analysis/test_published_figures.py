@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.guide import delays, judged_page, trials, uncertainty, validation, verdicts
+from trainer.analysis.guide import contents, judged_page, trials, uncertainty, validation, verdicts
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide.contents import GuideContents, write_guide
 from trainer.analysis.guide.moves import leaves
@@ -581,7 +581,7 @@ def test_published_figures_are_among_what_moves(book: GuideContents) -> None:
 
 
 def test_an_order_moves_its_control_on_the_next_tick_and_the_boat_on_the_one_after() -> None:
-    sheets = {(one.control, one.step_s): one for one in delays.measure_delays(load_vessel("bb2"))}
+    sheets = {(one.control, one.step_s): one for one in contents.measure_delays(load_vessel("bb2"))}
 
     for step in (0.5, 1.0):
         for control in ("rudder", "planes"):
@@ -600,5 +600,5 @@ def test_screens_draw_as_often_as_the_sheet_says() -> None:
     frame = re.search(r"const FRAME = (\d+);", script.read_text(encoding="utf-8"))
 
     assert frame
-    assert delays.SCREEN_PERIODS_S["browser"] == int(frame[1]) / 1000.0
-    assert delays.SCREEN_PERIODS_S["terminal"] == 1.0 / app.REFRESH_RATE_HZ
+    assert contents.SCREEN_PERIODS_S["browser"] == int(frame[1]) / 1000.0
+    assert contents.SCREEN_PERIODS_S["terminal"] == 1.0 / app.REFRESH_RATE_HZ

@@ -5,7 +5,7 @@ all of them; ``page`` shows it, ``moves`` lays it beside an earlier one. ``trial
 figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far ours can be
 trusted, ``reasons`` which dropped coefficient makes a difference.
 
-``findings`` of 1969 flown again, ``delays`` and the ``judged_page`` are chapters of the page alone.
+``findings`` of 1969 flown again and the ``judged_page`` are chapters of the page alone.
 """
 
 # The modules that other rooms may use.

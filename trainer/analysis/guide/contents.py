@@ -3,6 +3,11 @@
 ``cli/guide`` asks for it; ``page`` and ``summary`` show it. A leg is one manoeuvre at one speed,
 flown by every equation set. Each flight that several chapters need is flown once, because flights
 are what a guide waits for.
+
+Transport delays are those from order to control, to motion, to a screen. Orders are given anywhere
+within a tick and act on the next one, so ticks are counted, and no clock is needed: delays in
+seconds follow from the step. A screen adds its time from picture to picture; ``trainer dev bench
+--latency`` and ``--web`` measure on a machine.
 """
 
 import hashlib
@@ -16,9 +21,15 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
-from trainer.analysis.guide.delays import DelaySheet, measure_delays
 from trainer.analysis.guide.findings import Finding, StepRun
-from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
+from trainer.analysis.guide.programme import (
+    SET_METHODS,
+    FlightTable,
+    Leg,
+    Task,
+    fly_all,
+    own_method,
+)
 from trainer.analysis.guide.trials import Published, load_published, numbers_digest, trials_path
 from trainer.analysis.guide.uncertainty import SpreadTable, load_spreads
 from trainer.analysis.guide.validation import (
@@ -39,13 +50,85 @@ from trainer.analysis.guide.verdicts import (
     verdict_account,
 )
 from trainer.analysis.manoeuvres.catalogue import ParameterValues, manoeuvre_parameters
+from trainer.analysis.manoeuvres.submarine import BOAT_COLUMNS, Submarine
+from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.programs import characteristic, neutral, thrust
+from trainer.boat.assemble import Method
+from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.digest import core_digest
+from trainer.units import KNOT
 
+SHEET_STEPS_S: Final = (0.5, 1.0)
+SCREEN_PERIODS_S: Final = {"terminal": 0.1, "browser": 0.05}  # from picture to picture, at most
+WATCHED_CONTROLS: Final = {  # the control's own column, and that of the motion
+    "rudder": ("delta_r", "r"),
+    "planes": ("delta_s", "q"),
+    "engine": ("u_c", "u"),
+}
+MAX_TICKS: Final = 60
+MOVED: Final = 1e-9  # [SI] a number that was still has moved
 REDUCED_SETS: Final = ("modified", "basic")  # sets judged by the full one
 VERDICT_SET: Final = "modified"  # the one that runs, on which the guide's verdict rests
 NAMED_LIBRARIES: Final = ("numpy", "numba")
+
+
+@dataclass(frozen=True)
+class DelaySheet:
+    """The ticks from one order until something moves; None: not in MAX_TICKS."""
+
+    control: str
+    step_s: float
+    control_ticks: int | None
+    motion_ticks: int | None
+    problem: str  # why it could not be flown
+
+    def mean_s(self, ticks: int | None, screen: str = "") -> float | None:
+        """Return the mean delay [s] until it moves, or is seen to on a screen.
+
+        An order waits half a tick in the mean, a screen half its time from picture to picture.
+        """
+        if ticks is None:
+            return None
+        return (ticks - 0.5) * self.step_s + 0.5 * SCREEN_PERIODS_S.get(screen, 0.0)
+
+    def most_s(self, ticks: int | None, screen: str) -> float | None:
+        """Return the longest delay [s] until it is seen on a screen."""
+        return None if ticks is None else ticks * self.step_s + SCREEN_PERIODS_S[screen]
+
+
+def measure_delays(file: VesselFile) -> tuple[DelaySheet, ...]:
+    """Return the delays of a boat's controls by its own set, at each step."""
+    return tuple(
+        _measure(file, name, step)
+        for step in dict.fromkeys((*SHEET_STEPS_S, file.run.step_s))
+        for name in WATCHED_CONTROLS
+    )
+
+
+def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
+    """Return the ticks from one order to its effects, beside a boat without the order."""
+    own = own_method(file, file.own_equations)
+    method = Method(own.equations, own.rates, own.trig, own.integrator, step)
+    boats = [Submarine(file, method) for _ in range(2)]
+    indices = [BOAT_COLUMNS.index(name) for name in WATCHED_CONTROLS[control]]
+    ticks, problem = dict[int, int](), ""
+    try:
+        for boat in boats:
+            boat.start(file.run.start_speed_kn * KNOT)
+        boats[1].order(control, boats[1].controls[control].low)
+        for tick in range(1, MAX_TICKS + 1):
+            for boat in boats:
+                boat.advance()
+            still, moved = (boat.observe() for boat in boats)
+            for index in indices:
+                if abs(moved[index] - still[index]) > MOVED:
+                    ticks.setdefault(index, tick)
+            if len(ticks) == len(indices):
+                break
+    except (ConfigError, LostError) as error:
+        problem = str(error)
+    return DelaySheet(control, step, ticks.get(indices[0]), ticks.get(indices[1]), problem)
 
 
 @dataclass(frozen=True)
