@@ -13,8 +13,13 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide import programme, verdicts
-from trainer.analysis.guide.contents import GuideContents, assemble_guide, write_guide
-from trainer.analysis.guide.moves import compare_guides, load_earlier
+from trainer.analysis.guide.contents import (
+    GuideContents,
+    assemble_guide,
+    compare_guides,
+    load_earlier,
+    write_guide,
+)
 from trainer.analysis.guide.page import render
 from trainer.analysis.guide.programme import (
     Task,

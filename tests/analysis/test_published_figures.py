@@ -13,8 +13,7 @@ from click.testing import CliRunner
 
 from trainer.analysis.guide import contents, judged_page, trials, uncertainty, validation, verdicts
 from trainer.analysis.guide import page as guide_page
-from trainer.analysis.guide.contents import GuideContents, write_guide
-from trainer.analysis.guide.moves import leaves
+from trainer.analysis.guide.contents import GuideContents, leaves, write_guide
 from trainer.analysis.guide.page import render
 from trainer.analysis.guide.programme import fly_boat, fly_task, guide_legs
 from trainer.analysis.guide.trials import (

@@ -24,7 +24,7 @@ from fuzz.fuzz import (
 from fuzz.lines import GRAMMAR
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
 from trainer.analysis.estimate.boat_file import open_hull as load_drawing
-from trainer.analysis.guide.moves import load_earlier
+from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.programs.evaluate import evaluate_states
 from trainer.analysis.series import load_series

@@ -1,7 +1,7 @@
 """The automatic test guide of a vessel file.
 
 Begin with ``programme``, the manoeuvres that are flown, and ``contents``, which flies and judges
-all of them; ``page`` shows it, ``moves`` lays it beside an earlier one. ``trials`` reads published
+all of them, and lays them beside an earlier guide; ``page`` shows it. ``trials`` reads published
 figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far ours can be
 trusted, ``reasons`` which dropped coefficient makes a difference.
 
@@ -11,7 +11,6 @@ trusted, ``reasons`` which dropped coefficient makes a difference.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "contents", "moves", "page", "programme", "reasons", "trials", "uncertainty", "validation",
-    "verdicts",
+    "contents", "page", "programme", "reasons", "trials", "uncertainty", "validation", "verdicts",
 ]
 # fmt: on

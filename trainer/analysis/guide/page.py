@@ -17,12 +17,12 @@ from trainer.analysis.guide.contents import (
     REDUCED_SETS,
     Guide,
     GuideContents,
+    GuideMove,
     LegSheet,
     stand_alone,
     tally_set,
 )
 from trainer.analysis.guide.findings import ClaimVerdict
-from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
 from trainer.analysis.guide.validation import count_lines, flight_command, ranked_rows
 from trainer.analysis.guide.verdicts import (
