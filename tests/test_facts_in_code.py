@@ -25,7 +25,6 @@ GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is d
 NOTATIONS = {
     "trainer/analysis/bench/end_to_end.py": "sentences of programs",
     "trainer/analysis/exercise_page.py": "lines of TOML",
-    "trainer/analysis/reduce/vessel_text.py": "lines of TOML",
     "trainer/config/tables.py": "numbers",
     "trainer/config/soundings.py": "names of files",
     "trainer/config/steps.py": "orders in backquotes",

@@ -193,4 +193,4 @@ def test_the_names_in_the_exported_header_stay(name: str) -> None:
 
 
 def test_a_sweep_s_facts_stay_where_they_are() -> None:
-    assert 'b"trainer.sweep"' in Path(PACKAGE / "analysis/sweep/results.py").read_text()
+    assert 'b"trainer.sweep"' in Path(PACKAGE / "analysis/sweep/sweep.py").read_text()

@@ -19,8 +19,8 @@ from trainer.analysis.bench.bench import (
     run_paced,
     samples_up,
 )
-from trainer.analysis.bench.order_delay import effect
 from trainer.analysis.bench.sections import SECTIONS, OmittedSection, Section, or_left_out
+from trainer.analysis.bench.session_tick import effect
 from trainer.analysis.bench.tick import (
     BATCH_COUNT,
     BATCH_NS,

@@ -19,8 +19,7 @@ from helpers.places import DATA, ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
-from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
-from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.turns import PullOut, ReverseSpiral, Spiral, Turn
 from trainer.analysis.manoeuvres.vehicle import Control
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.ship.forces import ROW_COUNT, add_terms, set_terms

@@ -13,8 +13,7 @@ from helpers.check_cases import outputs_text
 from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
-from trainer.analysis.check_cases import CaseFlight, Comparison, fly_cases
-from trainer.analysis.check_cases_page import cases_page
+from trainer.analysis.check_cases import CaseFlight, Comparison, cases_page, fly_cases
 from trainer.cli.main import cli, run_command
 from trainer.config.check_case import CASE_CHANNELS, case_paths, load_case
 from trainer.config.files import ConfigError

@@ -13,8 +13,14 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import page as guide_page
 from trainer.analysis.guide import programme, verdicts
-from trainer.analysis.guide.contents import GuideContents, assemble_guide, write_guide
-from trainer.analysis.guide.moves import compare_guides, load_earlier
+from trainer.analysis.guide.contents import (
+    GuideContents,
+    assemble_guide,
+    compare_guides,
+    load_earlier,
+    write_guide,
+)
+from trainer.analysis.guide.page import render
 from trainer.analysis.guide.programme import (
     Task,
     fly_all,
@@ -22,7 +28,6 @@ from trainer.analysis.guide.programme import (
     legs_of_1969,
     legs_of_trainer,
 )
-from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
     NOT_JUDGED,
@@ -55,7 +60,7 @@ def book() -> GuideContents:
 
 @pytest.fixture(scope="module")
 def page(book: GuideContents) -> str:
-    return guide_page.render(book, None)
+    return guide_page.html_page(book, None)
 
 
 # --- verdicts
@@ -366,7 +371,7 @@ def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Gui
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
     later = assemble_guide(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
 
-    assert guide_page.render(later, None).replace("00:00:01", "00:00:00") == page
+    assert guide_page.html_page(later, None).replace("00:00:01", "00:00:00") == page
 
 
 def test_the_page_stands_alone_and_its_chapters_are_linked(page: str) -> None:
@@ -441,7 +446,7 @@ def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: Guide
     some = unjudged(book, 2)
     judged = len(book.guide.sheets) - 2
 
-    text, html = render(some.guide, None), guide_page.render(some, None)
+    text, html = render(some.guide, None), guide_page.html_page(some, None)
 
     told = f"manoeuvres within tolerance, {judged} of {judged} judged, 2 not judged;"
     assert f"modified: {told}" in " ".join(text.split())
@@ -455,7 +460,7 @@ def test_a_guide_in_which_nothing_is_judged_does_not_pass(book: GuideContents) -
 
     assert not nothing.guide.passed
     assert render(nothing.guide, None).endswith("Nothing was judged.")
-    assert "Nothing was judged" in guide_page.render(nothing, None)
+    assert "Nothing was judged" in guide_page.html_page(nothing, None)
 
 
 # --- since a baseline
@@ -493,7 +498,7 @@ def test_what_moved_is_named_and_verdicts_come_first(book: GuideContents) -> Non
     ]
     assert found[1].percent == pytest.approx(1.0 if row["other"] > 0.0 else -1.0)
     assert "MOVED SINCE THE BASELINE: 2" in render(book.guide, found)
-    assert name in guide_page.render(book, found)
+    assert name in guide_page.html_page(book, found)
 
 
 @pytest.mark.parametrize(
@@ -614,7 +619,7 @@ def test_names_of_anybody_s_making_come_out_as_text(book: GuideContents) -> None
     evil = '<script>alert("x")</script>'
     finding = replace(book.guide.findings[0], title=evil, claim=evil, words=evil)
     named = replace(book.guide, vessel=evil, findings=(finding, *book.guide.findings[1:]))
-    text = guide_page.render(replace(book, guide=named), None)
+    text = guide_page.html_page(replace(book, guide=named), None)
     page, _, data = text.partition('<script type="application/json"')
     assert "<script" not in page
     assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") == 5

@@ -12,7 +12,7 @@ import pytest
 from helpers.crewed import Crewed, Typist
 
 from trainer.analysis.exercise_page import check_exercise
-from trainer.analysis.newcomer import READING_TIME_S, StepFlight, fly_steps
+from trainer.analysis.stated import READING_TIME_S, StepFlight, fly_steps
 from trainer.config.course import course, lessons
 from trainer.config.exercise import load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names

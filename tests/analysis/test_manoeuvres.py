@@ -18,9 +18,8 @@ from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust_manoeuvre, 
 from trainer.analysis.manoeuvres.flight import Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions, fly_boat
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
-from trainer.analysis.manoeuvres.steadiness import PullOut
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.turns import PullOut, Turn
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     PORT,

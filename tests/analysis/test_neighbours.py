@@ -6,9 +6,8 @@ from functools import cache
 
 import pytest
 
-from trainer.analysis.guide import neighbours
+from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.contents import assemble_guide, tally_set
-from trainer.analysis.guide.neighbours import neighbour_moves, set_apart
 from trainer.analysis.guide.programme import Leg, fly_all
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
@@ -16,15 +15,15 @@ from trainer.analysis.guide.verdicts import (
     WITHIN_TOLERANCE,
     Judgement,
     judge,
+    neighbour_moves,
+    set_apart,
 )
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Submarine
-from trainer.analysis.reduce import objective, page, verdict
-from trainer.analysis.reduce.candidates import CandidatePool
-from trainer.analysis.reduce.objective import Candidate, Yardstick
+from trainer.analysis.reduce import objective, page, reduction
+from trainer.analysis.reduce.objective import Candidate, CandidatePool, Yardstick
 from trainer.analysis.reduce.programme import turn_legs
-from trainer.analysis.reduce.reduction import Reduction
-from trainer.analysis.reduce.verdict import PART_TOLERANCES, LegVerdict, judge_legs
+from trainer.analysis.reduce.reduction import PART_TOLERANCES, LegVerdict, Reduction, judge_legs
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
@@ -106,7 +105,7 @@ def test_nothing_flies_where_nothing_is_beyond(monkeypatch: pytest.MonkeyPatch) 
     def fly(*_: object) -> None:
         raise AssertionError("it flies")
 
-    monkeypatch.setattr(neighbours, "fly_boat", fly)
+    monkeypatch.setattr(verdicts, "fly_boat", fly)
     within = off_by({DOUBTFUL: 0.9})
 
     assert set_apart(*hard_turn(), within) == within
@@ -159,7 +158,7 @@ def test_each_part_of_a_verdict_asks_by_what_it_allows(monkeypatch: pytest.Monke
         shares.append(given[-1])
         return ()
 
-    monkeypatch.setattr(verdict, "verdict_legs", lambda *_: (leg,))
+    monkeypatch.setattr(reduction, "verdict_legs", lambda *_: (leg,))
     monkeypatch.setattr(objective, "set_apart", note)
     judge_legs(file, Candidate(file, "modified"))
 

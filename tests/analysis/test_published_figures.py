@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.guide import delays, judged_page, trials, uncertainty, validation, verdicts
+from trainer.analysis.guide import contents, judged_page, trials, uncertainty, validation, verdicts
 from trainer.analysis.guide import page as guide_page
-from trainer.analysis.guide.contents import GuideContents, write_guide
-from trainer.analysis.guide.moves import leaves
+from trainer.analysis.guide.contents import GuideContents, leaves, write_guide
+from trainer.analysis.guide.page import render
 from trainer.analysis.guide.programme import fly_boat, fly_task, guide_legs
-from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.trials import (
     Figure,
     Published,
@@ -53,7 +52,7 @@ def book() -> GuideContents:
 
 @pytest.fixture(scope="module")
 def page(book: GuideContents) -> str:
-    return guide_page.render(book, None)
+    return guide_page.html_page(book, None)
 
 
 # --- shipped figures
@@ -558,7 +557,7 @@ def test_a_stale_or_missing_table_is_told_on_the_first_page(book: GuideContents)
         for one in book.guide.trials
     )
     doubted = replace(book.guide, trials=rows, doubts=("No table: fly one",))
-    html = guide_page.render(replace(book, guide=doubted, spreads=None), None)
+    html = guide_page.html_page(replace(book, guide=doubted, spreads=None), None)
 
     assert "No table: fly one." in html
     assert "None are stored for this boat." in html
@@ -581,7 +580,7 @@ def test_published_figures_are_among_what_moves(book: GuideContents) -> None:
 
 
 def test_an_order_moves_its_control_on_the_next_tick_and_the_boat_on_the_one_after() -> None:
-    sheets = {(one.control, one.step_s): one for one in delays.measure_delays(load_vessel("bb2"))}
+    sheets = {(one.control, one.step_s): one for one in contents.measure_delays(load_vessel("bb2"))}
 
     for step in (0.5, 1.0):
         for control in ("rudder", "planes"):
@@ -600,5 +599,5 @@ def test_screens_draw_as_often_as_the_sheet_says() -> None:
     frame = re.search(r"const FRAME = (\d+);", script.read_text(encoding="utf-8"))
 
     assert frame
-    assert delays.SCREEN_PERIODS_S["browser"] == int(frame[1]) / 1000.0
-    assert delays.SCREEN_PERIODS_S["terminal"] == 1.0 / app.REFRESH_RATE_HZ
+    assert contents.SCREEN_PERIODS_S["browser"] == int(frame[1]) / 1000.0
+    assert contents.SCREEN_PERIODS_S["terminal"] == 1.0 / app.REFRESH_RATE_HZ

@@ -11,7 +11,7 @@ from helpers.lanes import sample_cases
 from helpers.nursery import run_trainer
 from helpers.places import environment
 
-from trainer.analysis.readiness import Readiness, examine_boat, render
+from trainer.analysis.check_page import Readiness, examine_boat, render_readiness
 from trainer.cli.vessel import check
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_template import vessel_text
@@ -84,7 +84,7 @@ def test_a_complete_boat_lacks_nothing() -> None:
     found = examine_boat(load_vessel("bb2"))
 
     assert found.lacks == ()
-    assert render(found).endswith("MISSING: nothing.")
+    assert render_readiness(found).endswith("MISSING: nothing.")
 
 
 def test_what_is_missing_is_told_with_what_makes_it() -> None:
@@ -104,7 +104,7 @@ def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BOATS)
 def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render(examine_boat(load_vessel(name)))
+    page = render_readiness(examine_boat(load_vessel(name)))
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.lanes import sample_cases
 
-from trainer.analysis.guide import neighbours
+from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.programme import Leg, guide_legs, own_method
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
@@ -27,11 +27,11 @@ from trainer.analysis.manoeuvres.flight import Conn, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
-from trainer.analysis.reduce import reduction, vessel_text
-from trainer.analysis.reduce.candidates import CandidatePool
+from trainer.analysis.reduce import page, reduction
 from trainer.analysis.reduce.objective import (
     CONTROL_COEFFICIENTS,
     Candidate,
+    CandidatePool,
     Yardstick,
     fixed_terms,
 )
@@ -42,6 +42,13 @@ from trainer.analysis.reduce.programme import (
     leg_speeds,
     legs_of_guide,
     turn_legs,
+)
+from trainer.analysis.reduce.reduction import (
+    PART_TOLERANCES,
+    LegVerdict,
+    effect_table,
+    judge_legs,
+    passes_legs,
 )
 from trainer.analysis.reduce.search import (
     SLACKEST_LEASH,
@@ -54,13 +61,6 @@ from trainer.analysis.reduce.search import (
     cost_rises,
     descend_slopes,
     without_terms,
-)
-from trainer.analysis.reduce.verdict import (
-    PART_TOLERANCES,
-    LegVerdict,
-    effect_table,
-    judge_legs,
-    passes_legs,
 )
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
@@ -623,11 +623,9 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     names = Candidate(file, "modified").terms
     modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
     needs = (TermNeed("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
-    tables = vessel_text.factor_tables(
-        {"modified": modified, "basic": modified}, needs, {"kept": 14}
-    )
+    tables = page.factor_tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
 
-    text = vessel_text.rewrite_vessel(file.text, tables)
+    text = page.rewrite_vessel(file.text, tables)
     back = parse_vessel(text, Path("boat.toml"))
 
     assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
@@ -638,7 +636,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
     assert "# the hull's data begin here\n[coefficients]" in text
     assert "N_r = 3.0" not in text
-    assert vessel_text.rewrite_vessel(text, tables) == text
+    assert page.rewrite_vessel(text, tables) == text
 
 
 # --- the verdict and the command
@@ -680,7 +678,7 @@ def test_a_boat_runs_by_the_factors_of_its_file() -> None:
 @pytest.mark.slow
 def test_a_set_that_is_out_is_told_by_leg_and_quantity(monkeypatch: pytest.MonkeyPatch) -> None:
     # neighbours of each leg that is out take half a minute, and are tried in test_neighbours
-    monkeypatch.setattr(neighbours, "neighbour_moves", lambda *_: {})
+    monkeypatch.setattr(verdicts, "neighbour_moves", lambda *_: {})
     file = load_vessel("bb2")
     candidate = Candidate(file, "modified")
     factors = reduction.as_filed(file) | {"N_r": 0.0}

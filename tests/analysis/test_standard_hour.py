@@ -7,16 +7,19 @@ import pytest
 from c_twin.compiler import RECORDS, SAME_BITS, build, header
 from helpers.lanes import sample_cases
 
-from trainer.analysis.bench.same_bits import (
+from trainer.analysis.bench.standard_hour import (
+    digest,
+    fly_standard_hour,
     for_level,
     in_a_fleet,
     in_another_process,
     levels_here,
     lines,
+    orders,
     same_bits,
+    standard_boat,
     ways,
 )
-from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, orders, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError

@@ -16,9 +16,8 @@ import pytest
 from helpers.nursery import start_trainer
 from helpers.waiting import await_that
 
-from trainer.analysis.sweep.chunks import folder_of
 from trainer.analysis.sweep.job import Batch, Job, fact_differences, fly_chunk, job_of
-from trainer.analysis.sweep.sweep import BatchChunks, carry_out, fly_alone, process_crew
+from trainer.analysis.sweep.sweep import BatchChunks, carry_out, fly_alone, folder_of, process_crew
 from trainer.cli.main import main
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
@@ -50,7 +49,7 @@ relative = true
 HOLDER = """
 import sys, threading
 from pathlib import Path
-from trainer.analysis.sweep.chunks import writing_alone
+from trainer.analysis.sweep.sweep import writing_alone
 
 with writing_alone(Path(sys.argv[1])):
     print("holds it", flush=True)

@@ -13,8 +13,8 @@ from helpers.places import ROOT
 
 from trainer.analysis.sweep.job import job_of, open_job
 from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
-from trainer.analysis.sweep.results import check_pyarrow
 from trainer.analysis.sweep.study import load_study, parse_study
+from trainer.analysis.sweep.sweep import check_pyarrow
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names

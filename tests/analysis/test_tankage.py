@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from helpers.places import DATA
 
-from trainer.analysis.programs.tankage import (
+from trainer.analysis.programs.tanks import (
     CHANGED_VARIABLES,
     IN_BALANCE,
     PERCENT_1969,
     Flights,
     TankageReport,
     centres_of,
-    panels,
+    overshoot_panels,
     survey_tankage,
 )
 from trainer.config.files import ConfigError
@@ -128,7 +128,7 @@ def test_a_boat_without_tanks_is_moved_by_ballast_and_has_none_to_fill() -> None
 
 def test_figure_4_draws_u_theta_and_z_slow_and_fast_by_tankage() -> None:
     report, flights = surveyed("bb2")
-    drawn = panels(report, flights)
+    drawn = overshoot_panels(report, flights)
 
     assert [panel.title.split(": ")[1] for panel in drawn] == [
         f"{name} at {speed} kn" for speed in (6, 20) for name in CHANGED_VARIABLES

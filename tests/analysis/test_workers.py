@@ -32,7 +32,7 @@ if __name__ == "__main__":
 """
 SEARCH = """
 import multiprocessing, sys
-from trainer.analysis.reduce.candidates import CandidatePool
+from trainer.analysis.reduce.objective import CandidatePool
 from trainer.config.vessel import load_vessel
 
 if __name__ == "__main__":

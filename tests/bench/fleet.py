@@ -16,8 +16,7 @@ import numpy as np
 from c_twin.compiler import BUILDS, build
 from helpers.places import tests_environment
 
-from trainer.analysis.bench.same_bits import for_level, levels_here
-from trainer.analysis.bench.standard_hour import TickRunner
+from trainer.analysis.bench.standard_hour import TickRunner, for_level, levels_here
 from trainer.analysis.bench.tick import STANDARD_METHOD, in_a_loop, ready_boat
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.boat import Boat

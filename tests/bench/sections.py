@@ -18,9 +18,9 @@ from bench import (
     waits,
     wasm,
 )
-from trainer.analysis.bench import same_bits as whole
-from trainer.analysis.bench.same_bits import SameBits, fly_hour
+from trainer.analysis.bench import standard_hour as whole
 from trainer.analysis.bench.sections import Section, or_left_out
+from trainer.analysis.bench.standard_hour import SameBits, fly_hour
 from trainer.boat.export.targets import NoCompilerError
 from trainer.config.files import ConfigError
 

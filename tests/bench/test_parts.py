@@ -19,8 +19,8 @@ from bench import fleet as fleet_module
 from bench import parts as parts_module
 from bench.__main__ import bench
 from bench.fleet import SideBySide
-from trainer.analysis.bench.same_bits import levels_here
 from trainer.analysis.bench.sections import Section
+from trainer.analysis.bench.standard_hour import levels_here
 from trainer.analysis.bench.tick import BatchCost
 from trainer.analysis.fleet.block import supports_boat, supports_scheme
 from trainer.cli.main import run_command

@@ -21,7 +21,7 @@ from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.derived import nomoto_of
-from trainer.identify.record.decca import Point, Slave, lane_at, track
+from trainer.identify.pages.decca import Point, Slave, lane_at, track
 from trainer.identify.record.measurements import Samples
 from trainer.identify.record.track import derivative, resolve_along, smooth_spencer
 from trainer.units import KNOT

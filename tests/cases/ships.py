@@ -26,14 +26,17 @@ from cases.reference_ships import (
 )
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import find_best_minimum
-from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import Innovations, Likelihood, no_gain
 from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.fitting.nonlinear import BentShip
-from trainer.identify.fitting.prediction_error import Innovations, no_gain
 from trainer.identify.fitting.problem import Problem
-from trainer.identify.judge import propagation
 from trainer.identify.judge import uncertainty as uncertainty_module
-from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
+from trainer.identify.judge.uncertainty import (
+    beside_bounds,
+    draw_parameters,
+    span_draws,
+    uncertainty,
+)
 from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
 from trainer.identify.kernels.nonlinear_steering import run_bent
 from trainer.identify.model.derived import nomoto_of
@@ -255,10 +258,8 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         low, high = uncertainty_module.intervals(problem, theta, known.deviations).T
         inside.append(((low <= problem.start) & (problem.start <= high))[:4])
-        draws = propagation.draw_parameters(
-            theta, np.nan_to_num(known.covariance), DRAW_COUNT, seed
-        )
-        span, truths = propagation.span_draws(told, draws)[1], told(problem.start)
+        draws = draw_parameters(theta, np.nan_to_num(known.covariance), DRAW_COUNT, seed)
+        span, truths = span_draws(told, draws)[1], told(problem.start)
         within.append((span.low <= truths) & (truths <= span.high))
     yield Figure("S8", "coefficients inside 95 % intervals", 0.85, float(np.mean(inside)), 1.0)
     for name, share in zip(SWAY_NUMBERS, np.mean(within, axis=0), strict=True):

@@ -14,8 +14,8 @@ from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.analysis.check import check_vessel
+from trainer.analysis.check_page import examine_boat
 from trainer.analysis.gains import design_gains
-from trainer.analysis.readiness import examine_boat
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.cli.estimate import estimate

@@ -24,7 +24,7 @@ from fuzz.fuzz import (
 from fuzz.lines import GRAMMAR
 from trainer.analysis.estimate.boat_file import boat_tables, boat_text, estimate_of
 from trainer.analysis.estimate.boat_file import open_hull as load_drawing
-from trainer.analysis.guide.moves import load_earlier
+from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.programs.evaluate import evaluate_states
 from trainer.analysis.series import load_series
@@ -44,8 +44,8 @@ from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.kernel import Record
 from trainer.identify.judge.fitted import resume_search
 from trainer.identify.model.system_files import load_system
+from trainer.identify.pages.decca import load_decca, solve_track
 from trainer.identify.record.columns import CHANNEL_WORDS, guess_columns
-from trainer.identify.record.decca import load_decca, solve_track
 from trainer.identify.record.sources import Column, load_record
 from trainer.identify.record.study import load_study
 from trainer.identify.ships.vehicle import IdentifiedShip

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from helpers.places import DATA
-from trainer.identify.record.decca import Point, Slave, lane_at
+from trainer.identify.pages.decca import Point, Slave, lane_at
 
 CASES: Any = json.loads((DATA / "identification" / "decca.json").read_text())
 CHAIN = {

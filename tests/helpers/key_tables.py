@@ -31,7 +31,8 @@ from trainer.config.steps import StepRow
 from trainer.config.vessel import DOCUMENTARY_KEYS, DOCUMENTARY_TABLES, VESSEL_RECORDS
 from trainer.core.casualties import KINDS
 from trainer.identify.model.system_files import SystemFile, SystemParameter
-from trainer.identify.record import decca, study_records
+from trainer.identify.pages import decca
+from trainer.identify.record import study_records
 
 Records = Mapping[str, type[Any]]  # by the heading of the table; "" is above all tables
 

@@ -11,8 +11,7 @@ from trainer.boat.ship.models import ShipModel, model_of, with_roll
 from trainer.config.ship import Dimensions, RecordSettings, Roll, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
-from trainer.identify.ships.likelihood import ShipProblem
-from trainer.identify.ships.priors import TANKER_PRIOR
+from trainer.identify.ships.likelihood import TANKER_PRIOR, ShipProblem
 from trainer.identify.ships.records import Trial
 
 SHIP = ShipFile(

@@ -17,8 +17,8 @@ from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.fitting.problem import problem_of
 from trainer.identify.judge.allowed import _draw_parameters, draw_allowed, pulse_of, step_of
 from trainer.identify.judge.fitted import fit_study
-from trainer.identify.judge.propagation import draw_parameters as draws
-from trainer.identify.judge.propagation import propagate_covariance, span_draws
+from trainer.identify.judge.uncertainty import draw_parameters as draws
+from trainer.identify.judge.uncertainty import propagate_covariance, span_draws
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.options import IdentifyOptions, study_of

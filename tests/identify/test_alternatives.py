@@ -9,9 +9,8 @@ from numpy.testing import assert_allclose
 
 from trainer.identify.fitting.armax import Armax, fit_armax
 from trainer.identify.fitting.estimate import find_best_minimum
-from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import Likelihood, settled_gain
 from trainer.identify.fitting.minimise import SearchOptions
-from trainer.identify.fitting.prediction_error import settled_gain
 from trainer.identify.judge.uncertainty import hessian, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 

@@ -17,8 +17,8 @@ from trainer.identify.fitting.armax import (
     remove_delay,
     without_wind,
 )
-from trainer.identify.judge.orders import try_orders
 from trainer.identify.judge.residuals import describe_tests, examine_residuals
+from trainer.identify.pages.armax import try_orders
 
 DATA = ROOT.parent / "shared" / "data"  # beside the project
 HAKUSAN = DATA / "hakusan" / "hakusan.csv"

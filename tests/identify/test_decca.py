@@ -11,7 +11,7 @@ from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
-from trainer.identify.record.decca import (
+from trainer.identify.pages.decca import (
     Point,
     Slave,
     fixes,

@@ -27,10 +27,9 @@ from trainer.identify.experiment import (
     zigzag_orders,
 )
 from trainer.identify.fitting.minimise import ignore_news
-from trainer.identify.judge.design import prospect
 from trainer.identify.judge.fitted import fit_study
-from trainer.identify.model.nomoto import Nomoto
-from trainer.identify.model.steering import find_steering
+from trainer.identify.model.nomoto import Nomoto, find_steering
+from trainer.identify.pages.experiment import prospect
 from trainer.identify.pages.ship_files import averages, coefficients, rewrite_coefficients
 from trainer.identify.record.sources import read_by
 from trainer.identify.record.study import plain_study

@@ -12,9 +12,8 @@ from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
 from trainer.identify.fitting.estimate import MINIMISER_BY_NAME, find_best_minimum
-from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import Innovations, Likelihood, MultiStep, settled_gain
 from trainer.identify.fitting.minimise import SearchOptions, SearchResult, ignore_news
-from trainer.identify.fitting.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge.fitted import resume_search, save_steps
 from trainer.identify.judge.uncertainty import hessian, inseparable, intervals, uncertainty

@@ -23,6 +23,4 @@ def test_a_first_fit_compiles_the_kernels_of_its_own_model_alone(tmp_path: Path)
     assert "ship_models.nomoto" in kept
     others = {"model_1", "model_2", "model_3", "nomoto_first"}
     assert not {name for name in kept if name.partition(".")[2] in others}
-    assert not {
-        name for name in kept if name.startswith(("extended_", "nonlinear_", "ship_slopes"))
-    }
+    assert not {name for name in kept if name.startswith(("extended_", "nonlinear_"))}

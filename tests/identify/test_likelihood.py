@@ -13,9 +13,9 @@ from helpers.lanes import sample_cases
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.fitting.likelihood import Likelihood
-from trainer.identify.fitting.prediction_error import (
+from trainer.identify.fitting.likelihood import (
     Innovations,
+    Likelihood,
     MultiStep,
     _concentrate,
     chi_square_limits,

@@ -11,8 +11,8 @@ from helpers.places import DATA
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import REGISTER_TAPS, hold_bits, prbs
 from trainer.identify.fitting.armax import Armax, rounding_poles, without_wind
-from trainer.identify.judge.propagation import draw_parameters, propagate_covariance
 from trainer.identify.judge.residuals import aic_of_loss, f_test, ratio_test
+from trainer.identify.judge.uncertainty import draw_parameters, propagate_covariance
 from trainer.identify.model.nomoto import levers, nomoto, scale, solve_motion, transfer
 
 VECTORS = DATA / "identification"

@@ -31,8 +31,7 @@ from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, shi
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.fit import ShipFit, fit_ship, pose_problem, search_minimum
-from trainer.identify.ships.likelihood import ShipProblem
-from trainer.identify.ships.priors import prior_of
+from trainer.identify.ships.likelihood import ShipProblem, prior_of
 from trainer.identify.ships.records import Trial, load_trial
 from trainer.identify.ships.results import predict_record
 from trainer.identify.ships.vehicle import IdentifiedShip

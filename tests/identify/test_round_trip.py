@@ -17,7 +17,7 @@ from trainer.analysis.programs.characteristic import horizontal_system
 from trainer.cli.guide import manoeuvre
 from trainer.cli.identify import identify, prbs
 from trainer.config.vessel import load_vessel
-from trainer.identify.model.steering import find_steering
+from trainer.identify.model.nomoto import find_steering
 from trainer.units import KNOT
 
 pytestmark = [pytest.mark.process, pytest.mark.slow]

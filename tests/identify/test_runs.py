@@ -15,9 +15,14 @@ from numpy.testing import assert_allclose
 from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.fitting.estimate import find_best_minimum
-from trainer.identify.fitting.likelihood import Likelihood
+from trainer.identify.fitting.likelihood import (
+    Innovations,
+    Likelihood,
+    MultiStep,
+    no_gain,
+    settled_gain,
+)
 from trainer.identify.fitting.minimise import SearchOptions
-from trainer.identify.fitting.prediction_error import Innovations, MultiStep, no_gain, settled_gain
 from trainer.identify.fitting.problem import FurtherRun, Problem
 from trainer.identify.judge.uncertainty import hessian
 from trainer.identify.judge.validation import draw_outputs

@@ -26,8 +26,7 @@ from trainer.identify.ships.fit import (
     promise_of,
     search_minimum,
 )
-from trainer.identify.ships.likelihood import ShipProblem
-from trainer.identify.ships.priors import TANKER_PRIOR, kijima, prior_of
+from trainer.identify.ships.likelihood import TANKER_PRIOR, ShipProblem, kijima, prior_of
 from trainer.identify.ships.results import explain_variance, find_unknown, predict_record
 
 # of two programs of different build, which agree: states at the last sample, -log L, slopes by

@@ -25,7 +25,7 @@ from trainer.config.vessel import load_vessel
 from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.derived import arms_of, nomoto_of
 from trainer.identify.model.models import MODELS
-from trainer.identify.model.steering import find_steering as steering_of
+from trainer.identify.model.nomoto import find_steering as steering_of
 from trainer.identify.pages.steering import of_nomoto, panels
 from trainer.units import DEGREE, KNOT
 

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
 
-from trainer.analysis.manoeuvres.flight import fly_manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, fly_manoeuvre
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
@@ -23,7 +23,6 @@ from trainer.identify.experiment import prbs
 from trainer.identify.record.sources import USUAL_SENSORS
 from trainer.identify.ships.fit import problem_of, search_minimum
 from trainer.identify.ships.trials import (
-    LEAD_TIME_S,
     BinaryHelm,
     TrialDesign,
     TrialOptions,

@@ -6,15 +6,15 @@ Makers of boats: ``estimate`` from the drawing of a hull, ``gains``, ``reduce``.
 machine.
 
 Begin with ``manoeuvres``: most others fly them. A program and its page are what commands use; a
-``fleet`` of boats side by side, crews for validation (``trainees``, ``newcomer``) and the figures
-of an exercise's texts (``stated``) stay here. ``workers`` are the processes that all fly in.
+``fleet`` of boats side by side, crews for validation (``trainees``) and what an exercise's
+texts say (``stated``) stay here. ``workers`` are the processes that all fly in.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "bench", "boat_page", "check", "check_cases", "check_cases_page", "check_page", "estimate",
-    "exercise_page", "gains", "guide", "manoeuvres", "programs", "readiness", "recording_export",
-    "reduce", "seaway", "series", "sweep", "validation", "validation_page", "workers",
+    "bench", "boat_page", "check", "check_cases", "check_page", "estimate", "exercise_page",
+    "gains", "guide", "manoeuvres", "programs", "recording_export", "reduce", "seaway",
+    "series", "sweep", "validation", "workers",
 ]
 # fmt: on

@@ -16,8 +16,7 @@ from typing import Final
 
 import click
 
-from trainer.analysis.newcomer import step_problems
-from trainer.analysis.stated import fly_stated
+from trainer.analysis.stated import fly_stated, step_problems
 from trainer.boat.boat import Boat
 from trainer.config.baseline import (
     BASELINE_SCHEMA,

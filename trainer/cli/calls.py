@@ -137,7 +137,7 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     """
     from trainer.analysis.sweep.job import job_of, open_job
     from trainer.analysis.sweep.report import render, report_of
-    from trainer.analysis.sweep.results import check_pyarrow
+    from trainer.analysis.sweep.sweep import check_pyarrow
     from trainer.cli.subjects import subject_of
 
     keywords = {"jobs": 1, **options}

@@ -44,13 +44,12 @@ def check_cases(
     those stored, or a run of a case is beyond its stated spread; files of --with are told, and
     not judged.
     """
-    from trainer.analysis import check_cases_page
-    from trainer.analysis.check_cases import case_figures, fly_cases
+    from trainer.analysis.check_cases import case_figures, cases_page, cases_text, fly_cases
     from trainer.config.check_case import case_paths
 
     flights = fly_cases(case_paths(folder), others)
     if page is not None:
-        write_text(page, check_cases_page.cases_page(flights), "--page")
-    text = json_of(case_figures(flights)) if as_json else check_cases_page.cases_text(flights)
+        write_text(page, cases_page(flights), "--page")
+    text = json_of(case_figures(flights)) if as_json else cases_text(flights)
     click.echo(text)
     sys.exit(0 if all(flight.as_stated for flight in flights) else 1)

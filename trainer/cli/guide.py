@@ -273,13 +273,13 @@ def guide(vessel: str, **options: Any) -> None:
     if ships.is_ship(vessel):
         ships.print_figures(vessel, as_json=options["as_json"])
         return
-    from trainer.analysis.guide import moves, page, summary
+    from trainer.analysis.guide import contents, page
     from trainer.analysis.guide.programme import guide_legs, legs_of_1969, legs_of_trainer
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
     baseline = options["baseline"]
-    earlier = moves.load_earlier(baseline, file.name) if baseline else None
+    earlier = contents.load_earlier(baseline, file.name) if baseline else None
     if options["uncertainty"]:
         write_uncertainty(file, options["cores"])
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
@@ -287,13 +287,13 @@ def guide(vessel: str, **options: Any) -> None:
     legs = programmes[options["programme"]](file, options["depth"])
     book = write_guide(file, legs, made, options["cores"])
     now = json.loads(json_of(asdict(book.guide)))
-    moved = None if earlier is None else moves.compare_guides(earlier, now)
-    write_document(page.render(book, moved), options["html"], options["pdf"])
+    moved = None if earlier is None else contents.compare_guides(earlier, now)
+    write_document(page.html_page(book, moved), options["html"], options["pdf"])
     if options["as_json"]:
         extra = {} if moved is None else {"moved": [asdict(one) for one in moved]}
         click.echo(json_of({**now, **extra}))
     else:
-        click.echo(summary.render(book.guide, moved))
+        click.echo(page.render(book.guide, moved))
     sys.exit(0 if book.guide.passed else 1)
 
 

@@ -298,11 +298,10 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
     Example:  trainer ship decca run.toml --csv sway.csv --plot track.png
     """
     from trainer.identify.pages import decca as page
-    from trainer.identify.record.decca import load_decca, solve_track, write_track
 
-    sailed = solve_track(load_decca(file), smooth=smooth)
+    sailed = page.solve_track(page.load_decca(file), smooth=smooth)
     if csv is not None:
-        write_track(sailed, csv)
+        page.write_track(sailed, csv)
     report = page.report_of(sailed, smooth=smooth)
     show_report(report, page.render, lambda: page.panels(sailed), options)
 

@@ -206,8 +206,13 @@ def validate(
     takes minutes. Exit code 1 when the marks of an exercise do not order skill.
     """
     import trainer
-    from trainer.analysis.validation import validate_exercises, validation_data
-    from trainer.analysis.validation_page import exercise_text, summary_text, validation_page
+    from trainer.analysis.validation import (
+        exercise_text,
+        summary_text,
+        validate_exercises,
+        validation_data,
+        validation_page,
+    )
     from trainer.analysis.workers import processor_count
 
     chosen, found = tuple(dict.fromkeys(names or trainer.exercises())), []

@@ -5,6 +5,7 @@ in ``analysis/programs``; here are their options.
 """
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -260,7 +261,6 @@ def tanks(
     With --overshoots the table of 1969 instead: the same overshoot slow and fast, x_G and z_G
     alone moved as far as the tanks do, or by 2 % of BG where there are none.
     """
-    from trainer.analysis.programs import tankage
     from trainer.analysis.programs import tanks as program
     from trainer.config.vessel import load_vessel
 
@@ -270,8 +270,9 @@ def tanks(
         raise click.UsageError(f"--fill {twice[0]} is given twice")
     file = load_vessel(vessel)
     if overshoots:
-        changes, flights = tankage.survey_tankage(file, dict(fills))
-        show_report(changes, tankage.render, lambda: tankage.panels(changes, flights), how)
+        changes, flights = program.survey_tankage(file, dict(fills))
+        drawn = partial(program.overshoot_panels, changes, flights)
+        show_report(changes, program.render_overshoots, drawn, how)
         return
     report = program.report_fillings(file, dict(fills))
     show_report(report, program.render, lambda: program.panels(report), how)

@@ -56,7 +56,7 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
         _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
     from trainer.analysis.sweep.report import panels, render, report_of
-    from trainer.analysis.sweep.results import check_pyarrow
+    from trainer.analysis.sweep.sweep import check_pyarrow
 
     check_pyarrow()
     out = options["out"] or Path(f"{Path(study).stem}.parquet")

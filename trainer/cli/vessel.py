@@ -99,17 +99,16 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     if constants:
         list_constants(vessel, as_json=as_json)
         return
-    from trainer.analysis import readiness
     from trainer.analysis.check import check_vessel as examine
-    from trainer.analysis.check_page import render
+    from trainer.analysis.check_page import examine_boat, render, render_readiness
     from trainer.config.vessel import load_vessel
 
     file = load_vessel(vessel)
-    report, ready = examine(file), readiness.examine_boat(file)
+    report, ready = examine(file), examine_boat(file)
     if as_json:
         click.echo(json_of({**asdict(report), "readiness": asdict(ready)}))
     else:
-        click.echo(f"{render(report)}\n{readiness.render(ready)}")
+        click.echo(f"{render(report)}\n{render_readiness(ready)}")
     sys.exit(0 if report.own_step_stable and ready.passed else 1)
 
 
@@ -192,7 +191,7 @@ def reduce(vessel: str, **options: Any) -> None:
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """
-    from trainer.analysis.reduce import page, reduction, verdict
+    from trainer.analysis.reduce import page, reduction
     from trainer.analysis.workers import processor_count
     from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
@@ -210,8 +209,8 @@ def reduce(vessel: str, **options: Any) -> None:
     if options["check"]:
         reduction_report = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:
-        with show_progress(verdict.flight_count(file), "putting to zero") as step:
-            drops = verdict.effect_table(file, cores, lambda: step(1))
+        with show_progress(reduction.flight_count(file), "putting to zero") as step:
+            drops = reduction.effect_table(file, cores, lambda: step(1))
         if options["table"]:
             lines = page.sensitivity(drops)
             json_lines = json_of([asdict(one) for one in drops])
@@ -228,7 +227,7 @@ def _search_reduction(
     file: Any, cores: int, result: Path | None, drops: Any, *, quick: bool
 ) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
-    from trainer.analysis.reduce import reduction, vessel_text
+    from trainer.analysis.reduce import page, reduction
     from trainer.analysis.reduce.objective import compact_terms
     from trainer.config.files import renew_file, write_over
 
@@ -240,8 +239,8 @@ def _search_reduction(
     if result is None:
         return report
     notes = {"kept": len(report.kept), "of": report.hull_terms}
-    tables = vessel_text.factor_tables(reduced.factors, reduced.needs, notes)
+    tables = page.factor_tables(reduced.factors, reduced.needs, notes)
     write = renew_file if result == file.path else write_over
-    write(result, vessel_text.rewrite_vessel(file.text, tables))
+    write(result, page.rewrite_vessel(file.text, tables))
     reduction.discard_checkpoint(reduction.checkpoint_of(result))
     return report

@@ -21,13 +21,15 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.analysis.bench.on_time import head, load_line, machine_load, row
-from trainer.analysis.bench.order_delay import TIME_SPEED, Latency, time_orders
 from trainer.analysis.bench.session_tick import (
+    TIME_SPEED,
+    Latency,
     SessionTickCost,
     run_to,
     session_of,
     temporary,
     time_attended,
+    time_orders,
 )
 from trainer.analysis.bench.tick import (
     BATCH_COUNT,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from trainer.analysis.bench import end_to_end, on_time, same_bits, start_up, web
+from trainer.analysis.bench import end_to_end, on_time, standard_hour, start_up, web
 from trainer.config.vessel import VesselFile
 
 
@@ -66,7 +66,9 @@ def measure_sections(
 
 
 SECTIONS: Final = {
-    "same_bits": Section(lambda _wanted: same_bits.same_bits(same_bits.ways()), same_bits.lines),
+    "same_bits": Section(
+        lambda _wanted: standard_hour.same_bits(standard_hour.ways()), standard_hour.lines
+    ),
     "on_time": Section(
         lambda wanted: on_time.time_ticks(wanted.file, wanted.seconds, wanted.minutes),
         on_time.lines,

@@ -1,18 +1,16 @@
 """The automatic test guide of a vessel file.
 
 Begin with ``programme``, the manoeuvres that are flown, and ``contents``, which flies and judges
-all of them; ``page`` and ``summary`` show it, ``moves`` lays it beside an earlier one. ``trials``
-reads published figures, ``validation`` and ``verdicts`` judge by them, ``neighbours`` says which
-numbers nothing can be judged by. ``uncertainty`` says how far ours can be trusted, ``reasons``
-which dropped coefficient makes a difference.
+all of them, and lays them beside an earlier guide; ``page`` shows it. ``trials`` reads published
+figures, ``validation`` and ``verdicts`` judge by them. ``uncertainty`` says how far ours can be
+trusted, ``reasons`` which dropped coefficient makes a difference.
 
-``findings`` of 1969 flown again, ``delays`` and the ``judged_page`` are chapters of the page alone.
+``findings`` of 1969 flown again and the ``judged_page`` are chapters of the page alone.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "contents", "moves", "neighbours", "page", "programme", "reasons", "summary", "trials",
-    "uncertainty", "validation", "verdicts",
+    "contents", "page", "programme", "reasons", "trials", "uncertainty", "validation", "verdicts",
 ]
 # fmt: on

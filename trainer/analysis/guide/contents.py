@@ -1,25 +1,41 @@
 """The guide's contents: everything flown, judged and computed for one boat, and what moved.
 
-``cli/guide`` asks for it; ``page`` and ``summary`` show it. A leg is one manoeuvre at one speed,
+``cli/guide`` asks for it; ``page`` shows it. A leg is one manoeuvre at one speed,
 flown by every equation set. Each flight that several chapters need is flown once, because flights
 are what a guide waits for.
+
+Transport delays are those from order to control, to motion, to a screen. Orders are given anywhere
+within a tick and act on the next one, so ticks are counted, and no clock is needed: delays in
+seconds follow from the step. A screen adds its time from picture to picture; ``trainer dev bench
+--latency`` and ``--web`` measure on a machine.
+
+``trainer boat guide --baseline`` compares with an earlier guide of the same boat, so that a change
+of the boat or of the program shows in each number that it moved.
 """
 
 import hashlib
+import json
 import platform
+import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
+from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
-from trainer.analysis.guide.delays import DelaySheet, measure_delays
 from trainer.analysis.guide.findings import Finding, StepRun
-from trainer.analysis.guide.neighbours import set_apart
-from trainer.analysis.guide.programme import SET_METHODS, FlightTable, Leg, Task, fly_all
+from trainer.analysis.guide.programme import (
+    SET_METHODS,
+    FlightTable,
+    Leg,
+    Task,
+    fly_all,
+    own_method,
+)
 from trainer.analysis.guide.trials import Published, load_published, numbers_digest, trials_path
 from trainer.analysis.guide.uncertainty import SpreadTable, load_spreads
 from trainer.analysis.guide.validation import (
@@ -36,16 +52,95 @@ from trainer.analysis.guide.verdicts import (
     judge,
     keep_checks,
     passes_all,
+    set_apart,
     verdict_account,
 )
 from trainer.analysis.manoeuvres.catalogue import ParameterValues, manoeuvre_parameters
+from trainer.analysis.manoeuvres.submarine import BOAT_COLUMNS, Submarine
+from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.programs import characteristic, neutral, thrust
+from trainer.boat.assemble import Method
+from trainer.config.files import ConfigError, no_constant, quote
 from trainer.config.vessel import VesselFile
 from trainer.core.digest import core_digest
+from trainer.units import KNOT
 
+SHEET_STEPS_S: Final = (0.5, 1.0)
+SCREEN_PERIODS_S: Final = {"terminal": 0.1, "browser": 0.05}  # from picture to picture, at most
+WATCHED_CONTROLS: Final = {  # the control's own column, and that of the motion
+    "rudder": ("delta_r", "r"),
+    "planes": ("delta_s", "q"),
+    "engine": ("u_c", "u"),
+}
+MAX_TICKS: Final = 60
+MOVED: Final = 1e-9  # [SI] a number that was still has moved
 REDUCED_SETS: Final = ("modified", "basic")  # sets judged by the full one
 VERDICT_SET: Final = "modified"  # the one that runs, on which the guide's verdict rests
 NAMED_LIBRARIES: Final = ("numpy", "numba")
+EMBEDDED_GUIDE: Final = re.compile(
+    r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
+)
+SAME_NUMBER_RATIO: Final = 1e-6  # [-] relative difference that is none
+TINY_NUMBER: Final = 1e-12  # [SI] a change that is rounding about zero, where no ratio can tell
+MAX_GUIDE_BYTES: Final = 50_000_000  # [byte] of an earlier guide
+
+
+@dataclass(frozen=True)
+class DelaySheet:
+    """The ticks from one order until something moves; None: not in MAX_TICKS."""
+
+    control: str
+    step_s: float
+    control_ticks: int | None
+    motion_ticks: int | None
+    problem: str  # why it could not be flown
+
+    def mean_s(self, ticks: int | None, screen: str = "") -> float | None:
+        """Return the mean delay [s] until it moves, or is seen to on a screen.
+
+        An order waits half a tick in the mean, a screen half its time from picture to picture.
+        """
+        if ticks is None:
+            return None
+        return (ticks - 0.5) * self.step_s + 0.5 * SCREEN_PERIODS_S.get(screen, 0.0)
+
+    def most_s(self, ticks: int | None, screen: str) -> float | None:
+        """Return the longest delay [s] until it is seen on a screen."""
+        return None if ticks is None else ticks * self.step_s + SCREEN_PERIODS_S[screen]
+
+
+def measure_delays(file: VesselFile) -> tuple[DelaySheet, ...]:
+    """Return the delays of a boat's controls by its own set, at each step."""
+    return tuple(
+        _measure(file, name, step)
+        for step in dict.fromkeys((*SHEET_STEPS_S, file.run.step_s))
+        for name in WATCHED_CONTROLS
+    )
+
+
+def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
+    """Return the ticks from one order to its effects, beside a boat without the order."""
+    own = own_method(file, file.own_equations)
+    method = Method(own.equations, own.rates, own.trig, own.integrator, step)
+    boats = [Submarine(file, method) for _ in range(2)]
+    indices = [BOAT_COLUMNS.index(name) for name in WATCHED_CONTROLS[control]]
+    ticks, problem = dict[int, int](), ""
+    try:
+        for boat in boats:
+            boat.start(file.run.start_speed_kn * KNOT)
+        boats[1].order(control, boats[1].controls[control].low)
+        for tick in range(1, MAX_TICKS + 1):
+            for boat in boats:
+                boat.advance()
+            still, moved = (boat.observe() for boat in boats)
+            for index in indices:
+                if abs(moved[index] - still[index]) > MOVED:
+                    ticks.setdefault(index, tick)
+            if len(ticks) == len(indices):
+                break
+    except (ConfigError, LostError) as error:
+        problem = str(error)
+    return DelaySheet(control, step, ticks.get(indices[0]), ticks.get(indices[1]), problem)
 
 
 @dataclass(frozen=True)
@@ -239,3 +334,92 @@ def tally_set(guide: Guide, equations: str) -> dict[str, Any]:
         ),
         "manoeuvres": verdict_account([sheet.passed(equations) for sheet in sheets]),
     }
+
+
+@dataclass(frozen=True)
+class GuideMove:
+    """One number or verdict that is not what it was."""
+
+    what: str
+    before: float | str | None  # None: it was not there
+    after: float | str | None
+
+    @property
+    def percent(self) -> float | None:
+        """Return the change [%] of what it was; None if that cannot be told."""
+        if isinstance(self.before, float) and isinstance(self.after, float) and self.before:
+            return 100.0 * (self.after - self.before) / abs(self.before)
+        return None
+
+
+def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
+    """Return an earlier guide, JSON or HTML; ConfigError if it is none of that boat."""
+    try:
+        if path.stat().st_size > MAX_GUIDE_BYTES:
+            raise ConfigError(f"--baseline {path}: is larger than any guide; not read")
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "is not UTF-8 text"
+        raise ConfigError(f"--baseline {path}: {reason}") from None
+    embedded = EMBEDDED_GUIDE.search(text)
+    try:
+        written = embedded[1].replace("<\\/", "</") if embedded else text
+        guide = json.loads(written, parse_constant=no_constant)
+        name = guide["vessel"]
+        dict(leaves(guide))
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise ConfigError(
+            f"--baseline {path}: is no guide; give the file of --json or of --html"
+        ) from None
+    if name != vessel:
+        raise ConfigError(f"--baseline {path}: is a guide of {quote(name)}, not of {quote(vessel)}")
+    return guide  # type: ignore[no-any-return]
+
+
+def leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]]:
+    """Yield every number and verdict of a guide with its name."""
+    for sheet in guide["sheets"]:
+        for equations, rows in sheet["judgements"].items():
+            for row in rows:
+                name = f"{sheet['title']}: {row['quantity']}"
+                yield f"{name} [{row['unit']}], full", row["full"]
+                yield f"{name} [{row['unit']}], {equations}", row["other"]
+                yield f"{name}, {equations}: verdict", row["verdict"]
+    for one in guide["findings"]:
+        yield f"finding {one['title']}: verdict", one["verdict"]
+    for run in guide["steps"]:
+        name = f"{run['case']}, {run['scheme']} {run['rates']} {run['step_s']:.3g} s"
+        yield f"{name} [%]", run["percent"]
+    for trial in guide["trials"]:
+        if "trial" in trial:  # a guide of before there were verdicts on published figures
+            results = trial["trial"]["results"]
+            for result, value in zip(results, trial["ours"], strict=True):
+                yield f"{trial['trial']['title']}: {result['quantity']} [{result['unit']}]", value
+        for row in trial.get("rows", ()):
+            figure = row["figure"]
+            yield f"{trial['title']}: {figure['quantity']} [{figure['unit']}]", row["ours"]
+
+
+def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[GuideMove, ...]:
+    """Return what differs between two guides, the largest change first."""
+    before, after = dict(leaves(earlier)), dict(leaves(now))
+    moves = [
+        GuideMove(name, before.get(name), after.get(name))
+        for name in dict.fromkeys([*before, *after])
+        if not _same(before.get(name), after.get(name))
+    ]
+    return tuple(sorted(moves, key=lambda one: -_size(one)))
+
+
+def _same(before: float | str | None, after: float | str | None) -> bool:
+    """Return whether two entries are the same, numbers but for rounding."""
+    if isinstance(before, float) and isinstance(after, float):
+        return abs(after - before) <= SAME_NUMBER_RATIO * max(abs(before), abs(after)) + TINY_NUMBER
+    return before == after
+
+
+def _size(one: GuideMove) -> float:
+    """Return the sort key of a change: verdicts first, then by relative change."""
+    if isinstance(one.before, str) or isinstance(one.after, str):
+        return float("inf")
+    return abs(one.percent) if one.percent is not None else 1e9

@@ -10,8 +10,7 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
-from trainer.analysis.guide.contents import Guide, GuideContents
-from trainer.analysis.guide.delays import SCREEN_PERIODS_S
+from trainer.analysis.guide.contents import SCREEN_PERIODS_S, Guide, GuideContents
 from trainer.analysis.guide.validation import (
     COUNTED_VERDICTS,
     FigureRow,

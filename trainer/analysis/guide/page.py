@@ -1,11 +1,13 @@
-"""The guide as one HTML page that needs nothing else, a function a chapter.
+"""The guide as one HTML page that needs nothing else, and in short.
 
-``trainer boat guide`` writes it from ``contents``. Figures and verdicts are made there; here they
-become tables, charts and sentences.
+``trainer boat guide`` writes it from ``contents``, and prints 79 columns of ASCII beside it, for
+somebody who waits for the verdict. Figures and verdicts are made there; here they become tables,
+charts and sentences.
 """
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import chain
 from typing import Final
 
 from markupsafe import Markup
@@ -15,15 +17,14 @@ from trainer.analysis.guide.contents import (
     REDUCED_SETS,
     Guide,
     GuideContents,
+    GuideMove,
     LegSheet,
     stand_alone,
     tally_set,
 )
 from trainer.analysis.guide.findings import ClaimVerdict
-from trainer.analysis.guide.moves import GuideMove
 from trainer.analysis.guide.programme import SET_METHODS, Leg
-from trainer.analysis.guide.summary import format_entry, verdicts_of
-from trainer.analysis.guide.validation import flight_command
+from trainer.analysis.guide.validation import count_lines, flight_command, ranked_rows
 from trainer.analysis.guide.verdicts import (
     BEYOND_TOLERANCE,
     NOT_JUDGED,
@@ -33,6 +34,7 @@ from trainer.analysis.guide.verdicts import (
 from trainer.analysis.manoeuvres.catalogue import format_parameters
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.programs import characteristic, neutral, thrust
+from trainer.report import text
 from trainer.report.columns import figure, page_unit
 from trainer.report.html import (
     Cell,
@@ -72,6 +74,8 @@ COLUMN_NAMES: Final = {
     "delta_b": "bow planes",
 }
 MAX_MOVES_SHOWN = 300  # rows of the table of changes
+MAX_MOVES_PRINTED = 20  # entries that moved, on a terminal
+MAX_FIGURES_SHOWN = 10  # published figures there, the worst
 MIN_SHOWN_PERCENT = 0.05  # [%] a smaller effect is 0.0 in the one decimal that is shown
 CHAPTER_TITLES: Final = {  # in the order of the page
     "validation": "Published figures",
@@ -89,6 +93,70 @@ CHAPTER_TITLES: Final = {  # in the order of the page
     "overview": "Manoeuvres: the reduced sets beside the full one",
     "sources": "Rows of data and commands",
 }
+
+
+def verdicts_of(sheet: LegSheet) -> Iterator[tuple[str, str]]:
+    """Yield the verdict of each reduced set, with its numbers beyond and judged."""
+    words = {True: "within", False: "BEYOND", None: "not judged"}
+    for equations in REDUCED_SETS:
+        beyond = sheet.counted(equations, BEYOND_TOLERANCE)
+        judged = beyond + sheet.counted(equations, WITHIN_TOLERANCE)
+        yield words[sheet.passed(equations)], f"{beyond} of {judged}" if judged else "-"
+
+
+def render(guide: Guide, moves: tuple[GuideMove, ...] | None) -> str:
+    """Return the guide in short; ``moves`` are the changes since a baseline, None without one."""
+    heads = ("", "modified", "beyond", "basic", "beyond")
+    lines = [text.ascii_text(f"QUALIFICATION TEST GUIDE: {guide.vessel}"), ""]
+    rows = [(text.cut_text(sheet.title, 40), *chain(*verdicts_of(sheet))) for sheet in guide.sheets]
+    lines += text.table(heads, rows)
+    lines += ["", "FINDINGS OF 1969"] if guide.findings else [""]
+    for one in guide.findings:
+        lines += text.wrap(f"{one.title}: {one.verdict}; {one.words}")
+    if guide.trials:
+        lines += ["", "PUBLISHED FIGURES", *_figures(guide)]
+    if moves is not None:
+        lines += ["", *_moves(moves)]
+    for equations in REDUCED_SETS:
+        counts = tally_set(guide, equations)
+        lines += text.wrap(
+            f"{equations}: manoeuvres within tolerance, {counts['manoeuvres']}; of their numbers "
+            f"{counts['within']} within, {counts['beyond']} beyond"
+        )
+    lines.append(f"The compact set beside the full one: {guide.conclusion}.")
+    return "\n".join(lines)
+
+
+def _figures(guide: Guide) -> list[str]:
+    """Return how many published figures are how far off, and the worst of them."""
+    worst = [
+        f"{row.percent:.0f} % {row.figure.quantity} ({one.title}): {row.verdict}, {row.figure.use}"
+        for one, row in ranked_rows(guide.trials)[:MAX_FIGURES_SHOWN]
+    ]
+    return [
+        line
+        for words in (*count_lines(guide.trials), *guide.doubts, *worst)
+        for line in text.wrap(text.ascii_text(words))
+    ]
+
+
+def _moves(moves: tuple[GuideMove, ...]) -> list[str]:
+    """Return the changes as lines, the largest first."""
+    if not moves:
+        return ["Nothing moved since the baseline."]
+    lines = [f"MOVED SINCE THE BASELINE: {len(moves)}"]
+    for one in moves[:MAX_MOVES_PRINTED]:
+        lines += text.wrap(f"{one.what}: {format_entry(one.before)} -> {format_entry(one.after)}")
+    if len(moves) > MAX_MOVES_PRINTED:
+        lines.append(f"{text.INDENT}... and {len(moves) - MAX_MOVES_PRINTED} more")
+    return lines
+
+
+def format_entry(value: float | str | None) -> str:
+    """Return an entry as text."""
+    if value is None:
+        return "none"
+    return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def anchor(title: str) -> str:
@@ -224,7 +292,7 @@ def programs(book: GuideContents) -> Markup:
     modes = characteristic.render(guide.modes), characteristic.panels(guide.modes)
     pushes = thrust.render(guide.thrust), thrust.panels(file, guide.thrust)
     parts = []
-    for name, (text, drawn) in (
+    for name, (listing, drawn) in (
         ("Neutral angles and critical speeds (EC470)", angles),
         ("Modes (EC140, EC200, EC320)", modes),
         ("Thrust less drag (ZC300)", pushes),
@@ -233,7 +301,7 @@ def programs(book: GuideContents) -> Markup:
             figure.format(panel.title, draw_panel(panel), legend(panel.curves)) for panel in drawn
         ]
         parts.append(Markup("<h3>{}</h3>\n").format(name))
-        parts += [charts(figures), Markup("<pre>{}</pre>\n").format(text)]
+        parts += [charts(figures), Markup("<pre>{}</pre>\n").format(listing)]
     return section("programs", CHAPTER_TITLES["programs"], *parts)
 
 
@@ -297,7 +365,7 @@ def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
     return [figure(one.other, one.unit), told_difference, _verdict(one.verdict)]
 
 
-def render(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
+def html_page(book: GuideContents, moves: tuple[GuideMove, ...] | None) -> str:
     """Return the page; ``moves`` are the changes since a baseline, None without one."""
     guide = book.guide
     since = [] if moves is None else [since_baseline(moves)]

@@ -91,7 +91,7 @@ class FigureRecord:
 
     quantity: str = required(Text(79, "a measure of the manoeuvre, or a column as 'u after 40 s'"))
     unit: str = required(Choice(tuple(FILE_UNITS), "of value and u"))
-    value: float = required(Quantity("-", within(-1e9, 1e9), "as published, D"))
+    value: float = required("-", within(-1e9, 1e9), "as published, D")
     use: str = required(USE_FIELD)
     u: float | None = optional(UNCERTAINTY_FIELD)
 
@@ -118,7 +118,7 @@ class TrialHeading:
     figure: str = required(Text(200, "figure, table or page of the source"))
     read: str = required(NOTE_FIELD)
     note: str = with_default("", NOTE_FIELD)
-    speed_m_s: float = required(Quantity("m/s", within(0, 50), "at which it begins; 0: from rest"))
+    speed_m_s: float = required("m/s", within(0, 50), "at which it begins; 0: from rest")
 
 
 @dataclass(frozen=True)
@@ -154,8 +154,8 @@ class WavesHeading(TrialHeading):
     """Motion in regular waves from ahead as published, planes fixed."""
 
     use: str = required(USE_FIELD)
-    period_s: float = required(Quantity("s", within(1, 60), "of the waves"))
-    height_m: float = required(Quantity("m", within(0.01, 25), "of the waves"))
+    period_s: float = required("s", within(1, 60), "of the waves")
+    height_m: float = required("m", within(0.01, 25), "of the waves")
     depth_m: tuple[float, ...] = required(_by_depth("m", "depths of the origin"))
     heave: tuple[float, ...] = required(_by_depth("-", "amplitude over the waves'"))
     u_heave: float = required(UNCERTAINTY_FIELD)
@@ -193,8 +193,8 @@ class Deviation:
     """The standard deviation of some coefficients or masses, which their source tells."""
 
     inputs: tuple[str, ...] = required(Texts(INPUT_FIELD, MAX_INPUTS))
-    share: float | None = optional(Quantity("-", above(0, 5), "of the value"))
-    size: float | None = optional(Quantity("-", above(0, 1e9), "in the file's unit"))
+    share: float | None = optional("-", above(0, 5), "of the value")
+    size: float | None = optional("-", above(0, 1e9), "in the file's unit")
     reason: str = required(NOTE_FIELD)
 
 

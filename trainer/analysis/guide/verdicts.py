@@ -4,24 +4,32 @@ The first is that of ASME V&V 20: an error within the uncertainty of its compari
 was seen. The second judges two flights of one manoeuvre: measures, peaks, zero crossings, change
 of change. The guide and ``trainer boat reduce`` judge a compact set by it. By change of change the
 report of 1969 judged: how much less or more a quantity has changed at 120 s than by the full set.
+
+No coefficient is known to one in a hundred. Where a row of them so much larger or smaller moves a
+number of the full set's own flight by more than a compact set may be off, a compact set that is
+off there has lost nothing. Such a number is told and not judged.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import product
 from typing import Final
 
 import numpy as np
 
+from trainer.analysis.guide.programme import Leg, fly_boat
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT, Measure
 from trainer.analysis.programs.compare import compare_runs
+from trainer.config.vessel import VesselFile
+from trainer.core.terms import COEFFICIENTS
 
 WITHIN_TOLERANCE: Final = "within"
 BEYOND_TOLERANCE: Final = "BEYOND"
 NOT_JUDGED: Final = "not judged"
-NOT_DETERMINED: Final = "not determined"  # by the hull's own coefficients: ``neighbours``
+NOT_DETERMINED: Final = "not determined"  # by the hull's own coefficients: ``neighbour_moves``
 MAX_DIFFERENCE: Final = 10.0  # [-] of what is allowed: a difference beyond this counts as this
 LOST_QUANTITY, CHANGE_PREFIX = "flown, without being lost, to", "change of "
 RATE_UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
@@ -32,6 +40,8 @@ FORMAL_ORDER: Final = 4.0  # of Runge and Kutta
 MIN_ORDER: Final = 0.5  # a lower one that was observed is no convergence
 GRID_SAFETY_FACTOR: Final = 1.25  # of three steps, Roache 1998
 EXPANSION_FACTOR: Final = 1.15  # from that band to a standard deviation, ASME V&V 20, section 2
+COEFFICIENT_ROWS: Final = tuple(dict.fromkeys(term.equation for term in COEFFICIENTS))
+ROW_CHANGE: Final = 0.01  # [-] estimate: a towing tank measures no better
 
 
 class Validity(StrEnum):
@@ -196,3 +206,52 @@ def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judg
 def unit_of(column: str) -> str:
     """Return the unit of a column."""
     return RATE_UNITS.get(column, "rad/s" if column in TURN_RATES else "rad")
+
+
+def neighbour_moves(file: VesselFile, leg: Leg, full: Flight) -> dict[str, float]:
+    """Return how far neighbours move the numbers of the full set's flight of a leg.
+
+    A neighbour has one row of coefficients one percent larger or smaller. The largest move of each
+    number counts, a multiple of what is allowed [-]. A neighbour that cannot start moves nothing.
+    """
+    moves: dict[str, float] = {}
+    for row, change in product(COEFFICIENT_ROWS, (ROW_CHANGE, -ROW_CHANGE)):
+        moved = {
+            name: value * (1.0 + change)
+            for name, value in file.coefficients.items()
+            if value and name.startswith(f"{row}_")
+        }
+        if not moved:
+            continue
+        neighbour = replace(file, coefficients={**file.coefficients, **moved})
+        other = fly_boat(neighbour, leg.task(neighbour, "full"))
+        if isinstance(other, str):
+            continue
+        for one in judge(leg.manoeuvre, full, other):
+            if one.allowed:
+                move = abs(allowed_multiple(one))
+                moves[one.quantity] = max(moves.get(one.quantity, 0.0), move)
+    return moves
+
+
+def set_apart(
+    file: VesselFile, leg: Leg, full: Flight, found: Sequence[Judgement], share: float = 1.0
+) -> tuple[Judgement, ...]:
+    """Return judgements of a leg; what is beyond, and beyond by neighbours too, is NOT_DETERMINED.
+
+    ``share`` is of what is allowed. Neighbours fly only where something is beyond.
+    """
+    if not any(_beyond(one, share) for one in found):
+        return tuple(found)
+    moves = neighbour_moves(file, leg, full)
+    return tuple(
+        replace(one, allowed=None, verdict=NOT_DETERMINED)
+        if _beyond(one, share) and moves.get(one.quantity, 0.0) > share
+        else one
+        for one in found
+    )
+
+
+def _beyond(one: Judgement, share: float) -> bool:
+    """Return whether a number is off by more than ``share`` of what is allowed."""
+    return bool(one.allowed) and abs(allowed_multiple(one)) > share

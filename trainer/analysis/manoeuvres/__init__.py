@@ -3,8 +3,7 @@
 Begin with ``vehicle``, what a manoeuvre needs of whatever sails it, and ``flight``, which flies
 one. Two kinds of vehicle stand here, ``submarine`` and ``nomoto_ship``; manoeuvres know neither.
 They are found by name in ``catalogue``, and lie in a module a kind: ``turns``, ``zigzag``,
-``vertical``, ... ``page`` is the command's report. ``steadiness`` is reached by the catalogue
-alone.
+``vertical``, ... ``page`` is the command's report.
 """
 
 # The modules that other rooms may use.

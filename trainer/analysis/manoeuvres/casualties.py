@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol, runtime_checkable
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     STARBOARD,
@@ -24,7 +24,6 @@ from trainer.analysis.manoeuvres.vehicle import (
     surface_limit,
 )
 
-LEAD_TIME_S: Final = 2.0  # [s] of straight flight
 UPRIGHT_COLUMNS: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
 TURNING_COLUMNS: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "phi": "rad", "u": "m/s"}
 RUN_SIXTHS: Final = tuple(i / 6 for i in range(1, 7))  # of a run

@@ -13,8 +13,7 @@ from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, Rudde
 from trainer.analysis.manoeuvres.flight import Manoeuvre
 from trainer.analysis.manoeuvres.seakeeping import BeamSea
 from trainer.analysis.manoeuvres.speeds import Acceleration, Backing, CrashStop, UtmostAcceleration
-from trainer.analysis.manoeuvres.steadiness import PullOut, ReverseSpiral, Spiral
-from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
+from trainer.analysis.manoeuvres.turns import ClimbingTurn, PullOut, ReverseSpiral, Spiral, Turn
 from trainer.analysis.manoeuvres.vehicle import Vehicle, surface_limit
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
@@ -29,7 +28,6 @@ from trainer.config.files import ConfigError, nearest
 from trainer.units import KNOT
 
 SPEED_ROUNDING_KN: Final = 1e-9  # [kn]
-
 MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
     {
         # of 1969, the program CONTR

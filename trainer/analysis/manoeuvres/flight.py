@@ -36,6 +36,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 
 CycleGenerator = Generator[None, None, None]
+LEAD_TIME_S: Final = 2.0  # [s] of straight motion before most manoeuvres
 TIME_ROUNDING_S = 1e-9  # [s] rounding of a sum of steps
 MAX_FLIGHT_CYCLES = 2_000_000  # [cycles] of a flight
 # fmt: off
@@ -207,7 +208,7 @@ class Flight:
 
     def at(self, time: float, name: str) -> float | None:
         """Return a column at ``time`` [s], interpolated; None after the end."""
-        if time > self.t[-1] + 1e-9:
+        if time > self.t[-1] + TIME_ROUNDING_S:
             return None
         return float(np.interp(time, self.t, self.column(name)))
 
@@ -225,7 +226,7 @@ class Flight:
 
     def since(self, time: float) -> slice:
         """Return the place of all rows from ``time`` [s] on."""
-        return slice(int(np.searchsorted(self.t, time - 1e-9)), None)
+        return slice(int(np.searchsorted(self.t, time - TIME_ROUNDING_S)), None)
 
 
 @dataclass(frozen=True)

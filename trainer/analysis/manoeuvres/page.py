@@ -18,8 +18,8 @@ from trainer.analysis.manoeuvres.catalogue import (
     manoeuvre_parameters,
 )
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly_manoeuvre
-from trainer.analysis.manoeuvres.steadiness import SPIRAL_WAYS
 from trainer.analysis.manoeuvres.submarine import CALM_SEA, DEEP_WATER_M, Rig, Submarine
+from trainer.analysis.manoeuvres.turns import SPIRAL_WAYS
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError

@@ -33,6 +33,13 @@ def ahead_speed(conn: Conn, knots: float | None) -> float:
     return conn.vehicle.controls["engine"].high if knots is None else knots * KNOT
 
 
+def depth_change(flight: Flight) -> list[Measure]:
+    """Return how far the depth went, of a vehicle that has one."""
+    if not flight.has("z"):
+        return []
+    return [show_only("largest depth change", "m", largest_value(flight.change("z")))]
+
+
 @dataclass(frozen=True)
 class Acceleration(Manoeuvre):
     """The engine goes up from rest in equal steps, and down in as many."""
@@ -105,11 +112,7 @@ class UtmostAcceleration(Manoeuvre):
             part_measure(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top)
             for time in times
         ]
-        if flight.has("z"):
-            measures.append(
-                show_only("largest depth change", "m", largest_value(flight.change("z")))
-            )
-        return measures
+        return measures + depth_change(flight)
 
 
 @dataclass(frozen=True)
@@ -172,8 +175,4 @@ class Backing(Manoeuvre):
             measures.append(part_measure(f"speed after {time:g} s", "m/s", speed, fastest))
             measures.append(part_measure(f"way after {time:g} s", "m", way, furthest))
         measures.append(show_only("change of heading", "rad", float(flight.change("psi")[-1])))
-        if flight.has("z"):
-            measures.append(
-                show_only("largest depth change", "m", largest_value(flight.change("z")))
-            )
-        return measures
+        return measures + depth_change(flight)

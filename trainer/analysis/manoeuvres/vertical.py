@@ -5,12 +5,12 @@ goes on after planes are reversed (overshoot). The ``catalogue`` offers them.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar, Final
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, TIME_ROUNDING_S, Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     DIVE,
     RISE,
@@ -27,9 +27,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     zero_crossings,
 )
 
-LEAD_TIME_S: Final = 2.0  # [s] of straight flight
 SHOWN_CYCLES: Final = 5  # of a decay that are reported
-TIME_ROUNDING_S: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)
@@ -174,8 +172,8 @@ class RollDecay(Manoeuvre):
 
 
 @dataclass(frozen=True)
-class Meander(Manoeuvre):
-    """The planes move until the pitch reaches its mark, then stay at neutral."""
+class Pitching(Manoeuvre):
+    """The planes move until the pitch reaches its mark."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
@@ -184,16 +182,24 @@ class Meander(Manoeuvre):
     angle_deg: float = 20.0  # planes
     execute_deg: float = 10.0  # pitch, absolute
     duration_s: float = 400.0
-    direction: Direction = RISE
+    direction: Direction = RISE  # at first
 
-    def schedule(self, conn: Conn) -> Iterator[None]:
-        """Yield the cycles of the meander."""
-        pitch = Watch("size of theta", math.radians(self.execute_deg))
+    def pitched(self, conn: Conn) -> Generator[None, None, bool]:
+        """Order the planes and advance to the mark. Return whether it was reached in time."""
         yield from conn.hold(LEAD_TIME_S)
         conn.order("planes", self.sign * math.radians(self.angle_deg))
         conn.mark("planes")
-        reached = yield from conn.until(pitch, self.duration_s - conn.time)
-        if not reached:
+        pitch = Watch("size of theta", math.radians(self.execute_deg))
+        return (yield from conn.until(pitch, self.duration_s - conn.time))
+
+
+@dataclass(frozen=True)
+class Meander(Pitching):
+    """The planes move until the pitch reaches its mark, then stay at neutral."""
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the meander."""
+        if not (yield from self.pitched(conn)):
             return
         conn.order("planes", 0.0)
         conn.mark("execute")
@@ -225,29 +231,17 @@ def half_cycle_damping(found: list[Measure]) -> float | None:
 
 
 @dataclass(frozen=True)
-class Overshoot(Manoeuvre):
+class Overshoot(Pitching):
     """The planes go one way until a pitch, then back until depth turns, then neutral."""
 
-    needs: ClassVar[tuple[str, ...]] = ("planes",)
-    compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
-    shows: ClassVar[tuple[str, ...]] = ("theta", "z", "u", "delta_s")
-
-    angle_deg: float = 20.0  # planes
-    execute_deg: float = 5.0  # pitch, absolute
+    execute_deg: float = 5.0
     duration_s: float = 200.0
-    direction: Direction = RISE  # at first
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the overshoot."""
-        angle = self.sign * math.radians(self.angle_deg)
-        pitch = Watch("size of theta", math.radians(self.execute_deg))
-        yield from conn.hold(LEAD_TIME_S)
-        conn.order("planes", angle)
-        conn.mark("planes")
-        reached = yield from conn.until(pitch, self.duration_s - conn.time)
-        if not reached:
+        if not (yield from self.pitched(conn)):
             return
-        conn.order("planes", -angle)
+        conn.order("planes", -self.sign * math.radians(self.angle_deg))
         conn.mark("execute")
         rising = not conn.passed(Watch("depth rate", 0.0))
         turning = Watch("depth rate", 0.0, 1.0 if rising else -1.0)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
     RISE,
     STARBOARD,
@@ -28,7 +28,6 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 from trainer.core.kernel import Numbers
 
-LEAD_TIME_S: Final = 2.0  # [s] of straight motion
 SHOWN_PEAKS: Final = 4  # peaks that are reported
 
 

@@ -8,7 +8,6 @@ level flight), which other programs use as well. All modules are open to command
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "characteristic", "compare", "constants", "evaluate", "fit", "neutral", "tankage", "tanks",
-    "thrust",
+    "characteristic", "compare", "constants", "evaluate", "fit", "neutral", "tanks", "thrust",
 ]
 # fmt: on

@@ -18,6 +18,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
 from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
@@ -26,7 +27,6 @@ from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, table, wrap
 
 COMPARISON_END_S: Final = 120.0  # [s] the time looked at, of [ASSES]
-ALLOWED_PERCENT: Final = 5.0  # [%] of [ASSES]
 STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
 STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
 # [-] of the largest change: a change below it is shown and not judged

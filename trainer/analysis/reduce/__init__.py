@@ -2,9 +2,9 @@
 
 Begin with ``search``, which drops one term after another, by the ``objective``: how far a
 candidate's flights lie from the full set's. Commands use ``reduction``, which is a search or a
-filed set with its ``verdict``, and write it by ``page`` or ``vessel_text``. ``programme`` and
-``candidates``, the flights and their processes, stay here with the search.
+filed set with its verdict, and write it by ``page``. ``programme``, the flights, stays
+here with the search.
 """
 
 # The modules that other rooms may use.
-__all__ = ["objective", "page", "reduction", "verdict", "vessel_text"]
+__all__ = ["objective", "page", "reduction"]

@@ -3,24 +3,34 @@
 A candidate is a compact set that the search tries: the full set's coefficients times factors. A leg
 is one manoeuvre at one speed. ``search`` brings these differences down, ``verdict`` judges by them.
 A difference counts as a multiple of what is allowed, so that metres and degrees can be compared.
+``search`` asks for those of many candidates at once; each flies every leg, so they are spread over
+processes.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Final
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.guide.neighbours import neighbour_moves, set_apart
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.guide.verdicts import MAX_DIFFERENCE, Judgement, allowed_multiple, judge
+from trainer.analysis.guide.verdicts import (
+    MAX_DIFFERENCE,
+    Judgement,
+    allowed_multiple,
+    judge,
+    neighbour_moves,
+    set_apart,
+)
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.workers import worker_pool
 from trainer.boat.assemble import Method, body_values, thrust_rows
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
+from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.kernel import Numbers
 from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS, SLIP_TERMS
 from trainer.core.vessel import compact_record
@@ -38,6 +48,9 @@ CONTROL_COEFFICIENTS: Final = (
 # waves, which push all of the mass that the hull carries along.
 ADDED_MASSES: Final = tuple(term for term in COMPACT_TERMS if term.endswith("dot"))
 FIXED_COEFFICIENTS: Final = ("X_dbdb", "Z_db", "M_db", *ADDED_MASSES)
+FACTOR_NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
+MAX_SLOPE: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
+CHUNK_FLIGHTS: Final = 4  # flights handed to a process at once
 
 
 def compact_terms(file: VesselFile, equations: str) -> tuple[str, ...]:
@@ -169,3 +182,67 @@ def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flig
             yield leg, fly_manoeuvre(boats[keys[leg]], leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             continue
+
+
+_worker_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
+
+
+def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
+    """Return the differences of a candidate from the full set.
+
+    Each process makes candidate and yardstick once and keeps them, because the yardstick flies all
+    legs by the full set.
+    """
+    post = path, equations, legs
+    if post not in _worker_posts:
+        file = load_vessel(str(path))
+        _worker_posts[post] = Candidate(file, equations), Yardstick(file, legs)
+    candidate, yardstick = _worker_posts[post]
+    candidate.take(factors)
+    return yardstick.differences(candidate)
+
+
+class CandidatePool:
+    """Processes that each fly a candidate of the same boat."""
+
+    def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
+        """Start ``cores`` processes for the boat in the file at ``path``, to fly ``legs``."""
+        self.legs = legs
+        yardstick = Yardstick(load_vessel(str(path)), legs)
+        self.rows, self._determined = yardstick.rows, yardstick.determined
+        self._fly = partial(_differences, path, equations, legs)
+        self._cores = cores
+        self._pool = worker_pool(cores) if cores > 1 else None
+
+    def __enter__(self) -> Self:
+        """Return the pool."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the processes."""
+        if self._pool:
+            self._pool.shutdown(cancel_futures=True)
+
+    def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
+        """Return the differences of several candidates by row, in the order of the candidates.
+
+        A number that the hull's own coefficients do not determine has the difference 0.
+        """
+        if self._pool is None or len(several) == 1:
+            flown: Iterable[Numbers] = map(self._fly, several)
+        else:
+            chunk = max(1, min(CHUNK_FLIGHTS, len(several) // self._cores))
+            flown = self._pool.map(self._fly, several, chunksize=chunk)
+        return [self._determined * differences for differences in flown]
+
+    def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
+        """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""
+        nudged = []
+        for index in free:
+            point = factors.copy()
+            point[index] += FACTOR_NUDGE
+            nudged.append(point)
+        slopes = np.zeros((here.size, factors.size))
+        for index, point in zip(free, self.differences(nudged), strict=True):
+            slopes[:, index] = (point - here) / FACTOR_NUDGE
+        return np.where(abs(slopes) > MAX_SLOPE, 0.0, slopes)

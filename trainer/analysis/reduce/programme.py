@@ -29,7 +29,7 @@ from trainer.analysis.manoeuvres.casualties import (
     RudderJam,
 )
 from trainer.analysis.manoeuvres.catalogue import within_limits
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, Conn, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.speeds import Backing, CrashStop
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
@@ -56,7 +56,6 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
 
-LEAD_TIME_S: Final = 2.0  # [s] of straight flight
 WEAVE_LENGTHS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again
 READING_SHARES: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
 LEVEL_COLUMNS: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}

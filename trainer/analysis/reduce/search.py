@@ -19,8 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.analysis.guide.programme import Leg
-from trainer.analysis.reduce.candidates import CandidatePool
-from trainer.analysis.reduce.objective import Candidate, Yardstick, fixed_terms
+from trainer.analysis.reduce.objective import Candidate, CandidatePool, Yardstick, fixed_terms
 from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers

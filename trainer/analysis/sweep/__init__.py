@@ -2,13 +2,13 @@
 
 Begin with ``study``, what a file asks for (its keys in ``records``), and ``draws``, the numbers of
 each member. ``job`` has what every process needs to fly members; ``manoeuvres`` and ``exercises``
-are two kinds of them, others lie with those who fly them. ``sweep`` carries it out, ``results`` and
-``report`` are what comes of it. ``chunks`` on disk and ``fleets`` in memory stay here.
+are two kinds of them, others lie with those who fly them. ``sweep`` carries it out, ``report`` is
+what comes of it. ``fleets`` in memory stay here.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "draws", "exercises", "job", "manoeuvres", "records", "report", "results", "study", "sweep",
+    "draws", "exercises", "job", "manoeuvres", "records", "report", "study", "sweep",
 ]
 # fmt: on

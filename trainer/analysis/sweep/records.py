@@ -29,6 +29,7 @@ from trainer.config.words import EQUATION_SETS, LINEAR_MODELS, OUTPUT_CHANNELS, 
 MAX_MEMBERS: Final = 10_000_000  # members of a study
 MAX_VALUES: Final = 10_000  # values of one variable
 MAX_NUMBER: Final = 1e12  # of any value, so that squares and sums of all members stay finite
+NUMBER_LIMITS: Final = within(-MAX_NUMBER, MAX_NUMBER)
 ESTIMATE_DISTRIBUTION: Final = "estimate"  # a distribution: draws of all coefficients together
 SEED_LIMIT: Final = 2**49  # seeds are below it
 
@@ -67,7 +68,7 @@ class ValueList:
     @property
     def form(self) -> KeyForm:
         """Return unit, range and meaning, and the JSON Schema of its values."""
-        each = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning), Text(200, self.meaning)
+        each = Quantity("-", NUMBER_LIMITS, self.meaning), Text(200, self.meaning)
         kinds = [list_schema(kind.form.schema, 1, self.most) for kind in each]
         schema = {"anyOf": kinds, "uniqueItems": True}
         return KeyForm("list", f"1 to {self.most} numbers, or words", self.meaning, schema)
@@ -76,7 +77,7 @@ class ValueList:
         """Return the numbers or words; ConfigError if they are neither, or mixed."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
             raise ConfigError(position.wrong(key, value, f"must be a list of 1 to {self.most}"))
-        number = Quantity("-", within(-MAX_NUMBER, MAX_NUMBER), self.meaning)
+        number = Quantity("-", NUMBER_LIMITS, self.meaning)
         word = Text(200, self.meaning)
         kind: Quantity | Text = word if isinstance(value[0], str) else number
         values = tuple(kind.read(f"{key}[{i}]", item, position) for i, item in enumerate(value))
@@ -109,7 +110,7 @@ class MethodTable:
     )
     trig: str | None = optional(Choice(TRIGONOMETRY_KINDS, "else exact"))
     integrator: str | None = optional(Text(200, "as --integrator; else adams2"))
-    step_s: float | None = optional(Quantity("s", within(0.001, 2), "else the vessel file's"))
+    step_s: float | None = optional("s", within(0.001, 2), "else the vessel file's")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,11 +118,11 @@ class ManoeuvreTable:
     """The manoeuvre that every member flies; what is left out is its own."""
 
     name: str = required(Text(40, "as `trainer boat manoeuvre --list` has it"))
-    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
-    angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
-    execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))
-    planes_deg: float | None = optional(Quantity("deg", within(0, 90), "of a climbing turn"))
-    duration_s: float | None = optional(Quantity("s", within(1, 1e5), "time flown"))
+    speed_kn: float | None = optional("kn", within(0.01, 60), "else the vessel file's")
+    angle_deg: float | None = optional("deg", within(0, 90), "of the control")
+    execute_deg: float | None = optional("deg", within(0, 180), "mark")
+    planes_deg: float | None = optional("deg", within(0, 90), "of a climbing turn")
+    duration_s: float | None = optional("s", within(1, 1e5), "time flown")
     side: str | None = optional(
         Choice(FIELD_CHOICES["side"], "of a turn, or first; else starboard")
     )
@@ -129,14 +130,14 @@ class ManoeuvreTable:
         Choice(FIELD_CHOICES["direction"], "of the planes, or first; else rise, of trim dive")
     )
     step_kn: float | None = optional(
-        Quantity("kn", within(0.1, 60), "of an acceleration's steps, at most; else 5")
+        "kn", within(0.1, 60), "of an acceleration's steps, at most; else 5"
     )
-    each_s: float | None = optional(Quantity("s", within(1, 1e5), "of each of these steps"))
+    each_s: float | None = optional("s", within(1, 1e5), "of each of these steps")
     ahead_kn: float | None = optional(
-        Quantity("kn", within(0.01, 60), "last of an acceleration; else full ahead")
+        "kn", within(0.01, 60), "last of an acceleration; else full ahead"
     )
     ahead_s: float | None = optional(
-        Quantity("s", within(1, 1e5), "of an utmost acceleration; else half its time")
+        "s", within(1, 1e5), "of an utmost acceleration; else half its time"
     )
     depth_kept: bool | None = optional(Flag("whether a turn keeps its depth; else it does"))
     controls: str | None = optional(Choice(("own", "once"), "rates and lags, or none; else own"))
@@ -151,20 +152,20 @@ class IdentificationTable:
     """An experiment that is simulated and identified again and again."""
 
     model: str = required(Choice(LINEAR_MODELS, "model, as `trainer identify --model`"))
-    length_m: float = required(Quantity("m", within(0.1, 600), "of the ship"))
-    speed_kn: float = required(Quantity("kn", within(0.01, 60), "of the ship"))
-    bow_log_m: float | None = optional(Quantity("m", within(0, 600), "forward log"))
-    stern_log_m: float | None = optional(Quantity("m", within(0, 600), "aft log"))
+    length_m: float = required("m", within(0.1, 600), "of the ship")
+    speed_kn: float = required("kn", within(0.01, 60), "of the ship")
+    bow_log_m: float | None = optional("m", within(0, 600), "forward log")
+    stern_log_m: float | None = optional("m", within(0, 600), "aft log")
     outputs: tuple[str, ...] = required(
         DistinctTexts(
             Text(20, f"channels read: {', '.join(OUTPUT_CHANNELS)}"), len(OUTPUT_CHANNELS)
         )
     )
-    interval_s: float = required(Quantity("s", within(1e-4, 3600), "from sample to sample"))
+    interval_s: float = required("s", within(1e-4, 3600), "from sample to sample")
     samples: int = required(WholeNumber(10, 100_000, "of a record"))
     register_bits: int = required(WholeNumber(2, 12, "of the binary sequence on the rudder"))
-    bit_s: float = required(Quantity("s", within(1e-3, 3600), "time that one bit holds"))
-    amplitude_deg: float = required(Quantity("deg", within(0.01, 90), "of the rudder, either way"))
+    bit_s: float = required("s", within(1e-3, 3600), "time that one bit holds")
+    amplitude_deg: float = required("deg", within(0.01, 90), "of the rudder, either way")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,13 +173,9 @@ class ParameterRow:
     """One parameter of a model that is identified."""
 
     name: str = required(Text(20, "as the model calls it"))
-    truth: float = required(
-        Quantity("model's", within(-MAX_NUMBER, MAX_NUMBER), "what the records are made with")
-    )
+    truth: float = required("model's", NUMBER_LIMITS, "what the records are made with")
     start: float | None = optional(
-        Quantity(
-            "model's", within(-MAX_NUMBER, MAX_NUMBER), "where the search begins; else at the truth"
-        )
+        "model's", NUMBER_LIMITS, "where the search begins; else at the truth"
     )
     free: bool | None = optional(Flag("whether it is searched for; else it is"))
 
@@ -199,11 +196,6 @@ class Sample:
     )
 
 
-def _bound(meaning: str) -> Quantity:
-    """Return the kind of a bound of a distribution, in the unit of its key."""
-    return Quantity("key's", within(-MAX_NUMBER, MAX_NUMBER), meaning)
-
-
 @dataclass(frozen=True, kw_only=True)
 class VaryRow:
     """One number that differs from member to member."""
@@ -217,11 +209,11 @@ class VaryRow:
             "instead of values; estimate: whole draws of a boat or a fitted ship, key vessel",
         )
     )
-    low: float | None = optional(_bound("of uniform, triangular"))
-    high: float | None = optional(_bound("of uniform, triangular"))
-    mode: float | None = optional(_bound("peak of triangular"))
-    mean: float | None = optional(_bound("of normal"))
-    std: float | None = optional(Quantity("key's", above(0, MAX_NUMBER), "of normal"))
+    low: float | None = optional("key's", NUMBER_LIMITS, "of uniform, triangular")
+    high: float | None = optional("key's", NUMBER_LIMITS, "of uniform, triangular")
+    mode: float | None = optional("key's", NUMBER_LIMITS, "peak of triangular")
+    mean: float | None = optional("key's", NUMBER_LIMITS, "of normal")
+    std: float | None = optional("key's", above(0, MAX_NUMBER), "of normal")
     relative: bool | None = optional(
         Flag("true: the numbers are factors of what the files say; else they take its place")
     )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from trainer.analysis.sweep.draws import GRID_SAMPLE
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, OpenJob, Output
-from trainer.analysis.sweep.results import TROUBLE_COLUMN
+from trainer.analysis.sweep.sweep import TROUBLE_COLUMN
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 from trainer.report.plots import Bar, BarGroup, Curve, Panel

@@ -1,27 +1,208 @@
 """A study is carried out by this process, others, or those of a Dask cluster.
 
-``trainer boat sweep`` calls it. The missing chunks are flown, each chunk is kept, and all are
-joined to one result.
+``trainer boat sweep`` calls it. A member is one run of a study, a chunk some members that one
+process flies. The missing chunks are flown, each is kept when it is done, so that an interrupted
+sweep goes on where it was, and all are joined to one file; a manifest says of which study they are.
+The facts of the study lie in the file itself, so that a result can be flown again and is never
+taken for another study's.
 """
 
-from collections.abc import Callable, Iterator
+import contextlib
+import json
+import shutil
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.sweep.chunks import folder_of, result_of, take_up, writing_alone
-from trainer.analysis.sweep.job import Batch, Job, OpenJob, fly_chunk, open_job
-from trainer.analysis.sweep.results import join_parts, schema_of, write_table
+import numpy as np
+
+from trainer.analysis.sweep.job import Batch, Job, OpenJob, fact_differences, fly_chunk, open_job
 from trainer.analysis.workers import worker_pool
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
+from trainer.io.file_lock import holding
+from trainer.io.outputs import renew_whole, replacing
+
+ROW_GROUP_ROWS: Final = 65_536  # of a row group of the result
+MEMBER_COLUMN, SEED_COLUMN, TROUBLE_COLUMN = "member", "seed", "trouble"
+FACTS_KEY: Final = b"trainer.sweep"
+MANIFEST_NAME: Final = "manifest.json"
+LOCK_NAME: Final = "lock"  # held by the process that writes there
 
 BatchChunks = Iterator[tuple[int, Batch]]
 ChunkCrew = Callable[[Job, list[int]], BatchChunks]
-
 SCHEDULER_TIMEOUT: Final = "10s"  # for a scheduler to answer
 RESUME_NOTE: Final = "what is finished is kept: run the same command again"
+
+
+def check_pyarrow() -> None:
+    """Check that Parquet can be written; ConfigError saying what to install."""
+    require_library("pyarrow", "trainer boat sweep")
+
+
+def schema_of(opened: OpenJob) -> Any:
+    """Return a result's columns: seeds, numbers drawn, outputs, and why there are none."""
+    import pyarrow as pa  # noqa: PLC0415 - half a second, and not always there
+
+    middle = opened.study.draws.middle()
+    drawn = [
+        pa.field(name, pa.string() if isinstance(value, str) else pa.float64())
+        for name, value in middle.items()
+    ]
+    output_fields = [
+        pa.field(output.name, pa.float64(), metadata={"unit": output.unit})
+        for output in opened.subject.outputs
+    ]
+    first = [pa.field(MEMBER_COLUMN, pa.int64()), pa.field(SEED_COLUMN, pa.int64())]
+    return pa.schema([*first, *drawn, *output_fields, pa.field(TROUBLE_COLUMN, pa.string())])
+
+
+def table_of(batch: Batch, schema: Any) -> Any:
+    """Return a batch as a table. An output that a member never came to is null."""
+    import pyarrow as pa  # noqa: PLC0415
+
+    columns = [
+        batch.members,
+        batch.seeds,
+        *batch.drawn.values(),
+        *np.ascontiguousarray(batch.outputs.T),
+        list(batch.troubles),
+    ]
+    arrays = [
+        pa.array(column, field.type, from_pandas=True)
+        for column, field in zip(columns, schema, strict=True)
+    ]
+    return pa.table(arrays, schema=schema)
+
+
+def write_table(table: Any, path: Path) -> None:
+    """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    with replacing(path) as made:
+        pq.write_table(table, made, row_group_size=ROW_GROUP_ROWS)
+
+
+def read_table(path: Path) -> Any:
+    """Return the table of a file; OSError if it is none, or not whole."""
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    try:
+        return pq.ParquetFile(path).read()
+    except pa.ArrowInvalid as wrong:
+        raise OSError(str(wrong)) from None
+
+
+def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
+    """Return the result: all chunks in their order, and the facts they follow from."""
+    import pyarrow as pa  # noqa: PLC0415
+
+    facts = json.dumps(job.facts, sort_keys=True).encode()
+    whole = pa.concat_tables([schema.empty_table(), *tables]).combine_chunks()
+    return whole.replace_schema_metadata({FACTS_KEY: facts})
+
+
+def facts_of(table: Any) -> dict[str, Any]:
+    """Return the facts that determine a result; none if the file is no study's result."""
+    facts: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS_KEY, b"{}"))
+    return facts
+
+
+@dataclass(frozen=True)
+class ChunkStore:
+    """The chunks of one job that are on disk."""
+
+    folder: Path
+    schema: Any
+    chunks: int
+
+    def file(self, index: int) -> Path:
+        """Return the path of a chunk's file."""
+        return self.folder / f"{index:06d}.parquet"
+
+    def finished(self) -> set[int]:
+        """Return the numbers of the chunks on disk."""
+        return {index for index in range(self.chunks) if self.file(index).exists()}
+
+    def keep(self, index: int, batch: Batch) -> None:
+        """Write a chunk; OSError if it cannot be."""
+        write_table(table_of(batch, self.schema), self.file(index))
+
+    def tables(self) -> Iterator[Any]:
+        """Yield the chunks in their order; ConfigError naming one that cannot be read."""
+        for index in range(self.chunks):
+            try:
+                yield read_table(self.file(index))
+            except OSError as wrong:
+                text = f"{self.file(index)}: cannot be read ({wrong}): delete it, and run again"
+                raise ConfigError(text) from None
+
+    def clear(self) -> None:
+        """Remove the folder, the result being there."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def folder_of(out: Path) -> Path:
+    """Return where the finished members of a result are while it grows."""
+    return out.with_name(f"{out.name}.parts")
+
+
+@contextlib.contextmanager
+def writing_alone(out: Path) -> Iterator[None]:
+    """Keep other sweeps from a result inside the block; ConfigError if one writes it."""
+    folder = folder_of(out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with contextlib.ExitStack() as lock:
+            if other := lock.enter_context(holding(folder / LOCK_NAME)):
+                text = f"another sweep writes it, process {other}: wait for it, or give --out"
+                raise ConfigError(f"{out}: {text} another name")
+            yield
+    except OSError as error:
+        raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from None
+
+
+def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
+    """Return a job's folder, new or as it was left; ConfigError if another job's."""
+    folder = folder_of(out)
+    manifest = folder / MANIFEST_NAME
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if manifest.exists():
+            _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
+        else:
+            renew_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
+        for stray in (*folder.glob("*.part"), *folder.glob(".*/*")):  # of a writer that was killed
+            stray.unlink(missing_ok=True)
+    except OSError as error:
+        raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
+    return ChunkStore(folder, schema, chunks)
+
+
+def result_of(job: Job, out: Path) -> Any:
+    """Return the job's finished result, None without one; ConfigError if it is another job's."""
+    if not out.exists():
+        return None
+    try:
+        table = read_table(out)
+    except OSError:
+        raise ConfigError(f"{out}: is there and no result of a study; give --out another") from None
+    _compare(facts_of(table), job, out, "is the result of")
+    return table
+
+
+def _compare(facts: dict[str, Any], job: Job, path: Path, verb: str) -> None:
+    """Check that facts on disk are the job's; ConfigError with what differs."""
+    problems = fact_differences(facts, job.facts)
+    if problems:
+        text = f"{path}: {verb} another study: delete it, or give --out another name"
+        raise ConfigError(text, *problems)
 
 
 def fly_alone(job: Job, indices: list[int]) -> BatchChunks:

@@ -1,15 +1,9 @@
 """Parameters estimated from a record: the problem, its cost, the search and where it starts.
 
 Begin with ``problem``: which parameters are sought, from which samples; ``study_problem`` poses it
-from a file. ``likelihood`` and ``prediction_error`` are its costs, ``start_values`` where the
-search begins, ``minimise`` and ``estimate`` the search. ``armax``, ``classical`` and ``nonlinear``
-fit in ways of their own. All modules are open.
+from a file, with where the search begins. ``likelihood`` has its costs, ``minimise`` and
+``estimate`` the search. ``armax`` and ``nonlinear`` fit in ways of their own. All modules are open.
 """
 
 # The modules that other rooms may use.
-# fmt: off
-__all__ = [
-    "armax", "classical", "estimate", "likelihood", "minimise", "nonlinear", "prediction_error",
-    "problem", "start_values", "study_problem",
-]
-# fmt: on
+__all__ = ["armax", "estimate", "likelihood", "minimise", "nonlinear", "problem", "study_problem"]

@@ -4,7 +4,7 @@ y_t + a1 y_(t-1) + ... = b1 u_(t-1) + ... + e_t + c1 e_(t-1) + ..., n coefficien
 dn in the first n equations where the initial state is estimated.
 
 Such a model is a difference equation with noise and knows nothing of ships, so it shows which order
-a record supports before a ship's model is chosen. ``judge/orders`` fits rising orders by it. A fit
+a record supports before a ship's model is chosen. ``pages/armax`` fits rising orders by it. A fit
 minimises V = 1/2 sum eps^2 (9). A model of order 2 contains a first-order ship: see
 ``without_wind``.
 """

@@ -1,19 +1,34 @@
-"""The likelihood of a record under a model with noise covariances, its gradient and information.
+"""The costs of a problem: minus a log-likelihood, by covariances or by a predictor's errors.
 
-It is the cost that ``trainer identify`` minimises where ``noise`` is "covariance". The sums over
-the samples are compiled, in ``kernels/likelihood`` and ``kernels/sensitivity``. Model document,
-6.1, 6.3 and 8.1. Where a model is impossible (a covariance not positive definite) the cost is
-infinite, so that a search turns back.
+``study_problem`` chooses one by the study's noise. Where it is "covariance" the sums over the
+samples are compiled, in ``kernels/likelihood`` and ``kernels/sensitivity`` (model document, 6.1,
+6.3 and 8.1). Else there is a predictor: output error, innovations, several steps (6.2-6.5). Where
+the model does not give the errors' covariance, the best one is put in its place. So the second
+derivatives of a cost are the inverse covariance of the estimates (8.3). Where a model is impossible
+(a covariance not positive definite) the cost is infinite, so that a search turns back.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.problem import Problem
+from trainer.identify.kernels.covariance_filter import (
+    FLAG_COUNTED,
+    FilterRun,
+    Predictor,
+    SampledSystem,
+    run_predictor,
+    settle_gain,
+    show_filter,
+)
+from trainer.identify.kernels.kernel import Entries
 from trainer.identify.kernels.likelihood import (
     LOG_DETERMINANTS,
     READINGS,
@@ -21,11 +36,17 @@ from trainer.identify.kernels.likelihood import (
     is_possible,
     likelihood_sums,
 )
+from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
-from trainer.identify.model.sampled import SampledSystems
+from trainer.identify.model.sampled import COMPLEX_STEP, SampledSystems
+from trainer.identify.record.measurements import Samples
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
 PIECE_ROWS: Final = 256  # rows that are multiplied at once
+FLAG_REASONS: Final = ("counted", "missing", "rejected", "singular")
+Gains = Callable[[Problem, SampledSystems], Complexes | None]
+MAX_GAIN_STEPS: Final = 5000  # of the iteration for the settled gain
+COVARIANCE_TOLERANCE: Final = 1e-13  # [-] relative change of P at which it has settled
 
 
 def possible(sampled: SampledSystems) -> bool:
@@ -135,3 +156,303 @@ def _score(problem: Problem, theta: Numbers) -> Score:
     constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
     rows = errors.reshape(-1, wide), covariances[:stages].reshape(-1, wide)
     return Score(float(cost + constant), slope[:count] * problem.scale, (rows,))
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionRun:
+    """The filter's run over a record; errors are NaN where a reading is missing."""
+
+    states: Numbers  # (n, x) predicted from the samples before, SI
+    predictions: Numbers  # (n, y)
+    errors: Numbers  # (n, y) reading less prediction
+    covariances: Numbers  # (n, x, x) P of the states
+    spreads: Numbers  # (n, y, y) R, their covariance
+    squares: Numbers  # (n,) error' R^-1 error
+    flags: NDArray[np.int64]  # (n,) indices in FLAG_REASONS
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """Return which samples the losses are made of (n,)."""
+        return np.asarray(self.flags == int(FLAG_COUNTED))
+
+    @property
+    def standardised(self) -> Numbers:
+        """Return errors divided by the Cholesky factor of R (n, y). NaN where one is missing."""
+        scaled_errors = np.full_like(self.errors, np.nan)
+        whole = self.counted & ~np.isnan(self.errors).any(axis=1)
+        roots = np.linalg.cholesky(self.spreads[whole])
+        scaled_errors[whole] = np.linalg.solve(roots, self.errors[whole][..., None])[..., 0]
+        return scaled_errors
+
+
+def no_limits(readings: int) -> Numbers:
+    """Return limits (y+1,) that reject nothing."""
+    return np.full(readings + 1, np.inf)
+
+
+def chi_square_limits(probability: float, readings: int) -> Numbers:
+    """Return limits (y+1,) that a good sample exceeds with ``probability`` (MI 6.5).
+
+    They are of the chi-square distribution, with as many degrees of freedom as there are readings.
+    """
+    from scipy.special import chdtri  # noqa: PLC0415 - an extra, imported on use
+
+    return np.array([math.inf, *(chdtri(count, probability) for count in range(1, readings + 1))])
+
+
+def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> PredictionRun:
+    """Return the filter's run with ``theta`` (f,); ``limits`` (y+1,) as chi_square_limits."""
+    return filter_samples(problem.sampled(theta).at(0), problem.samples, limits)
+
+
+def filter_samples(system: SampledSystem, samples: Samples, limits: Numbers) -> PredictionRun:
+    """Return the filter's run by a system's mean, noise and start, real or complex."""
+    (count, readings), states = samples.outputs.shape, len(system.start)
+    rows, kind = states + readings, system.mean.dtype
+    out = np.empty((count, rows + readings + 2), kind)
+    covariances = np.empty((count, states, states), kind)
+    spreads = np.empty((count, readings, readings), kind)
+    run = FilterRun(out, covariances, spreads)
+    show_filter(system, samples.table, samples.steps[1], limits, run)
+    return PredictionRun(
+        out[:, :states],
+        out[:, states:rows],
+        out[:, rows : rows + readings],
+        covariances,
+        spreads,
+        out[:, -2],
+        out[:, -1].real.astype(np.int64),
+    )
+
+
+def loss_1(errors: Numbers) -> float:
+    """Return V1 = (1/n) log det of the sum of error error' (6.3).
+
+    The page compares it one step ahead with that by rudder alone.
+    """
+    whole = errors[~np.isnan(errors).any(axis=1)]
+    sign, size = np.linalg.slogdet(whole.T @ whole)
+    return float(size) / len(whole) if len(whole) and sign > 0.0 else math.nan
+
+
+def no_gain(problem: Problem, sampled: SampledSystems) -> Complexes:
+    """Return zero gains (b, x, y). The model runs alone, all error is in the readings."""
+    batch, states = sampled.start.shape[:2]
+    return np.zeros((batch, states, problem.samples.outputs.shape[1]), complex)
+
+
+def settled_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
+    """Return the gains (b, x, y) that the filter settles at. None if it does not.
+
+    ConfigError if the interval varies: there is no such gain then.
+    """
+    if sampled.mean.shape[1] != 1:
+        raise ConfigError(
+            "a stationary gain needs one interval; this record has "
+            f"{sampled.mean.shape[1]}: take the covariance form"
+        )
+    sampled, gains = sampled.as_complex(), no_gain(problem, sampled)
+    for row, gain in enumerate(gains):
+        P = np.ascontiguousarray(sampled.start[row, :, 1:])
+        system = sampled.mean[row, 0], sampled.noise[row, 0]
+        try:
+            settled = settle_gain(*system, P, COVARIANCE_TOLERANCE, MAX_GAIN_STEPS, gain) > 0
+        except ZeroDivisionError:  # of complex numbers, which compiled code raises
+            settled = False
+        if not settled:
+            return None
+    return gains
+
+
+def own_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
+    """Return the gains (b, x, y) that the model gives.
+
+    A user's own system may state its gain.
+    """
+    del problem
+    gain = sampled.as_complex().gain
+    return None if gain is None or not np.isfinite(gain).all() else gain
+
+
+@dataclass(frozen=True, eq=False)
+class Innovations:
+    """The cost of a predictor with a gain: ``no_gain``, ``settled_gain`` or ``own_gain``.
+
+    ``gains`` may be any other function too; imaginary parts of its result are derivatives.
+    """
+
+    problem: Problem
+    gains: Gains
+
+    def value(self, theta: Numbers) -> float:
+        """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2. S is the sum of error error'."""
+        errors = self._errors(theta, sloped=False)
+        return math.inf if errors is None else _concentrate(errors[0].real)
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return the cost and its exact gradient (f,)."""
+        errors = self._errors(theta, sloped=True)
+        if errors is None:
+            return math.inf, np.full(len(theta), math.nan)
+        value, weighted, slopes = errors[0].real, *self._weighted(errors)
+        gradient = np.einsum("kc,pkc->p", weighted, slopes)
+        return _concentrate(value), gradient * self.problem.scale
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return n sum error_i' S^-1 error_j (f, f): the expected second derivatives."""
+        errors = self._errors(theta, sloped=True)
+        if errors is None:
+            return np.full((len(theta), len(theta)), math.nan)
+        value = errors[0].real
+        spread = np.linalg.cholesky(value.T @ value / len(value))
+        _, slopes = self._weighted(errors)
+        standard = np.linalg.solve(spread, np.moveaxis(slopes, 2, 1)).reshape(len(theta), -1)
+        scale = self.problem.scale
+        return np.asarray(standard @ standard.T * np.outer(scale, scale))
+
+    def shown(self, theta: Numbers, number: int = 0) -> tuple[Numbers, Numbers]:
+        """Return a run's predicted states (n, x) and prediction errors (n, y)."""
+        run, at = self.problem.runs[number]
+        sampled = run.sampled(theta[at]).as_complex()
+        gains = self.gains(run, sampled)
+        if gains is None:
+            raise ConfigError("the filter does not settle: its gain is not known")
+        states, errors = _run(run, sampled, gains, 0)
+        return states.real, errors.real
+
+    def _weighted(self, errors: Complexes) -> tuple[Numbers, Numbers]:
+        """Return n S^-1 error (n, y) and the errors' slopes (f, n, y)."""
+        value = errors[0].real
+        weighted = len(value) * np.linalg.solve(value.T @ value, value.T).T
+        return weighted, errors[1:].imag / COMPLEX_STEP
+
+    def _errors(self, theta: Numbers, *, sloped: bool) -> Complexes | None:
+        """Return the errors of whole samples of all runs (1+f, k, y), or only the first row.
+
+        Imaginary parts from the second row on are slopes. None if the model is impossible.
+        """
+        parts = []
+        for run, at in self.problem.runs:
+            sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
+            gains = self.gains(run, sampled) if possible(sampled) else None
+            if gains is None:
+                return None
+            errors = np.stack([_run(run, sampled, gains, row)[1] for row in range(len(gains))])
+            # V1 needs complete samples: errors of all outputs are multiplied (MI 6.3)
+            errors = errors[:, ~np.isnan(run.samples.outputs).any(axis=1)]
+            part = np.zeros((1 + sloped * len(theta), *errors.shape[1:]), complex)
+            part[[0, *(1 + at)] if sloped else [0]] = errors
+            parts.append(part)
+        whole = np.concatenate(parts, axis=1)
+        return whole if np.isfinite(whole).all() and whole.shape[1] else None
+
+
+def _run(
+    problem: Problem, sampled: SampledSystems, gains: Complexes, row: int
+) -> tuple[Entries, Entries]:
+    """Return states (n, x) and errors (n, y) of one row; NaN where a reading is missing."""
+    samples, states = problem.samples, sampled.start.shape[1]
+    out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)
+    first = np.ascontiguousarray(sampled.start[row, :, 0])
+    system = Predictor(sampled.mean[row], gains[row], first)
+    run_predictor(system, samples.table, samples.steps[1], np.zeros((len(out), states)), out)
+    return out[:, :states], samples.outputs - out[:, states:]
+
+
+def _concentrate(errors: Numbers) -> float:
+    """Return minus the log-likelihood of ``errors`` (n, y) with the covariance that fits best.
+
+    Infinite where errors are one another's multiples, or too large to be squared.
+    """
+    count, readings = errors.shape
+    with np.errstate(over="ignore"):
+        covariance = errors.T @ errors / count
+    if not np.isfinite(covariance).all():
+        return math.inf
+    sign, determinant = np.linalg.slogdet(covariance)
+    if sign <= 0.0:
+        return math.inf
+    return float(0.5 * count * (determinant + readings * (1.0 + LOG_2_PI)))
+
+
+@dataclass(frozen=True, eq=False)
+class MultiStep:
+    """The cost of predictions ``first`` to ``last`` samples ahead, pooled (MI 6.4).
+
+    Only if both are 1 is it the likelihood, and only then do standard deviations follow from it.
+    """
+
+    problem: Problem
+    first: int
+    last: int
+
+    def value(self, theta: Numbers) -> float:
+        """Return n V2, n the samples that have a reading; the sum of all runs."""
+        return float(sum(costs[0].real for costs in self._costs(theta, sloped=False)))
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return n V2 and its exact gradient (f,)."""
+        gradient, value = np.zeros(len(theta)), 0.0
+        for costs, (_, at) in zip(self._costs(theta, sloped=True), self.problem.runs, strict=True):
+            value += float(costs[0].real)
+            gradient[at] += costs[1:].imag / COMPLEX_STEP
+        return value, gradient * self.problem.scale
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return the information of one step: a metric for minimisers, not for deviations."""
+        return Likelihood(self.problem).information(theta)
+
+    def _costs(self, theta: Numbers, *, sloped: bool) -> list[Complexes]:
+        """Return n V2 of each run, in the first row, and its slopes in the next ones."""
+        step_costs = []
+        for run, at in self.problem.runs:
+            sampled = run.sloped(theta[at]) if sloped else run.sampled(theta[at]).as_complex()
+            if possible(sampled):
+                costs = [self._cost(run, sampled, row) for row in range(len(sampled.start))]
+            else:
+                costs = [complex(math.inf)] * len(sampled.start)
+            step_costs.append(np.array(costs))
+        return step_costs
+
+    def _cost(self, problem: Problem, sampled: SampledSystems, row: int) -> complex:
+        """Return n V2 of a row."""
+        start = np.ascontiguousarray(sampled.start[row])
+        system = SampledSystem(sampled.mean[row], sampled.noise[row], start)
+        try:
+            total, count = self._look_ahead(system, problem.samples)
+        except (ZeroDivisionError, np.linalg.LinAlgError):  # compiled code raises of complex ones
+            return complex(math.inf)
+        mean = total / count if count else complex(math.inf)
+        return mean * problem.samples.counted if np.isfinite(mean) else complex(math.inf)
+
+    def _look_ahead(self, system: SampledSystem, samples: Samples) -> tuple[complex, int]:
+        """Return the sum of all predictions' -log L, and how many there are."""
+        readings, (mean, noise, start) = samples.outputs.shape[1], system
+        shown, x = filter_samples(system, samples, no_limits(readings)), len(start)
+        z, P, total, count = shown.states, shown.covariances, 0j, 0
+        for ahead in range(min(self.last, len(samples.t))):
+            table, which = samples.table[ahead:], samples.steps[1][ahead:]
+            W, whole = mean[which], np.column_stack([z, table[:, readings:], np.ones(len(z))])
+            v = np.einsum("kij,kj->ki", W, whole)
+            J = W[..., :x] @ P @ W[..., :x].swapaxes(1, 2) + noise[which]
+            if ahead >= self.first - 1:
+                total += np.sum(_surprises(table[:, :readings] - v[:, x:], J[:, x:, x:]))
+                count += int(np.count_nonzero(~np.isnan(table[:, :readings]).all(axis=1)))
+            z, P = v[:-1, :x], J[:-1, :x, :x]
+        return total, count
+
+
+def _surprises(errors: Entries, R: Entries) -> Complexes:
+    """Return -log L (n,) of errors (n, y) with covariances R (n, y, y).
+
+    It is infinite where R is not positive definite.
+    """
+    present = ~np.isnan(errors)
+    # a missing reading has error 0 and variance 1, alone: it adds nothing to -log L
+    R = np.where(present[:, :, None] & present[:, None, :], R, np.eye(errors.shape[1]))
+    present_errors, size = np.where(present, errors, 0.0), np.linalg.det(R)
+    squares = np.einsum(
+        "ki,ki->k", present_errors, np.linalg.solve(R, present_errors[..., None])[..., 0]
+    )
+    logs = np.log(np.where(size.real > 0.0, size, math.inf))
+    return np.asarray(0.5 * (logs + squares + present.sum(axis=1) * LOG_2_PI))

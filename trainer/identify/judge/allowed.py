@@ -17,7 +17,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import possible
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge.fitted import ModelFit
-from trainer.identify.judge.propagation import TAIL_SHARE, Span, draw_parameters, span_draws
+from trainer.identify.judge.uncertainty import TAIL_SHARE, Span, draw_parameters, span_draws
 from trainer.identify.judge.validation import predict_alone
 from trainer.identify.model.derived import quantities
 from trainer.identify.record.measurements import Samples

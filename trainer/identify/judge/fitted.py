@@ -17,6 +17,12 @@ import numpy as np
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import find_best_minimum
+from trainer.identify.fitting.likelihood import (
+    FLAG_REASONS,
+    MultiStep,
+    chi_square_limits,
+    run_filter,
+)
 from trainer.identify.fitting.minimise import (
     Cost,
     Progress,
@@ -24,25 +30,20 @@ from trainer.identify.fitting.minimise import (
     SearchResult,
     ignore_news,
 )
-from trainer.identify.fitting.prediction_error import (
-    FLAG_REASONS,
-    MultiStep,
-    chi_square_limits,
-    run_filter,
-)
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
-from trainer.identify.judge.propagation import Spread, propagate_covariance
 from trainer.identify.judge.uncertainty import (
     BOUNDED_PREFIXES,
+    Spread,
     Uncertainty,
     beside_bounds,
     hessian,
     inseparable,
+    propagate_covariance,
     uncertainty,
 )
 from trainer.identify.model.derived import quantities, quantity_units
-from trainer.identify.model.steering import SteeringModel
+from trainer.identify.model.nomoto import SteeringModel
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.study import Study
 from trainer.io.outputs import write_whole

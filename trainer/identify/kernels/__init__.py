@@ -3,7 +3,7 @@
 Begin with ``covariance_filter``, the filter over a whole record; ``likelihood`` is the same without
 what only slopes need, ``sensitivity`` has the slopes. ``sampling`` makes steps of continuous
 systems, ``ship_models`` their matrices. ``extended_filter`` is for ships that are not linear; its
-slopes (``extended_slopes``, ``ship_slopes``) stay here. ``kernel`` has the options of the compiler.
+slopes (``extended_slopes``) stay here. ``kernel`` has the options of the compiler.
 """
 
 # The modules that other rooms may use.

@@ -34,6 +34,7 @@ from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SECOND_COLUMNS
 from trainer.boat.ship.motion import STAGE_TIMES, STAGE_WEIGHTS, is_ship, set_derivative, set_rates
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
+    Accelerations,
     Estimate,
     Innovation,
     MatrixRoom,
@@ -43,12 +44,12 @@ from trainer.identify.kernels.extended_slopes import (
     noise_slopes,
     own_slopes,
     rate_slopes,
+    set_jacobian,
     spread_slopes,
     take_slopes,
     transition_slopes,
 )
 from trainer.identify.kernels.kernel import kernel, lean
-from trainer.identify.kernels.ship_slopes import Accelerations, set_jacobian
 
 # columns of a record's row, in the order of the module's docstring
 FIRST_INPUT_COLUMN: Final = 4

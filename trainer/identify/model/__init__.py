@@ -2,9 +2,8 @@
 
 Begin with ``models``: the parameters' names, and matrices by them. ``own_systems`` and
 ``system_files`` are a user's; ``sampled`` makes any of them discrete. ``nomoto`` and ``derived``
-say what parameters mean to a seaman, ``steering`` reads them from a vessel file. All modules are
-open.
+say what parameters mean to a seaman. All modules are open.
 """
 
 # The modules that other rooms may use.
-__all__ = ["derived", "models", "nomoto", "own_systems", "sampled", "steering", "system_files"]
+__all__ = ["derived", "models", "nomoto", "own_systems", "sampled", "system_files"]

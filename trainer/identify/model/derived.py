@@ -1,7 +1,7 @@
 """From the parameters of a fitted model to the ship's gains, time constants and stability.
 
 Parameters are what a fit estimates; a navigator knows a ship by K, T1, T2, T3 and its lever arms.
-The pages show these, and ``judge/propagation`` carries the standard deviations over. Model
+The pages show these, and ``judge/uncertainty`` carries the standard deviations over. Model
 document, sections 3.3 to 3.6.
 """
 

@@ -15,8 +15,8 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
+from trainer.identify.fitting.likelihood import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.nonlinear import BendEstimate
-from trainer.identify.fitting.prediction_error import MultiStep, PredictionRun, loss_1
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.fitting.study_problem import table_of
 from trainer.identify.judge.allowed import MIN_COMPLEX_SHARE, AllowedShips, draw_allowed
@@ -27,9 +27,16 @@ from trainer.identify.judge.residuals import (
     describe_tests,
     examine_residuals,
 )
-from trainer.identify.judge.rivals import RivalModel, compare_models, compare_without
 from trainer.identify.judge.uncertainty import intervals
-from trainer.identify.judge.validation import ValidationCheck, bend_of, check_of, predict_alone
+from trainer.identify.judge.validation import (
+    RivalModel,
+    ValidationCheck,
+    bend_of,
+    check_of,
+    compare_models,
+    compare_without,
+    predict_alone,
+)
 from trainer.identify.model.derived import DERIVATIVE_NAMES, quantity_units
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.pages.series import (

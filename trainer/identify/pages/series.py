@@ -12,13 +12,13 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.nonlinear import BendEstimate, predict_turning
-from trainer.identify.fitting.prediction_error import (
+from trainer.identify.fitting.likelihood import (
     Innovations,
     PredictionRun,
     no_limits,
     run_filter,
 )
+from trainer.identify.fitting.nonlinear import BendEstimate, predict_turning
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.judge.fitted import ModelFit
 from trainer.identify.judge.validation import predict_alone

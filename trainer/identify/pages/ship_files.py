@@ -18,7 +18,7 @@ from trainer.config.vessel import VesselFile, load_vessel
 from trainer.identify.fitting.nonlinear import BendEstimate
 from trainer.identify.judge.fitted import ModelFit
 from trainer.identify.model.derived import nomoto_of
-from trainer.identify.model.steering import limits
+from trainer.identify.model.nomoto import limits
 from trainer.identify.record.measurements import Record
 from trainer.units import KNOT
 

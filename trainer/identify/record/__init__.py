@@ -2,14 +2,13 @@
 
 Begin with ``measurements``, a record as models take it, and ``study``, a study file. ``sources``
 read records, ``findings`` examine them, ``columns`` and ``proposal`` guess at a foreign file;
-``frames`` are arrays of the Python face; ``decca`` and ``track`` give sway velocity. ``codes``,
-numbers that mean no reading, stay here.
+``track`` gives sway velocity. All modules are open.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "columns", "decca", "findings", "frames", "measurements", "proposal", "sources", "study",
+    "columns", "findings", "measurements", "proposal", "sources", "study",
     "study_records", "track",
 ]
 # fmt: on

@@ -15,9 +15,8 @@ import numpy as np
 
 from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
-from trainer.identify.record.codes import USUAL_CODES, find_codes
 from trainer.identify.record.measurements import POSITION_CHANNELS
-from trainer.identify.record.sources import Column, load_record, units_of
+from trainer.identify.record.sources import USUAL_CODES, Column, find_codes, load_record, units_of
 from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]

@@ -1,15 +1,18 @@
-"""Records from files, and the errors of instruments put on a recording's exact state.
+"""Records from files and arrays, and the errors of instruments put on an exact state.
 
-A CSV file or a recording of the trainer becomes a ``Record`` in SI and radians. A recording has the
-exact state, which no ship's instruments read, so a study's [sensors] add errors from its own seed.
+A CSV file, a recording of the trainer or arrays by channel (``trainer.identify.fit``) become a
+``Record`` in SI and radians; names and units are resolved alike. A recording has the exact state,
+which no ship's instruments read, so a study's [sensors] add errors from its own seed. Numbers that
+loggers write where there is no reading, 511 or -9999, are told from readings, because a filter
+follows them as if the ship had jumped.
 """
 
 import csv
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -18,13 +21,31 @@ from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
-from trainer.identify.record.codes import CODES_TEXT, find_codes, find_impossible, without_jumps
 from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS, Finding, Record
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.header import open_whole_recording
 from trainer.units import DEGREE, KNOT
 
+USUAL_CODES: Final = (
+    *(511.0, 655.35, 999.0, 999.9, 9999.0, 32767.0, 65535.0, 99999.0),
+    *(-999.0, -9999.0, -32767.0, -32768.0, -99999.0),
+)
+CODES_TEXT: Final = "usual are 511, 999, -9999, 32767, 65535, of AIS 91 and 102.3"
+MAX_SIZES: Final = {  # of what a ship does, SI: beyond is no reading
+    **dict.fromkeys(("rudder", "yaw_rate", "latitude"), 0.5 * math.pi),
+    **dict.fromkeys(("sway", "bow_sway", "stern_sway", "speed"), 50.0),
+    **dict.fromkeys(("north_velocity", "east_velocity"), 50.0),
+    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard", "revolutions"), 110.0),
+    **dict.fromkeys(("wind_from", "roll", "roll_rate"), math.radians(500.0)),
+}
+CODE_SHARE: Final = 1.4  # [-] of the largest other number: a usual code beyond it is one
+HEADING_RANGE_DEG: Final = (-185.0, 365.0)  # [deg] of a heading within a turn, and its noise
+MAX_JUMP_DEG: Final = 60.0  # [deg] from row to row; more, and back, is no ship's
+MAX_JUMP_ROWS: Final = 5  # [rows] until it is back
+USUAL_STEPS: Final = 6.0  # [-] of the usual change from row to row: a jump is more
+MAX_CODES: Final = 3  # [numbers] that one logger writes for no reading
+MAX_ROWS_TOLD: Final = 10
 UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "rad": {"rad": 1.0, "deg": DEGREE},
@@ -58,6 +79,62 @@ NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 NOISE_STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
 USUAL_SENSORS: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
+
+
+def find_codes(numbers: Numbers) -> tuple[float, ...]:
+    """Return the usual codes among numbers that are far beyond all others."""
+    usual = np.isin(numbers, USUAL_CODES)
+    largest = float(np.nanmax(np.abs(numbers), where=~usual, initial=0.0))
+    return tuple(np.unique(numbers[usual & (np.abs(numbers) > CODE_SHARE * largest)]).tolist())
+
+
+def find_impossible(channel: str, values: Numbers, unit: str) -> tuple[int, str] | None:
+    """Return the index of a reading [SI] that no ship has, and why; else None."""
+    beyond = np.abs(np.nan_to_num(values)) > MAX_SIZES.get(channel, math.inf)
+    degrees = f'; are these degrees? say unit = "{unit.replace("rad", "deg")}"' * ("rad" in unit)
+    text = f"no {channel} in {unit} is so large{degrees}; if it stands for no reading"
+    return (int(np.argmax(beyond)), text) if beyond.any() else None
+
+
+def without_jumps(record: Record) -> Record:
+    """Return the record, readings of its heading missing that leave it and come back."""
+    if record.heading is None:
+        return record
+    known = np.flatnonzero(~np.isnan(record.heading))
+    degrees = np.degrees(record.heading[known])
+    indices = known[sorted({*_outside(degrees), *_back_again(degrees)})]
+    if not indices.size:
+        return record
+    rows, raw = record.rows[indices].tolist(), math.degrees(record.heading[indices[0]])
+    told = f"{len(rows)} missing, rows {', '.join(map(str, rows[:MAX_ROWS_TOLD]))}"
+    finding = record.finding("heading", f"{raw:g} deg is no heading here: {told}", indices[0])
+    heading = record.heading.copy()
+    heading[indices] = np.nan
+    return replace(record, heading=heading, findings=(*record.findings, finding))
+
+
+def _outside(heading: Numbers) -> Iterator[int]:
+    """Yield the readings [deg] outside one turn: a few numbers, reached by no small step."""
+    outside = (heading < HEADING_RANGE_DEG[0]) | (heading > HEADING_RANGE_DEG[1])
+    steps = np.abs(np.diff(heading))[np.diff(outside)]
+    if steps.size and steps.min() > MAX_JUMP_DEG and np.unique(heading[outside]).size <= MAX_CODES:
+        yield from np.flatnonzero(outside).tolist()
+
+
+def _back_again(heading: Numbers) -> Iterator[int]:
+    """Yield the readings [deg] far from those before and after them, in a few rows."""
+    steps, done = _turned(np.diff(heading)), 0
+    limit = max(MAX_JUMP_DEG, USUAL_STEPS * float(np.median(steps))) if len(steps) else math.inf
+    for i in (np.flatnonzero(steps > limit) + 1).tolist():
+        away = _turned(heading[i : i + MAX_JUMP_ROWS + 1] - heading[i - 1]) > limit
+        if i >= done and not away.all():
+            done = i + int(np.argmin(away)) + 1
+            yield from range(i, done - 1)
+
+
+def _turned(change: Numbers) -> Numbers:
+    """Return the size of a change of heading [deg], by the shorter way."""
+    return np.asarray(np.abs(np.mod(change + 180.0, 360.0) - 180.0))
 
 
 @dataclass(frozen=True)
@@ -249,3 +326,76 @@ def read_by(record: Record, sensors: Sensors) -> Record:
             stream = np.random.Generator(np.random.PCG64(seed))
             columns[channel] = values + sensors.error(channel) * stream.standard_normal(len(values))
     return replace(record, **columns)
+
+
+def columns_of(
+    frame: Mapping[str, Any],
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    further: Iterable[str],
+) -> dict[str, Column]:
+    """Return the column of each channel, ``further`` ones among them. ConfigError.
+
+    ``columns`` and ``units`` are those that the caller names, by channel.
+    """
+    channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **FURTHER_COLUMNS}
+    for name in (*columns, *units):
+        if name not in channels:
+            known_names = ", ".join(channels)
+            raise ConfigError(
+                f"no channel {name!r}{nearest(name, channels)}; there are {known_names}"
+            )
+    columns_by_channel = {}
+    for channel in channels:
+        usual = [channel, known_as.get(channel, channel)]
+        names = [columns[channel]] if channel in columns else usual
+        column = next((name for name in names if name in names_of(frame)), None)
+        if column is not None:
+            columns_by_channel[channel] = Column(column, units.get(channel))
+        elif channel in columns or channel in ("t", "rudder"):
+            known = ", ".join(map(str, names_of(frame)))
+            raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
+    return columns_by_channel
+
+
+def names_of(frame: Mapping[str, Any]) -> list[str]:
+    """Return the names of a frame's columns, and of its index if it has one."""
+    index = getattr(getattr(frame, "index", None), "name", None)
+    return [*frame.keys(), *([index] if index else [])]
+
+
+def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
+    """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
+    taken: dict[str, Numbers] = {}
+    for channel, column in columns.items():
+        scale = factor(channel, column.unit)
+        # the index of a pandas frame is no column of it
+        series = frame[column.name] if column.name in frame else cast("Any", frame).index
+        values = np.asarray(series)
+        if values.dtype.kind == "M":
+            values = (values - values[0]) / np.timedelta64(1, "s")
+        try:
+            taken[channel] = np.asarray(values, float) * scale
+        except (TypeError, ValueError) as error:
+            raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
+        size = taken[next(iter(taken))].shape
+        if taken[channel].ndim != 1 or taken[channel].shape != size:
+            shape = taken[channel].shape
+            raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
+    return taken
+
+
+def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
+    """Return the record of arrays by channel; ConfigError if times do not rise."""
+    names = {channel: column.name for channel, column in columns.items()}
+    values_by_channel: dict[str, Any] = {
+        channel: one for channel, one in taken.items() if channel != "t"
+    }
+    rows = np.arange(len(taken["t"]))
+    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **values_by_channel)
+    check_times(record)
+    for channel, values in values_by_channel.items():
+        unit = columns[channel].unit or next(iter(units_of(channel)))
+        if fault := find_impossible(channel, values, unit):
+            raise ConfigError(f"frame: {names[channel]}[{fault[0]}]: {fault[1]} make it NaN")
+    return without_jumps(record)

@@ -17,8 +17,7 @@ import numpy as np
 from trainer.boat.ship.forces import ROLL_RATE_INDEX, ROW_COUNT, STIFFNESS_INDEX, set_terms
 from trainer.boat.ship.models import AXIS_LETTERS, NONLINEAR_NAMES, ShipModel
 from trainer.core.kernel import Numbers
-from trainer.identify.ships.likelihood import ShipProblem, first_state, floors_of
-from trainer.identify.ships.priors import Prior
+from trainer.identify.ships.likelihood import Prior, ShipProblem, first_state, floors_of
 from trainer.identify.ships.records import Trial
 
 # The start is that of the prototype on MARIN's zig-zags of KVLCC2: by itself, without a likelihood,

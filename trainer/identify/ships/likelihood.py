@@ -4,9 +4,13 @@
 disturbances of u, v and r and of the errors of u, v, r and heading, then a first state for each
 record; with roll there are a disturbance, two errors and two states more. Coefficients and noise
 are common to all records.
+
+A record of a few manoeuvres does not determine all coefficients of such a model. The prior holds
+those that it leaves open near what ships of such dimensions have; ``--prior-strength`` widens it.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -15,13 +19,131 @@ import numpy as np
 
 from trainer.boat.ship.forces import System, Terms
 from trainer.boat.ship.models import ShipModel
+from trainer.config.ship import Dimensions, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.ships.records import Trial
 
+Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
+
+# Full tankers, L/B 5.5, C_B 0.81 (model-tests of KVLCC2): the default where a ship file has no form
+TANKER_PRIOR: Final[Prior] = {
+    "X_T": (38.0, 2.0),
+    "X_F": (0.09, 0.05),
+    "X_vv": (0.0, 3.0),
+    "X_vr": (1.6, 1.0),
+    "X_rr": (0.0, 0.3),
+    "X_w": (-0.001, 0.002),
+    "Y_0": (0.0, 0.04),
+    "Y_v": (-0.6, 0.3),
+    "Y_r": (-0.43, 0.15),
+    "Y_vvv": (-3.0, 3.0),
+    "Y_vvr": (-0.4, 1.0),
+    "Y_vrr": (-0.8, 1.0),
+    "Y_rrr": (0.0, 0.5),
+    "Y_F": (-0.2, 0.1),
+    "Y_w": (-0.002, 0.003),
+    "N_0": (0.0, 0.04),
+    "N_v": (-4.4, 1.5),
+    "N_r": (-1.8, 0.8),
+    "N_vvv": (0.0, 3.0),
+    "N_vvr": (-4.6, 4.0),
+    "N_vrr": (0.8, 2.0),
+    "N_rrr": (-0.44, 0.6),
+    "N_F": (1.2, 0.4),
+    "N_w": (0.0, 0.004),
+    "N_ww": (0.0, 0.01),
+    "gamma": (0.5, 0.15),
+    "l": (-0.71, 0.02),
+    "kappa": (0.5, 0.02),
+    "c_w": (0.4, 0.2),
+}
+# Of the order of a container ship of small GM (Son and Nomoto 1981), from memory: as wide as known
+HEEL_PRIOR: Final[Prior] = {
+    "K_0": (0.0, 1.0),
+    "K_v": (8.0, 16.0),
+    "K_r": (-2.0, 8.0),
+    "K_F": (3.0, 6.0),
+    "K_w": (0.0, 0.02),
+    "K_phi": (-1.0, 0.4),
+    "K_p": (-0.1, 0.2),
+    "Y_phi": (0.0, 0.1),
+    "N_phi": (-0.2, 0.5),
+}
+HULL_DERIVATIVES: Final = tuple(f"{axis}_{term}" for axis in "YN" for term in ("v", "r"))
+FORMULA_DEVIATION_SHARE: Final = 0.45  # [-] of a mean by formula that is its standard deviation
+YAW_GYRATION_LENGTHS: Final = 0.25  # [L] radius of a ship
+NET_THRUST_SHARE: Final = 0.78  # [-] 1-t, of a full ship
+SURGE_ADDED_MASS_SHARE: Final = 0.075  # [-] of the mass: water that moves ahead with it
+HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
+RUDDER_ARM_LENGTHS: Final = 0.5  # [L] of the rudder aft of midship
+
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
 MIN_ERROR_SHARE: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
 FIRST_STATE_ROWS: Final = 11  # rows that the quadratic of the first state goes through
+
+
+def prior_of(model: ShipModel, ship: ShipFile) -> tuple[Prior, str]:
+    """Return what books say of the free coefficients, and which book says it.
+
+    Models without cubic terms take no book's hull derivatives: their slopes are those of the range
+    that they are fitted in, and a book's are slopes at zero.
+    """
+    form = kijima(ship.dimensions)
+    whole = {**TANKER_PRIOR, **HEEL_PRIOR, **form}
+    if model.name in ("linear", "mavmm"):
+        whole = {name: one for name, one in whole.items() if name not in HULL_DERIVATIVES}
+    known = {name: whole[name] for name in model.free if name in whole}
+    source = "formulas of Kijima and others 1990, by the ship's form" if form else "full tankers"
+    return known, source + (", in roll a container ship" if "K_v" in known else "")
+
+
+def kijima(hull: Dimensions) -> Prior:
+    """Return the coefficients that length, beam, draught and block say; empty without these.
+
+    Kijima, Katsuno, Nakiri and Furukawa 1990 (J Soc Nav Arch Japan 168), even keel, over 1/2 rho L
+    d U^2; N_vrr as published there, with C_B d/B. Masses: 2 C_B B/L, the water's pi d/L in sway (a
+    plate of the draught) and a twelfth of it in yaw: estimates, which only set a weak prior.
+    """
+    B, d, C_B = hull.beam_m, hull.draught_m, hull.block_coefficient
+    if B is None or d is None or C_B is None:
+        return {}
+    L = hull.length_m
+    k, a, e = 2.0 * d / L, C_B * B / L, d * (1.0 - C_B) / B
+    own_mass, water = 2.0 * a, math.pi * d / L
+    sway = own_mass + water
+    yaw = own_mass * YAW_GYRATION_LENGTHS**2 + water / 12.0
+    means = {
+        "X_T": NET_THRUST_SHARE / (own_mass * d / L * (1.0 + SURGE_ADDED_MASS_SHARE)),
+        "Y_v": -(0.5 * math.pi * k + 1.4 * a) / sway,
+        "Y_r": -1.5 * a / sway,
+        "Y_vrr": -5.95 * e / sway,
+        "Y_vvr": (1.5 * d * C_B / B - 0.65) / sway,
+        "N_v": -k / yaw,
+        "N_r": (-0.54 * k + k * k) / yaw,
+        "N_rrr": (0.5 * a - 0.09) / yaw,
+        "N_vrr": (0.5 * d * C_B / B - 0.05) / yaw,
+        "N_vvr": -(57.5 * a * a - 18.4 * a + 1.6) / yaw,
+    }
+    means |= _rudder(hull, sway * L * d, yaw * L * d)
+    # cubics no narrower than the tankers', because the formulas were written from memory
+    least = {name: TANKER_PRIOR[name][1] for name in ("Y_vvr", "Y_vrr", "N_rrr", "N_vrr", "N_vvr")}
+    spread = {
+        name: max(FORMULA_DEVIATION_SHARE * abs(mean), least.get(name, 0.0))
+        for name, mean in means.items()
+    }
+    spread["X_T"] = 0.1 * means["X_T"]
+    return {name: (mean, spread[name]) for name, mean in means.items()}
+
+
+def _rudder(hull: Dimensions, sway: float, yaw: float) -> dict[str, float]:
+    """Return the gains of a rudder of known area and height, by Fujii's slope of lift."""
+    if hull.rudder_area_m2 is None or hull.rudder_height_m is None:
+        return {}
+    ratio = hull.rudder_height_m**2 / hull.rudder_area_m2
+    lift = hull.rudder_area_m2 * 6.13 * ratio / (ratio + 2.25)
+    a_H, x_H = HULL_RUDDER
+    return {"Y_F": -(1.0 + a_H) * lift / sway, "N_F": (RUDDER_ARM_LENGTHS + a_H * x_H) * lift / yaw}
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.guide.trials import STEP_SHARE, Published, Trial, tables_digest
+from trainer.analysis.guide.trials import STEP_SHARE, Published, Trial
 from trainer.analysis.guide.uncertainty import spread_of
 from trainer.analysis.guide.validation import (
     STEP_MULTIPLES,
@@ -31,7 +31,6 @@ from trainer.config.files import (
     nearest,
     number_problems,
     raise_problems,
-    read_text,
     shipped_names,
     shipped_path,
 )
@@ -40,7 +39,6 @@ from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships
 from trainer.report.text import ascii_text, table, wrap
 
 DRAWN_SHIPS: Final = 50
-SAILED_TABLES: Final = ("dimensions", "roll", "result", "coefficients")
 ROW_HEADS: Final = ("", "D", "E", "u_val", "", "")
 SHORT_VERDICTS: Final = {
     Validity.NOISE: "noise",
@@ -59,11 +57,6 @@ def figures_path(ship: ShipFile) -> Path:
     if name in shipped_names("ships") and shipped_path("ships", name) == ship.path:
         return shipped_path("trials", name)
     raise ConfigError(f"{ship.path.name}: has no published figures beside it, in {beside.name}")
-
-
-def ship_digest(ship: ShipFile) -> str:
-    """Return the digest of a ship file's numbers that it sails by."""
-    return tables_digest(read_text(ship.path), ship.path.name, SAILED_TABLES)
 
 
 def compare_ship(ship: ShipFile, published: Published) -> tuple[TrialComparison, ...]:

@@ -29,8 +29,7 @@ from trainer.identify.ships.fit import (
     smooth_trial,
     terms_of,
 )
-from trainer.identify.ships.likelihood import ShipProblem
-from trainer.identify.ships.priors import prior_of
+from trainer.identify.ships.likelihood import ShipProblem, prior_of
 from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
 from trainer.units import KNOT
 

@@ -1,7 +1,7 @@
 """``trainer ship prbs`` for ships that are not linear: plans, and what each would determine.
 
 Each plan is flown by the ship itself in a calm. The expected information of a fit to that record
-gives the standard deviations, as ``judge/design`` has them for a boat.
+gives the standard deviations, as ``pages/experiment`` has them for a boat.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, Conn, Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.ship.models import model_for
@@ -21,8 +21,8 @@ from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import REGISTER_TAPS, HelmOptions, prbs
 from trainer.identify.ships.fit import ShipFit, expect_fit, problem_of
+from trainer.identify.ships.likelihood import YAW_GYRATION_LENGTHS, prior_of
 from trainer.identify.ships.page import in_words
-from trainer.identify.ships.priors import YAW_GYRATION_LENGTHS, prior_of
 from trainer.identify.ships.records import MIN_TRIAL_SAMPLES, Trial, with_steps
 from trainer.identify.ships.results import (
     BOOK_PRIOR_SHARE,
@@ -46,7 +46,6 @@ READING_NAMES: Final = ("speed", "sway", "yaw_rate", "heading")
 STATE_NAMES: Final = ("u", "v", "r", "psi", "p", "phi")
 SENSOR_CHANNELS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 PLAN_LETTERS: Final = "ABCDE"
-LEAD_TIME_S: Final = 2.0  # [s] of straight motion
 
 
 @dataclass(frozen=True)
