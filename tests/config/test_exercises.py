@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 
@@ -606,10 +605,6 @@ def test_the_lists_name_everything_in_79_columns() -> None:
 
 def page(name: str) -> str:
     return (ROOT / "docs" / name).read_text(encoding="utf-8")
-
-
-def test_the_page_has_the_table_of_every_key() -> None:
-    assert TABLES["exercises"]() in page("exercise-keys.md")
 
 
 def test_the_exercises_of_the_page_are_exercises() -> None:

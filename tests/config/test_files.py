@@ -8,8 +8,6 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
-from helpers.key_tables import TABLES
-from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -155,11 +153,6 @@ def test_an_unknown_boat_is_told_the_nearest_and_all_names() -> None:
 
     assert "nearest is remus100" in text
     assert "bb2, remus100, sdv-mk9" in text
-
-
-def test_the_document_shows_the_keys_the_program_reads() -> None:
-    page = (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
-    assert TABLES["vessel-files"]() in page
 
 
 # What may be left out

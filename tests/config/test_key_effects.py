@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.key_tables import documentary_keys, documentary_list
-from helpers.places import ROOT
+from helpers.key_tables import documentary_keys
 
 from trainer.boat import stability
 from trainer.boat.assemble import Method, fit_out
@@ -164,10 +163,6 @@ def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
 
     assert without_effect == []
     assert mislabelled == []
-
-
-def test_the_document_lists_the_documentary_keys() -> None:
-    assert documentary_list() in (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

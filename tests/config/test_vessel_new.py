@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.key_tables import BALLAST_RECORDS, VESSEL_UNITS, law_table
-from helpers.places import ROOT
+from helpers.key_tables import BALLAST_RECORDS, VESSEL_UNITS
 
 from trainer.analysis.guide.programme import own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
@@ -84,12 +83,6 @@ def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
 def test_every_exception_is_of_a_key_that_is_there() -> None:
     for table, key in LAW_EXCEPTIONS:
         assert key in {item.name for item in fields(TABLES[table])}
-
-
-def test_the_page_has_the_table_of_laws() -> None:
-    page = (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
-
-    assert law_table() in page, "renew: python -m helpers.key_tables laws"
 
 
 # --- the file

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 from helpers.contrast import contrast
-from helpers.document_tables import key_tables
 from helpers.lanes import sample_cases
 from helpers.places import ROOT
 from helpers.screens import (
@@ -884,11 +883,6 @@ def test_the_screens_load_neither_numbers_nor_boats() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
-
-
-def test_the_documents_list_the_keys() -> None:
-    page = (ROOT / "docs" / "keys.md").read_text(encoding="utf-8")
-    assert key_tables() in page, "renew it: python -m helpers.document_tables keys"
 
 
 def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time() -> None:

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
-from helpers.key_tables import TABLES
 from helpers.nursery import Done, run_trainer
-from helpers.places import ROOT
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -19,7 +17,6 @@ from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
 from trainer.debrief.scoring import (  # type: ignore[attr-defined]
-    SCORE_MEASURES,
     formula_of,
     marks_of,
     score_rules,
@@ -404,12 +401,6 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
     assert formula_of(rule(measure="rms", quantity="course")) == (
         "root of the mean of (course - what is ordered)^2, a term for each tick"
     )
-
-
-def test_the_page_has_the_table_of_every_measure() -> None:
-    page = (ROOT / "docs" / "measures.md").read_text(encoding="utf-8")
-    assert TABLES["measures"]() in page
-    assert len(SCORE_MEASURES) == 24
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))

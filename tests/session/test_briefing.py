@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS, fact_table
+from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
 from helpers.line import Line
-from helpers.places import ROOT
 from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
@@ -260,13 +259,6 @@ def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
     here = Attended(plan_run(options), options, ("observer",))
     here.enter()
     assert dict(here.facts("observer", "range"))["test-depth"]
-
-
-def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-
-    for table in (fact_table("range", RANGE_KEYS), fact_table("exercise", EXERCISE_KEYS)):
-        assert table in page, f"docs/station-tables.md lacks this, from briefing.py:\n{table}"
 
 
 # Alerts

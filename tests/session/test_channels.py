@@ -4,8 +4,6 @@ import math
 from collections.abc import Callable
 
 import pytest
-from helpers.document_tables import channel_tables
-from helpers.places import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -617,9 +615,3 @@ def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
 def test_the_panels_cover_what_the_observer_sees() -> None:
     assert set(PANEL_NAMES) <= set(OBSERVER.channels)
     assert set(PANEL_NAMES) <= set(CHANNELS)
-
-
-def test_the_page_has_the_tables_of_the_channels() -> None:
-    page = (ROOT / "docs" / "channels.md").read_text(encoding="utf-8")
-
-    assert channel_tables() in page, "renew: python -m helpers.document_tables channels"

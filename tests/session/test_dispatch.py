@@ -6,7 +6,6 @@ from contextlib import closing
 
 import pytest
 from helpers.crewed import Crewed
-from helpers.document_tables import order_table
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
@@ -63,11 +62,6 @@ def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
     assert journalled == BOAT_ORDERS | CREW_TALK | {
         *("plan", "cancel", "ghost", "predictor", "role"),
     }
-
-
-def test_the_page_on_stations_has_the_table_of_order_words() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-    assert order_table() in page, f"docs/station-tables.md lacks this:\n{order_table()}"
 
 
 def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:

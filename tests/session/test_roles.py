@@ -1,8 +1,6 @@
 """Who may order what, and who sees and hears what."""
 
 import pytest
-from helpers.document_tables import event_table, role_table
-from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.table import FORMS, heading_word
@@ -161,10 +159,3 @@ def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations(
 @pytest.mark.parametrize("kind", ["time", "moment", "station"])
 def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
     assert all(hears_kind(role, kind) for role in ROLES.values())
-
-
-def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-
-    for table in (role_table(), event_table()):
-        assert table in page, f"docs/station-tables.md lacks this, from roles.py:\n{table}"

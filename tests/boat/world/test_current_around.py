@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
 from helpers.nursery import run_trainer
-from helpers.places import ROOT, environment
+from helpers.places import environment
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -311,10 +310,6 @@ def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path
     assert done.returncode == 2
     *_, line = done.stderr.splitlines()  # before it perhaps that the core is being compiled
     assert "[current] has set_deg and lacks drift_kn" in line
-
-
-def test_the_page_of_the_world_has_every_key() -> None:
-    assert TABLES["world"]() in (ROOT / "docs" / "exercise-keys.md").read_text(encoding="utf-8")
 
 
 # Many ticks at once
