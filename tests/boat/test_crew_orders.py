@@ -1,9 +1,9 @@
 """Orders to the crew as they stand in the state."""
 
 import math
-from collections.abc import Callable
 
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
@@ -15,7 +15,7 @@ KNOT = 1852.0 / 3600.0
 
 
 @pytest.fixture(scope="module")
-def bb2(make_boat: Callable[..., Boat]) -> Boat:
+def bb2() -> Boat:
     """Return one BB2 for all tests; ``boat`` starts it afresh."""
     return make_boat("bb2")
 
@@ -84,7 +84,7 @@ def test_a_new_order_takes_the_place_of_the_old_one_on_its_axis_alone(boat: Boat
     assert [str(each) for each in standing_orders(boat)] == ["course 090", "depth 80 m"]
 
 
-def test_an_order_to_the_crew_moves_nothing(make_boat: Callable[..., Boat]) -> None:
+def test_an_order_to_the_crew_moves_nothing() -> None:
     boats = [make_boat("bb2"), make_boat("bb2")]
     for each in boats:
         each.start(10.0 * KNOT, 60.0, 0.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, start_bb2
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -42,7 +43,7 @@ FIELD = {"rudder": "r", "stern": "s", "bow": "b"}
 
 
 @pytest.fixture(scope="module")
-def bb2(make_boat: Callable[..., Boat]) -> Boat:
+def bb2() -> Boat:
     """Return one BB2 for all tests; ``at_sea`` starts it afresh."""
     return make_boat("bb2")
 
@@ -172,9 +173,7 @@ def test_a_sound_boat_has_nothing_to_clear(boat: Boat) -> None:
 
 @pytest.mark.core
 @pytest.mark.parametrize("name", KINDS)
-def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(
-    bb2: Boat, make_boat: Callable[..., Boat], name: str
-) -> None:
+def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(bb2: Boat, name: str) -> None:
     boat = at_sea(bb2)
     s = boat.state
     s.ordered_psi, s.ordered_depth, s.blow[:], s.negative_flood = 0.5, 80.0, 1.0, 1.0
@@ -313,9 +312,7 @@ def test_of_two_casualties_on_a_surface_the_jam_counts(boat: Boat) -> None:
 @pytest.mark.laws
 @pytest.mark.core
 @pytest.mark.parametrize("fault", ["hard-over", "free", "slow"])
-def test_rudder_casualties_to_port_mirror_those_to_starboard(
-    make_boat: Callable[..., Boat], fault: str
-) -> None:
+def test_rudder_casualties_to_port_mirror_those_to_starboard(fault: str) -> None:
     symmetric = make_boat("bb2")
     symmetric.vessel.K_star = symmetric.vessel.K_star_eta = 0.0
     ends = []
@@ -749,7 +746,7 @@ def test_a_wrong_condition_is_refused_at_load_with_its_place(text: str, told: st
     assert told in str(caught.value)
 
 
-def test_a_trigger_about_what_the_boat_lacks_is_refused(make_boat: Callable[..., Boat]) -> None:
+def test_a_trigger_about_what_the_boat_lacks_is_refused() -> None:
     remus = make_boat("remus100")
     remus.start(1.5, 10.0, 0.0)
 
@@ -879,11 +876,10 @@ def test_the_examples_of_the_manual_load() -> None:
         assert compile_condition(condition, HERE).quantity in STATE_QUANTITIES
 
 
-def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_the_casualty(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2")
-    boat.start(10 * KNOT, 60.0, 0.0)
+def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_the_casualty() -> (
+    None
+):
+    boat = start_bb2()
     insert_casualty(boat, "depth-gauge-biased", 0.7, 0.0)
     boat.tick()
     boat.tick()

@@ -16,7 +16,7 @@ from trainer.config.files import ConfigError, shipped_names
 from trainer.config.score_rules import ScoreRule
 from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
-from trainer.debrief.scoring import (  # type: ignore[attr-defined]
+from trainer.debrief.scoring import (
     formula_of,
     marks_of,
     score_rules,

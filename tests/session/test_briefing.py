@@ -2,10 +2,10 @@
 
 import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
 from helpers.line import Line
 from helpers.sessions import session_over
@@ -239,7 +239,7 @@ def test_an_older_exercise_that_hides_something_is_briefed_to_the_instructor_alo
     assert not {"title", "line"} & {key for key, _ in shown.facts(ROLES["helm"], 0.0)}
 
 
-def test_without_an_exercise_nothing_is_told_of_one(make_boat: Callable[..., Boat]) -> None:
+def test_without_an_exercise_nothing_is_told_of_one() -> None:
     options = RunOptions()
     here = Attended(plan_run(options), options, ("helm",))
     here.enter()

@@ -1,9 +1,9 @@
 """What the channels show: the gauges to the stations, the truth to the instructor."""
 
 import math
-from collections.abc import Callable
 
 import pytest
+from helpers.boats import make_boat
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -50,7 +50,7 @@ GAUGES = ("casualty", "casualty_amount")
 
 
 @pytest.fixture(scope="module")
-def bb2(make_boat: Callable[..., Boat]) -> Boat:
+def bb2() -> Boat:
     """Return one BB2 for all tests; ``boat`` starts it afresh."""
     return make_boat("bb2")
 
@@ -180,7 +180,7 @@ def places(boat: Boat, name: str) -> range:
 
 
 @pytest.fixture(scope="module")
-def stuck(make_boat: Callable[..., Boat]) -> tuple[Boat, list[str]]:
+def stuck() -> tuple[Boat, list[str]]:
     """Return a BB2 of which all gauges are stuck, and what stations get of it."""
     boat = make_boat("bb2")
     boat.start(10.0 * KNOT, 60.0, 1.0)
@@ -299,9 +299,7 @@ def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> 
     assert (valves["blow_aft"], valves["negative_flood"]) == ("emergency", "open")
 
 
-def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them() -> None:
     boat = make_boat("remus100", step=0.1)
     boat.start(3.0 * KNOT, 10.0, 0.0)
     frame = frame_of(boat)

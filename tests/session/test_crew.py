@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.boats import start_bb2
 from helpers.givers import giver_at
 from helpers.line import Line
 from helpers.sessions import session_over
@@ -87,13 +88,12 @@ class Crew:
 
 
 @pytest.fixture
-def crew(make_boat: Callable[..., Boat]) -> Iterator[Callable[..., Crew]]:
+def crew() -> Iterator[Callable[..., Crew]]:
     """Return a function that makes a session of BB2 at 10 kn, 60 m, course 000."""
     made: list[Recording] = []
 
     def make(schedule: str = "", path: Path | None = None, **more: object) -> Crew:
-        boat = make_boat("bb2")
-        boat.start(10.0 * KNOT, 60.0, 0.0)
+        boat = start_bb2()
         made.append(Recording.create(path, {}, boat.records.state.tobytes()))
         return Crew(boat, made[-1], schedule, **more)
 

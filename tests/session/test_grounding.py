@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from helpers.boats import make_boat
 from helpers.crewed import Crewed
 
 from trainer.boat.ballast_orders import put_out_of_trim
@@ -30,8 +31,6 @@ from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
-
-MakeBoat = Callable[..., Boat]
 
 
 def ground(**table: object) -> Bottom:
@@ -67,7 +66,7 @@ def calls(boat: Boat, seconds: float) -> list[str]:
 # Calls
 
 
-def test_a_boat_that_sinks_onto_the_ground_is_aground_once(make_boat: MakeBoat) -> None:
+def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.2)
     (told,) = calls(boat, 120.0)
@@ -76,9 +75,7 @@ def test_a_boat_that_sinks_onto_the_ground_is_aground_once(make_boat: MakeBoat) 
 
 
 @pytest.mark.parametrize(("seconds", "news"), [(10.0, 0), (40.0, 1)])
-def test_touching_again_is_news_after_half_a_minute(
-    make_boat: MakeBoat, seconds: float, news: int
-) -> None:
+def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -> None:
     boat = make_boat()
     boat.start(1.0, 60.0, 0.0)
     put_on(boat, ground(depth_m=100))
@@ -92,7 +89,7 @@ def test_touching_again_is_news_after_half_a_minute(
     assert len(told) == 1 + news
 
 
-def test_a_fast_one_is_hard_aground(make_boat: MakeBoat) -> None:
+def test_a_fast_one_is_hard_aground() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.8)
     (told,) = calls(boat, 60.0)
@@ -114,7 +111,7 @@ def test_hard_is_fast_into_the_ground_or_way_over_rock(
     assert touch.is_hard(kind) is hard
 
 
-def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(make_boat: MakeBoat) -> None:
+def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
     boat = make_boat()
     sinking(boat, 0.5, 0.05, 10.0, bottoming=True)
     told = calls(boat, 120.0)
@@ -123,7 +120,7 @@ def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(make_boat: MakeBoat) 
     assert told[1] == "lies on the ground: 9 t on the ground, screw stopped"
 
 
-def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(make_boat: MakeBoat) -> None:
+def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.3, 10.0, bottoming=True)
     (told,) = calls(boat, 400.0)
@@ -135,7 +132,7 @@ def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(make_boat: M
     assert light.startswith("does not lie on the ground within 5 min: 2 t")
 
 
-def test_off_the_chart_is_called_once_each_time(make_boat: MakeBoat, tmp_path: Path) -> None:
+def test_off_the_chart_is_called_once_each_time(tmp_path: Path) -> None:
     path = tmp_path / "a.asc"
     head = "ncols 2\nnrows 2\nxllcenter -50\nyllcenter -50\ncellsize 100\n"
     path.write_text(head + "300 300 310 320")
@@ -146,7 +143,7 @@ def test_off_the_chart_is_called_once_each_time(make_boat: MakeBoat, tmp_path: P
     assert calls(boat, 60.0) == ["BEYOND THE CHART: the ground is taken as at its edge"]
 
 
-def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
+def test_clearance_is_the_keel_s_and_a_limit() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     assert clearance(boat) == math.inf
@@ -213,7 +210,7 @@ def sentences(boat: Boat) -> dict[str, str]:
     return {line[1:8]: line for line in lines}
 
 
-def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(make_boat: MakeBoat) -> None:
+def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     put_on(boat, None)
@@ -233,7 +230,7 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(make_boat: Make
     assert len(INSTRUMENTS) > len(told)
 
 
-def test_crew_sees_the_sounder_and_the_instructor_the_clearance(make_boat: MakeBoat) -> None:
+def test_crew_sees_the_sounder_and_the_instructor_the_clearance() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     put_on(boat, ground(depth_m=100))

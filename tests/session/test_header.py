@@ -2,12 +2,12 @@
 
 import json
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
 from trainer.config import files
@@ -396,9 +396,7 @@ def test_a_header_of_another_form_is_told_not_guessed_at(spoilt: dict[str, str],
 # States of another version
 
 
-def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers() -> None:
     boat = make_boat("bb2")
     boat.start(5.0, 60.0, 1.0)
     state = boat.records.state
@@ -417,9 +415,7 @@ def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers(
     assert read["whole"][0][places].tobytes() == text
 
 
-def test_two_states_are_unlike_at_the_first_bit_that_differs(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_two_states_are_unlike_at_the_first_bit_that_differs() -> None:
     boat = make_boat("bb2")
     boat.start(5.0, 60.0, 1.0)
     one = boat.snapshot()

@@ -9,6 +9,7 @@ import weakref
 from collections.abc import Callable
 
 import pytest
+from helpers.boats import start_bb2
 from helpers.line import Line
 from helpers.places import ROOT
 
@@ -87,10 +88,8 @@ class Post:
 
 
 @pytest.fixture(scope="module")
-def boat(make_boat: Callable[..., Boat]) -> Boat:
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
+def boat() -> Boat:
+    return start_bb2()
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 import contextlib
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -212,7 +212,7 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
     assert scope_of(again).at(24) == Mast(tick=24)
 
 
-def test_a_boat_without_a_periscope_says_so(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_without_a_periscope_says_so() -> None:
     boat = make_boat("remus100")
     assert periscope_of(boat) is None
     refused = Periscope(boat, {}).obey(order_of("scope raise"), 0)
