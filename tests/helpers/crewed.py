@@ -206,8 +206,11 @@ class Crewed:
         ]
 
 
+Begin = Callable[..., Crewed]
+
+
 @pytest.fixture
-def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
+def crewed(tmp_path: Path) -> Iterator[Begin]:
     begun: list[Crewed] = []
 
     def begin(**settings: object) -> Crewed:

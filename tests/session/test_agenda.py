@@ -1,9 +1,7 @@
 """The orders that are ahead: planned, told to the instructor alone, come, taken away."""
 
-from collections.abc import Callable
-
 import pytest
-from helpers.crewed import PLACE, Crewed, Typist
+from helpers.crewed import PLACE, Begin, Crewed, Typist
 
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import ConditionalCasualty
@@ -11,8 +9,6 @@ from trainer.core.casualties import KINDS
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.roles import ROLES
-
-Begin = Callable[..., Crewed]
 
 
 def broken(ship: Crewed) -> list[str]:

@@ -1,12 +1,12 @@
 """The ghost and the predictor: where they are allowed, what they show, and to whom."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed, Typist
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
@@ -48,7 +48,7 @@ def switch_on(ship: Crewed, words: str) -> None:
 
 
 @pytest.fixture
-def allowing(crewed: Callable[..., Crewed]) -> Crewed:
+def allowing(crewed: Begin) -> Crewed:
     """Return a depth change that allows both aids."""
     return crewed(plan=planned("first-depth-change", *AIDS), seconds=None)
 
@@ -85,9 +85,7 @@ def test_no_role_sees_anything_of_an_aid_that_is_off(allowing: Crewed, role: str
     assert not any((*shown(line, "ghost"), *shown(line, "predictor")))
 
 
-def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change", "ghost"), seconds=None)
     trainee = ship.comes("trainee")
     assert ship.refused("predictor 60 s").startswith("this exercise does not allow it")
@@ -97,9 +95,7 @@ def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(
     assert ship.session.shown.aids.predictor is None
 
 
-def test_a_free_run_has_the_predictor_and_is_told_that_it_has_no_ghost(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_free_run_has_the_predictor_and_is_told_that_it_has_no_ghost(crewed: Begin) -> None:
     ship = crewed(plan=plan_run(RunOptions()), seconds=None)
     assert ship.refused("ghost on").startswith("this free run has no reference crew")
     switch_on(ship, "predictor 60 s")

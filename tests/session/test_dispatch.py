@@ -5,7 +5,7 @@ from collections.abc import Callable
 from contextlib import closing
 
 import pytest
-from helpers.crewed import Crewed
+from helpers.crewed import Begin, Crewed
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import Order, parse
@@ -31,9 +31,7 @@ def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
 
 
 @pytest.mark.parametrize("words", ["mark", "status", "who", "end exercise", "again"])
-def test_a_schedule_goes_on_past_what_has_no_place_in_it(
-    crewed: Callable[..., Crewed], words: str
-) -> None:
+def test_a_schedule_goes_on_past_what_has_no_place_in_it(crewed: Begin, words: str) -> None:
     orders = [understood(text) for text in (words, "rudder right 10")]
     ship = crewed(seconds=5, schedule=[ScheduledOrder(1.0, order, 1) for order in orders])
     ship.fly(10)
@@ -48,9 +46,7 @@ def test_no_schedule_is_read_that_holds_what_nobody_may_schedule() -> None:
     assert set(ORDERS) - passed_on <= UNSCHEDULED_WORDS <= set(ORDERS)
 
 
-def test_whatever_is_not_passed_on_has_somebody_who_answers_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_whatever_is_not_passed_on_has_somebody_who_answers_it(crewed: Begin) -> None:
     duties = crewed().session.dispatch.duties
     answered = {word for word, rule in ORDERS.items() if not rule.passed_on}
     assert answered - set(duties) == {w for w, rule in ORDERS.items() if rule.obeyer is Obeyer.LINE}
@@ -70,16 +66,19 @@ def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:
     return [gate for gate in ORDER_GATES if gate(order, station, ship.session)]
 
 
+Prepared = tuple[str, Station, Callable[[], object]]  # words, who gives them, what comes before
+
+
 @pytest.mark.parametrize("gate", ORDER_GATES, ids=lambda gate: gate.__name__)
 def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
-    gate: Gate, crewed: Callable[..., Crewed]
+    gate: Gate, crewed: Begin
 ) -> None:
     ship = crewed(seconds=None, hand=frozenset({"planes"}))
     roles = ("pilot", "instructor", "visitor", "trainee")
     helm, second, visitor, trainee = (ship.comes(role) for role in roles)
     at = {each.line: each for each in ship.session.event_log.stations}
     ship.order("status")  # the first instructor has command
-    prepared: dict[str, tuple[str, Station, Callable[[], object]]] = {
+    prepared: dict[str, Prepared] = {
         "command_gate": ("run", at[second], lambda: None),
         "quit_gate": ("quit", at[ship.instructor], lambda: None),
         "visitor_gate": ("restart", at[visitor], lambda: None),
@@ -102,7 +101,7 @@ def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
     assert shut(ship, "status", station) == []
 
 
-def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Callable[..., Crewed]) -> None:
+def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     second = ship.comes("instructor")
     ship.order("end exercise")
@@ -117,9 +116,7 @@ def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Callable[..., 
     assert "has command" in found.reason
 
 
-def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
     over = ship.conduct.ending.over
@@ -129,7 +126,7 @@ def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
 
 
 def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_goes_on(
-    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
+    crewed: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ship = crewed(seconds=None)
     ship.fly(10)
@@ -147,7 +144,7 @@ def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_
     assert ship.boat.ticks == 20
 
 
-def test_a_session_has_few_attributes_and_few_lines(crewed: Callable[..., Crewed]) -> None:
+def test_a_session_has_few_attributes_and_few_lines(crewed: Begin) -> None:
     source = (ROOT / "trainer" / "session" / "session.py").read_text(encoding="utf-8")
     assert len(source.splitlines()) <= 280
     assert len(vars(crewed().session)) <= 20

@@ -1,11 +1,11 @@
 """What a careful crew could still earn, told to the instructor while the run goes on."""
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
-from helpers.crewed import Crewed, crewed
+from helpers.crewed import Begin, Crewed
 
 from trainer.session import evaluation as module
 from trainer.session.evaluation import Question
@@ -13,9 +13,7 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.roles import ROLES
 
-__all__ = ["crewed"]
 ANSWER = {"marks": 82.0, "so_far": 14.0, "won": True, "lost": False}
-Begin = Callable[..., Crewed]
 
 
 class Answering:

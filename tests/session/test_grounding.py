@@ -1,13 +1,12 @@
 """Aground: what is called, what the exercise does, how it is judged, and its replay."""
 
 import math
-from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from helpers.boats import make_boat
-from helpers.crewed import Crewed
+from helpers.crewed import Begin
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -164,9 +163,7 @@ def test_clearance_is_the_keel_s_and_a_limit() -> None:
 
 
 @pytest.mark.parametrize(("how", "over"), [("free", False), ("freeze", False), ("end", True)])
-def test_grounding_does_what_the_exercise_says(
-    crewed: Callable[..., Crewed], how: str, *, over: bool
-) -> None:
+def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over: bool) -> None:
     ship = crewed(seconds=600.0)
     sinking(ship.boat, 1.0, 0.3, grounding=how)
     ship.conduct.hull.ground = GroundMonitor(ship.boat)
@@ -178,9 +175,7 @@ def test_grounding_does_what_the_exercise_says(
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
 
 
-def test_a_grounding_is_called_again_after_a_jump_to_before_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_grounding_is_called_again_after_a_jump_to_before_it(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     sinking(ship.boat, 1.0, 0.3, grounding="free")
     ship.conduct.hull.ground = GroundMonitor(ship.boat)

@@ -1,12 +1,11 @@
 """A hint tells what the reference crew would have ordered by now, and costs marks."""
 
 import re
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed, Typist
 
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -34,7 +33,7 @@ def trainee(ship: Crewed) -> Typist:
 
 
 @pytest.fixture
-def jam(crewed: Callable[..., Crewed]) -> Crewed:
+def jam(crewed: Begin) -> Crewed:
     """Return the jam where nobody has answered it yet."""
     ship = crewed(plan=planned("stern-plane-jam"), seconds=600.0)
     ship.fly(JAMMED)
@@ -91,9 +90,7 @@ def test_what_is_ordered_meanwhile_is_overdue_no_more(jam: Crewed) -> None:
     assert len(told_in(jam, 1)) == 1
 
 
-def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
     line = trainee(ship)
     ship.fly(400)
@@ -138,15 +135,13 @@ def test_who_may_ask_and_when(jam: Crewed) -> None:
     [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
 )
 def test_without_a_reference_crew_there_is_no_hint(
-    crewed: Callable[..., Crewed], exercise: str | None, why: str
+    crewed: Begin, exercise: str | None, why: str
 ) -> None:
     plan = replace(planned(exercise), crew=Crew())
     assert crewed(plan=plan, seconds=None).refused("hint").startswith(why)
 
 
-def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(crewed: Begin) -> None:
     plan = planned("wheel-and-course")
     ship = crewed(plan=plan, seconds=None)
     line = trainee(ship)

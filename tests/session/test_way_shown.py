@@ -1,11 +1,10 @@
 """The reference crew shows the way from a frozen moment, and the boat is back there afterwards."""
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
 import pytest
-from helpers.crewed import Crewed
+from helpers.crewed import Begin, Crewed
 
 from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew
@@ -28,7 +27,7 @@ def planned(exercise: str | None) -> Plan:
 
 
 @pytest.fixture
-def jam(crewed: Callable[..., Crewed]) -> Crewed:
+def jam(crewed: Begin) -> Crewed:
     """Return the jam, frozen where nobody has answered it yet."""
     ship = crewed(plan=planned("stern-plane-jam"), seconds=600.0)
     ship.fly(JAMMED)
@@ -151,7 +150,7 @@ def test_the_crew_never_goes_on_from_what_was_shown(jam: Crewed) -> None:
     [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
 )
 def test_without_a_reference_crew_there_is_nobody_to_show_the_way(
-    crewed: Callable[..., Crewed], exercise: str | None, why: str
+    crewed: Begin, exercise: str | None, why: str
 ) -> None:
     plan = replace(planned(exercise), crew=Crew())
     assert crewed(plan=plan, seconds=None).refused("demonstrate").startswith(why)
@@ -184,9 +183,7 @@ def test_who_orders_while_the_crew_comes_aboard_is_told_that_nothing_is_shown(ja
     assert jam.events(jam.instructor, "shown")[-1].endswith("something was ordered meanwhile")
 
 
-def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(crewed: Begin) -> None:
     ship = crewed(plan=planned("stern-plane-jam"), seconds=85.0, lost=("depth > 106",))
     ship.fly(JAMMED)
     ship.order("freeze")
