@@ -131,8 +131,11 @@ class Deck:
         return [news.text for news in self.session.event_log.news]
 
 
+Begin = Callable[..., Deck]
+
+
 @pytest.fixture
-def on_deck() -> Iterator[Callable[..., Deck]]:
+def on_deck() -> Iterator[Begin]:
     with contextlib.ExitStack() as stack:
         yield lambda given: Deck(stack, given)
 
@@ -368,9 +371,7 @@ def watched(port: int) -> Iterator[dict[str, Any]]:
 
 @pytest.mark.process
 @needs_pty
-def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
-    on_deck: Callable[..., Deck],
-) -> None:
+def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(on_deck: Begin) -> None:
     gpsd = installed("gpsd", "gpsd")
     near, far = os.openpty()
     gps_near, gps_far = os.openpty()
@@ -480,7 +481,7 @@ def port_of(err: str) -> int:
 
 
 def test_any_number_of_readers_is_sent_the_same_and_may_come_and_go(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", nmea_sentences="PXSC"))
     port = port_of(capfd.readouterr().err)
@@ -495,7 +496,7 @@ def test_any_number_of_readers_is_sent_the_same_and_may_come_and_go(
 
 
 def test_a_reader_that_has_ended_its_own_side_still_reads(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", nmea_sentences="HDT"))
     with dialled(port_of(capfd.readouterr().err)) as end:
@@ -509,7 +510,7 @@ def test_a_reader_that_has_ended_its_own_side_still_reads(
 
 
 def test_an_autopilot_on_tcp_steers_as_the_helm_and_is_recorded(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0"))
     with dialled(port_of(capfd.readouterr().err)) as end:
@@ -537,7 +538,7 @@ def test_an_autopilot_on_tcp_steers_as_the_helm_and_is_recorded(
 
 @needs_pty
 def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplugged(
-    on_deck: Callable[..., Deck],
+    on_deck: Begin,
 ) -> None:
     near, far = os.openpty()
     try:
@@ -578,7 +579,7 @@ def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much
 
 
 def test_beyond_this_machine_sentences_are_sent_and_none_orders(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://0.0.0.0:0"))
     told = capfd.readouterr().err
@@ -591,7 +592,7 @@ def test_beyond_this_machine_sentences_are_sent_and_none_orders(
     assert deck.boat.state.ordered_psi == 0.0
 
 
-def test_udp_sends_a_sentence_in_each_datagram(on_deck: Callable[..., Deck]) -> None:
+def test_udp_sends_a_sentence_in_each_datagram(on_deck: Begin) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind(("127.0.0.1", 0))
         end.settimeout(60.0)
@@ -602,7 +603,7 @@ def test_udp_sends_a_sentence_in_each_datagram(on_deck: Callable[..., Deck]) -> 
 
 
 def test_a_network_that_is_away_is_counted_and_told(
-    on_deck: Callable[..., Deck], monkeypatch: pytest.MonkeyPatch
+    on_deck: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def away(*_: object) -> int:
         raise OSError(101, "Network is unreachable")
@@ -653,7 +654,7 @@ def test_in_a_freeze_the_last_set_is_due_again_though_nothing_is_offered() -> No
 
 
 def test_time_and_date_go_on_from_when_the_recording_was_begun(
-    on_deck: Callable[..., Deck], tmp_path: Path
+    on_deck: Begin, tmp_path: Path
 ) -> None:
     path = tmp_path / "drill.nmea"
     deck = on_deck(options(nmea_record=path, nmea_sentences="RMC", nmea_rate=2.0))
@@ -727,7 +728,7 @@ def test_what_cannot_be_opened_says_what_to_do(given: RunOptions, reason: str) -
     [({"token": ("word",)}, []), ({"token": ("word",), "nmea_orders": True}, ["course"])],
 )
 def test_where_a_token_is_asked_for_sentences_order_only_if_they_are_to(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str], given: Any, orders: list[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str], given: Any, orders: list[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", **given))
     told = capfd.readouterr().err

@@ -468,10 +468,13 @@ def test_a_serial_device_is_a_console(start: Start) -> None:
 # Wrong input: one line that helps, exit code 2
 
 
+Refuse = Callable[..., str]
+
+
 @pytest.fixture
 def refused(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> Callable[..., str]:
+) -> Refuse:
     """Return a function that runs the command in this process and returns what it refuses with."""
     monkeypatch.chdir(tmp_path)
 
@@ -523,15 +526,13 @@ def refused(
         ("heavy-boat extra", "unexpected extra argument"),
     ],
 )
-def test_a_wrong_option_is_told_in_one_line(
-    refused: Callable[..., str], words: str, told: str
-) -> None:
+def test_a_wrong_option_is_told_in_one_line(refused: Refuse, words: str, told: str) -> None:
     line = refused("run", "--headless", "--speed", "max", "--duration", "1", *words.split())
     assert told in line
     assert "\n" not in line
 
 
-def test_a_wrong_option_or_command_is_told_the_nearest(refused: Callable[..., str]) -> None:
+def test_a_wrong_option_or_command_is_told_the_nearest(refused: Refuse) -> None:
     assert "did you mean run?" in refused("rnu")
     assert "--vessel" in refused("run", "--vesel", "bb2").replace("'--vesel'", "")
     assert refused("run", "--stp", "1").endswith("(trainer run --help says more)")
@@ -551,7 +552,7 @@ def test_a_wrong_option_or_command_is_told_the_nearest(refused: Callable[..., st
     ],
 )
 def test_a_wrong_schedule_is_told_by_file_and_line(
-    refused: Callable[..., str], tmp_path: Path, text: str, told: str
+    refused: Refuse, tmp_path: Path, text: str, told: str
 ) -> None:
     (tmp_path / "orders.txt").write_bytes(text.encode("utf-8", errors="surrogateescape"))
     assert told in refused(*HEADLESS, "--duration", "1", "--orders", "orders.txt")
@@ -569,7 +570,7 @@ def test_a_wrong_schedule_is_told_by_file_and_line(
     ],
 )
 def test_a_wrong_vessel_is_told_by_file_table_and_key(
-    refused: Callable[..., str], tmp_path: Path, old: str, new: str, told: list[str]
+    refused: Refuse, tmp_path: Path, old: str, new: str, told: list[str]
 ) -> None:
     text = load_vessel("bb2").path.read_text()
     assert text.count(f"\n{old}") == 1
@@ -582,9 +583,7 @@ def test_a_wrong_vessel_is_told_by_file_table_and_key(
 
 
 @pytest.mark.parametrize("data", [b"# " + b"x" * 10_000_000, b"\x00\xff\x7fELF" * 100, b""])
-def test_a_file_that_is_no_vessel_is_refused(
-    refused: Callable[..., str], tmp_path: Path, data: bytes
-) -> None:
+def test_a_file_that_is_no_vessel_is_refused(refused: Refuse, tmp_path: Path, data: bytes) -> None:
     (tmp_path / "boat.toml").write_bytes(data)
     assert "boat.toml" in refused(*HEADLESS, "--duration", "1", "--vessel", "./boat.toml")
 
@@ -593,7 +592,7 @@ def test_a_file_that_is_no_vessel_is_refused(
 
 
 def test_an_unstable_step_is_refused_with_the_largest_stable_one(
-    refused: Callable[..., str], start: Start
+    refused: Refuse, start: Start
 ) -> None:
     line = refused(*HEADLESS, "--duration", "1", "--step", "2", "--integrator", "euler")
 
