@@ -5,17 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.nursery import run_trainer
 from helpers.places import environment
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, parse_sea
-from trainer.config.vessel import load_vessel
 from trainer.core.sea.sea import advance_sea
 from trainer.core.update import outside
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -31,7 +30,7 @@ def boat_at(
     depth: float, speed_kn: float = 5.0, course: float = 0.0, equations: str = "modified"
 ) -> Boat:
     """Return BB2 under way in trim, everything automatic, in a calm."""
-    boat = Boat(load_vessel("bb2"), Method(equations, "lagged", "exact", "adams2", 0.5))
+    boat = make_boat("bb2", equations)
     boat.start(speed_kn * KNOT, depth, course * DEGREE, 3)
     return boat
 

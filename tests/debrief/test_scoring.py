@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
 
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.config.score_rules import ScoreRule
-from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
 from trainer.debrief.scoring import (
     formula_of,
@@ -31,11 +29,7 @@ SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 MARKS = {"full": 0, "zero": 10}
 
 
-def boat_of(vessel: str = "bb2") -> Boat:
-    return Boat(load_vessel(vessel), Method("modified", "lagged", "exact", "adams2", 0.5))
-
-
-BB2 = boat_of()
+BB2 = make_boat("bb2", "modified")
 
 
 def trajectory(
@@ -250,7 +244,7 @@ def test_a_frozen_depth_is_not_held_against_the_crew() -> None:
 
 @pytest.mark.parametrize("measure", ["beyond-test-depth", "time-beyond-test-depth"])
 def test_a_boat_without_test_depth_is_not_judged_by_it(measure: str) -> None:
-    boat = boat_of()
+    boat = make_boat("bb2", "modified")
     hull = replace(boat.file.hull, test_depth_m=None)
     boat.file = replace(boat.file, hull=hull)
     found = take_measure(replace(trajectory(z=[500.0]), boat=boat), rule(measure=measure))
@@ -290,7 +284,7 @@ def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:
 def test_a_boat_without_the_part_is_not_judged_by_it() -> None:
     went = trajectory()
     lone = Trajectory(
-        boat_of("remus100"),
+        make_boat("remus100", "modified"),
         went.limits,
         (),
         went.ticks,

@@ -9,9 +9,8 @@ from typing import Final
 
 import pytest
 
+from helpers.boats import make_boat
 from helpers.sessions import session_over
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
@@ -19,7 +18,6 @@ from trainer.config.derived import Loss, compile_condition
 from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
 from trainer.config.files import Position
 from trainer.config.outcome import Outcome
-from trainer.config.vessel import load_vessel
 from trainer.config.world import WorldTables
 from trainer.io.lines import OverlongLine
 from trainer.io.orders.schedule import ScheduledOrder
@@ -80,7 +78,7 @@ class Crewed:
         hand: frozenset[str] = frozenset(),
         plan: Plan | None = None,  # of an exercise
     ) -> None:
-        self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+        self.boat = make_boat("bb2", "modified")
         if plan:
             plan.start(self.boat)
             schedule = plan.schedule

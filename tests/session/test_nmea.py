@@ -7,11 +7,11 @@ from datetime import UTC, datetime
 
 import pynmea2
 import pytest
+from helpers.boats import make_boat
 from helpers.places import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
@@ -49,7 +49,7 @@ START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
 
 def under_way(speed: float = 10.0, course: float = 0.0) -> Boat:
     """Return BB2 at 60 m, everything automatic, at ``speed`` [kn] and ``course`` [deg]."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat = make_boat("bb2", "modified")
     boat.start(speed * KNOT, 60.0, math.radians(course))
     return boat
 

@@ -20,15 +20,13 @@ from typing import Any
 
 import pynmea2
 import pytest
+from helpers.boats import start_bb2
 from helpers.installation import installed
 from helpers.nursery import run_trainer
 from helpers.sessions import session_over
 from helpers.waiting import eventually
 
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT_CHART
 from trainer.io.line import Outbox
@@ -78,13 +76,6 @@ def signal_k(folder: Path) -> Path:
     return modules
 
 
-def under_way() -> Boat:
-    """Return BB2 at 60 m and 10 knots, everything automatic."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
-
-
 def options(*urls: str, **others: Any) -> RunOptions:
     return RunOptions(**{"nmea": urls, "nmea_baud": 115200, "nmea_rate": 10.0, **others})
 
@@ -93,7 +84,7 @@ class Deck:
     """A session with outlets, ticked by the test."""
 
     def __init__(self, stack: contextlib.ExitStack, given: RunOptions) -> None:
-        self.boat = under_way()
+        self.boat = start_bb2("modified")
         wake = threading.Event()
         self.publisher = Publisher(Roster(StateReader(self.boat, Ledger(0.5).summary)))
         stack.callback(self.publisher.close, 5.0)
@@ -558,7 +549,7 @@ def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplug
 
 
 def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much() -> None:
-    boat, let_go = under_way(), threading.Event()
+    boat, let_go = start_bb2("modified"), threading.Event()
     outbox = Outbox(lambda _data: let_go.wait(60.0), capacity=4)
     promptly = PromptSender(
         Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__
@@ -632,7 +623,7 @@ def test_a_set_is_sent_at_its_rate_and_the_last_again_after_a_second_of_silence(
 
 
 def test_in_a_freeze_the_last_set_is_due_again_though_nothing_is_offered() -> None:
-    boat = under_way()
+    boat = start_bb2("modified")
     sent: list[str] = []
 
     class Reader:
@@ -669,7 +660,7 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 
 
 def refused(given: RunOptions) -> str:
-    boat = under_way()
+    boat = start_bb2("modified")
     with contextlib.ExitStack() as stack:
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
@@ -689,7 +680,7 @@ def test_the_rate_that_is_advised_fits() -> None:
     said = refused(options("loop://", nmea_baud=4800, nmea_rate=5.0))
     rate = float(said.partition("--nmea-rate ")[2].split()[0])
     with contextlib.ExitStack() as stack:
-        boat = under_way()
+        boat = start_bb2("modified")
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
