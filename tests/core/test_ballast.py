@@ -365,17 +365,6 @@ def test_a_full_tank_out_of_the_water_runs_down_to_the_level_of_the_sea_by_its_v
     assert s.air_taken == s.air_aft > 0.0
 
 
-def test_a_lost_bank_gives_no_air() -> None:
-    tanks = Tanks(60.0)
-    tanks.state.blow_forward = 2.0
-    tanks.state.bank_fault_emergency = 1.0
-
-    tanks.run(5.0)
-
-    assert tanks.state.bank_emergency == tanks.b.bank_full[1]
-    assert tanks.state.bank_main < tanks.b.bank_full[0]
-
-
 def test_the_compressor_charges_the_banks_and_not_beyond_full() -> None:
     tanks = Tanks(60.0)
     s = tanks.state
@@ -523,15 +512,6 @@ def test_a_closed_breach_lets_nothing_in_and_the_drain_pump_empties_the_compartm
 
     tanks.run(600.0)
     assert s.flood_centre == 0.0
-
-
-def test_a_leaking_tank_fills_up() -> None:
-    tanks = Tanks(50.0)
-    tanks.state.leak_auxiliary = 0.01
-
-    tanks.run(600.0)
-
-    assert tanks.state.water_auxiliary == tanks.b.capacity[TANKS.index("auxiliary")]
 
 
 # The whole boat

@@ -490,32 +490,6 @@ def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
     assert active_casualties(boat) == []
 
 
-def test_a_vent_stuck_open_gives_its_order_back_when_it_is_cleared(bb2: Boat) -> None:
-    boat = at_work(bb2, "vent-mid-open")
-    begun(boat, "vent-mid-open")
-    run(boat, 5.0)
-    lost = float(boat.state.air_mid)
-    clear_casualty(boat, "vent-mid-open")
-    run(boat, 5.0)
-
-    assert boat.state.vent_mid == 0.0
-    assert float(boat.state.air_mid) > lost + 10.0  # it holds what is blown in
-
-
-def test_a_closed_breach_lets_no_more_water_in(boat: Boat) -> None:
-    boat.state.trim_by_hand = 1.0
-    begun(boat, "flooding-centre", 1.0, 0.0)
-    run(boat, 30.0)
-    clear_casualty(boat, "flooding-centre")
-    run(boat, 30.0)
-    flooded = float(boat.state.flood_centre)
-    run(boat, 30.0)
-
-    assert flooded > 1000.0
-    assert boat.state.flood_centre == flooded
-    assert boat.state.water_taken == pytest.approx(flooded, rel=1e-9)
-
-
 @pytest.mark.parametrize(("hole", "end"), [(2.0, "up"), (4.0, "lost"), (10.0, "lost")])
 def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not(
     bb2: Boat, hole: float, end: str
