@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import DATA
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.config.bottom import (
     LAND_DEPTH_M,
     Bottom,
@@ -440,7 +440,7 @@ def test_a_start_over_bad_ground_is_refused(
     drill = exercise(asc, bottom, heading)
     plan = plan_run(RunOptions(exercise=str(drill)))
     with pytest.raises(ConfigError) as error:
-        plan.start(Boat(plan.file, plan.method))
+        start_plan(plan)
     assert told in str(error.value)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from helpers.key_tables import documentary_keys
+from helpers.sessions import start_plan
 
 from trainer.boat import stability
 from trainer.boat.assemble import Method, fit_out
@@ -101,8 +102,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         patch.setattr("trainer.session.plan.load_vessel", lambda _: file)
         patch.setattr(stability, "boat_responses", note_speeds)
         plan = plan_run(RunOptions())
-        boat = Boat(plan.file, plan.method)
-        plan.start(boat)
+        boat = start_plan(plan)
         refuse_unstable(boat)
     told = [*judged, plan.method, boat.records.state.tobytes()]
     told.append(status_lines(boat, Ledger(boat.method.step).summary()))

@@ -24,12 +24,11 @@ import numpy as np
 import pytest
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
-from helpers.sessions import session_over
+from helpers.sessions import begin_run, session_over
 
 from trainer.analysis.recording_export import export_file
-from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.files import ConfigError, remembering, shipped_path
+from trainer.config.files import ConfigError, shipped_path
 from trainer.config.score_rules import SCORE_MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.debrief.charts import unwrap_ordered_courses
@@ -50,10 +49,8 @@ from trainer.report import pdf
 from trainer.report.html import PAGE_FOLDER
 from trainer.report.pdf import print_pdf
 from trainer.report.svg import ChartGround, clock, step_of, thin_line, ticks
-from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import PromptSender, Roster
@@ -110,11 +107,8 @@ class Voyage:
 def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     """Fly a run at full speed; ``crews`` has lines of SECONDS ORDER by the role of their panel."""
     chosen = RunOptions(**options, given=frozenset(options) - {"exercise"})
-    with remembering() as texts:
-        plan = plan_run(chosen)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    recording = Recording.create(path, header_of(chosen, texts, boat), boat.records.state.tobytes())
+    plan, boat, header = begin_run(chosen)
+    recording = Recording.create(path, header, boat.records.state.tobytes())
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
     sending = PromptSender(Roster(StateReader(boat, time.ledger.summary)))
     session = session_over(

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.crewed import Begin, Crewed, Typist
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
 from trainer.config.exercise import AIDS, load_exercise, parse_exercise
 from trainer.config.files import ConfigError
@@ -240,8 +240,7 @@ def test_a_wrong_list_of_aids_is_told(more: str, why: str) -> None:
 
 def test_a_second_boat_begins_with_the_bits_of_the_first() -> None:
     plan = planned("periscope-sea-3")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     assert boat_of(plan).snapshot().tobytes() == boat.snapshot().tobytes()
 
 

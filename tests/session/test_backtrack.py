@@ -10,20 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sessions import session_over
+from helpers.sessions import begin_run, session_over, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import active_casualties
-from trainer.config.files import remembering
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.tables import MOTION_COLUMNS, NoFile
-from trainer.session.header import header_of, layout_of
+from trainer.session.header import layout_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
 from trainer.session.stations.roles import Access
@@ -136,10 +133,7 @@ class Ship:
         options = RunOptions(
             exercise=str(exercise), equations="full", given=frozenset(("equations",))
         )
-        with remembering() as texts:
-            self.plan = plan_run(options)
-        self.boat = self.new_boat()
-        header = header_of(options, texts, self.boat)
+        self.plan, self.boat, header = begin_run(options)
         self.recording = Recording.create(None, header, self.state)
         self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
@@ -154,11 +148,6 @@ class Ship:
         self.session.event_log.stations.append(
             Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]
         )
-
-    def new_boat(self) -> Boat:
-        boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(boat)
-        return boat
 
     def sail(self, typed: Lines) -> None:
         """Run the session, frozen at first, on what is typed; then quit."""
@@ -691,7 +680,7 @@ def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
         places = [each.entry for each in ship.recording.orders(ship.recording.branch)]
         assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
         end = ship.history.flown.end().state if ship.history.flown.replaying else ship.state
-        boat = ship.new_boat()
+        boat = start_plan(ship.plan)
         header = ship.recording.header()
         history = bring_up(ship.recording, ship.plan, boat, layout_of(header))
         assert boat.records.state.tobytes() == end

@@ -8,9 +8,8 @@ import pytest
 from helpers.boats import make_boat
 from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
 from helpers.line import Line
-from helpers.sessions import session_over
+from helpers.sessions import session_over, start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
@@ -45,8 +44,7 @@ class Attended:
     """The session of a plan, with a line of a program for each role that comes by itself."""
 
     def __init__(self, plan: Plan, options: RunOptions, roles: tuple[str, ...]) -> None:
-        self.boat = Boat(plan.file, plan.method)
-        plan.start(self.boat)
+        self.boat = start_plan(plan)
         self.plan = plan
         told = briefing_of(plan, options)
         time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
+from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
@@ -114,8 +115,7 @@ def test_the_set_shown_is_that_of_the_water_at_the_boat() -> None:
 
 
 def test_the_status_has_a_line_of_it_where_there_is_any(plan: Plan) -> None:
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     (line,) = current_lines(frame_of(boat), boat)
     assert line == "current towards 030 at 2.00 kn; over ground 004.9 at 11.78 kn"
     boat.world = World()

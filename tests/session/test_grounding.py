@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from helpers.boats import make_boat
 from helpers.crewed import Begin
+from helpers.sessions import begin_run
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -16,12 +17,12 @@ from trainer.boat.world.bottom import Ground, keel_of
 from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.exercise import ExerciseLimits
-from trainer.config.files import Position, remembering
+from trainer.config.files import Position
 from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.session.header import differences, header_of, plan_of
+from trainer.session.header import differences, plan_of
 from trainer.session.jump import jump_to
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments
 from trainer.session.options import RunOptions
@@ -298,12 +299,7 @@ def test_a_grounding_is_counted_and_a_hard_one_leaves_no_marks(
 
 def recorded(path: Path) -> tuple[Plan, Boat, dict[str, str]]:
     """Return a run of an exercise at its start, and the header of its recording."""
-    options = RunOptions(exercise=str(path), given=frozenset({"exercise"}))
-    with remembering() as texts:
-        plan = plan_run(options)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return plan, boat, header_of(options, texts, boat)
+    return begin_run(RunOptions(exercise=str(path), given=frozenset({"exercise"})))
 
 
 def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_path: Path) -> None:

@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import giver_at
+from helpers.sessions import begin_run
 from helpers.waiting import stay_for
 
 from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.config.files import ConfigError, remembering
+from trainer.config.files import ConfigError
 from trainer.core.update import update
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.header import differences, header_of
+from trainer.session.header import differences
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
 from trainer.session.replay import ReplayFlight, replay_anyway
 
 EXERCISE = """
@@ -75,12 +75,8 @@ class Run:
     """A boat recorded as a session records one."""
 
     def __init__(self, folder: Path, options: RunOptions) -> None:
-        with remembering() as texts:
-            self.plan: Plan = plan_run(options)
-        self.boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(self.boat)
+        self.plan, self.boat, header = begin_run(options)
         self.path = folder / "run.trainer"
-        header = header_of(options, texts, self.boat)
         self.recording = Recording.create(self.path, header, self.state)
         self.after = self.entry = 0
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.vessel import load_vessel
@@ -69,8 +69,7 @@ class Sailed:
         text = load_vessel("bb2").text
         vessel.write_text(text if scope else re.sub(r"(?s)\[scope\].*?\n\n", "", text))
         plan = plan_run(RunOptions(exercise=str(path), vessel=str(vessel)))
-        self.boat = Boat(plan.file, plan.method)
-        plan.start(self.boat)
+        self.boat = start_plan(plan)
         self.reader = StateReader(self.boat, Ledger(plan.method.step).summary)
 
     def frame(self, tick: int = 0) -> Frame:

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 from helpers.crewed import Begin, Crewed
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew
 from trainer.config.reference_crew import Crew
 from trainer.debrief.rehearsal import Departure, due_orders, fly
@@ -75,8 +75,7 @@ def test_the_way_is_shown_on_a_branch_of_its_own_and_the_boat_is_back_frozen(jam
 
 def test_what_is_shown_is_what_the_debrief_would_have_the_crew_do_from_there(jam: Crewed) -> None:
     plan = planned("stern-plane-jam")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     due = {
         tick: [order_of_schedule(plan, place, tick) for place in places]
         for tick, places in due_orders(plan).items()

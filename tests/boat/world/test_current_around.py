@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers.nursery import run_trainer
 from helpers.places import environment
+from helpers.sessions import start_plan
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -213,17 +214,10 @@ def plan_of(tmp_path: Path) -> Callable[..., Plan]:
     return planned
 
 
-def begun(plan: Plan) -> Boat:
-    """Return the boat of a plan at its start."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
-
-
 def test_the_first_picture_has_the_current_and_each_tick_carries_the_boat(
     plan_of: Callable[..., Plan],
 ) -> None:
-    still, carried = begun(plan_of("")), begun(plan_of(UNIFORM))
+    still, carried = start_plan(plan_of("")), start_plan(plan_of(UNIFORM))
     assert carried.state.current == pytest.approx([0.0, 2.0 * KNOT, 0.0, 0.0])
     for _ in range(40):
         assert still.tick() == carried.tick() == 0
@@ -235,15 +229,15 @@ def test_the_first_picture_has_the_current_and_each_tick_carries_the_boat(
 def test_a_sea_file_may_have_a_current_and_the_exercise_s_own_takes_its_place(
     plan_of: Callable[..., Plan],
 ) -> None:
-    assert begun(plan_of("", UNIFORM)).state.water_east == pytest.approx(2.0 * KNOT)
+    assert start_plan(plan_of("", UNIFORM)).state.water_east == pytest.approx(2.0 * KNOT)
     own = "[current]\nset_deg = 180\ndrift_kn = 1\n"
-    assert begun(plan_of(own, UNIFORM)).state.water_north == pytest.approx(-KNOT)
+    assert start_plan(plan_of(own, UNIFORM)).state.water_north == pytest.approx(-KNOT)
 
 
 def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
     plan_of: Callable[..., Plan],
 ) -> None:
-    boat = begun(plan_of(""))
+    boat = start_plan(plan_of(""))
     assert boat.tick is boat.advance
     assert isinstance(obey_order(boat, order("current set 090 drift 2")), str)
     assert boat.tick is not boat.advance
@@ -255,9 +249,9 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 
 
 def test_the_ramp_of_an_order_is_the_file_s(plan_of: Callable[..., Plan]) -> None:
-    told = obey_order(begun(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
+    told = obey_order(start_plan(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
     assert told == "current off: no current, within 120 s"
-    told = obey_order(begun(plan_of("")), order("current set 010 drift 0.5"))
+    told = obey_order(start_plan(plan_of("")), order("current set 010 drift 0.5"))
     assert told == "current set 010 drift 0.5 kn: towards 010 at 0.5 kn, within 60 s"
 
 

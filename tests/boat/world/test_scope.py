@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.boats import make_boat
+from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -44,8 +45,6 @@ from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import RecordedEvent, Recording
 from trainer.session.header import layout_of, plan_of
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -61,10 +60,7 @@ def at_sea(folder: Path, tables: str = "", depth: float = 17.5, speed: float = 5
     """Return a boat under way north among the ships of an exercise."""
     path = folder / "look.toml"
     path.write_text(HEAD + START.format(speed=speed, depth=depth) + tables)
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
+    return start_exercise(path)
 
 
 def order_of(text: str) -> Order:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
+from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.hulls import Pose
@@ -138,9 +139,7 @@ def flown(folder: Path, force: str) -> Boat:
     """Return the boat after a tanker has passed."""
     path = folder / f"{force}.toml"
     path.write_text(HEAD + PASSING + f'force = "{force}"\n')
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_exercise(path)
     for _ in range(400):
         assert boat.tick() == 0
     return boat
