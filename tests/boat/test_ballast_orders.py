@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from helpers.orders import read_order
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -14,7 +15,7 @@ from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -40,9 +41,7 @@ def under_way(vessel: str = "bb2", speed_kn: float = 10.0, equations: str = "mod
 
 
 def answer(boat: Boat, line: str) -> str | Refused:
-    order = parse(line)
-    assert isinstance(order, Order), line
-    return obey_order(boat, order)
+    return obey_order(boat, read_order(line))
 
 
 def told(boat: Boat, *lines: str) -> None:
@@ -125,8 +124,7 @@ def test_an_order_sets_its_fields_and_no_others(
 def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
     boat = under_way()
     before = boat.snapshot()
-    order = parse("hover 900")
-    assert isinstance(order, Order)
+    order = read_order("hover 900")
     reply = obey_order(boat, order)
     assert isinstance(reply, Refused)
     assert "greatest depth is " in reply.reason

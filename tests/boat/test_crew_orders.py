@@ -4,12 +4,13 @@ import math
 
 import pytest
 from helpers.boats import make_boat
+from helpers.orders import read_order
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import standing_order, standing_orders
 from trainer.boat.helm import obey_order
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Refused, Reply
 
 KNOT = 1852.0 / 3600.0
 
@@ -32,8 +33,7 @@ def give(boat: Boat, *lines: str) -> Reply:
     """Give orders; return the answer to the last."""
     answer: Reply = ""
     for line in lines:
-        order = parse(line)
-        assert isinstance(order, Order), line
+        order = read_order(line)
         answer = obey_order(boat, order)
     return answer
 

@@ -14,9 +14,10 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
-from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
 from helpers.fmu_judges import CosimJudge, EcosJudge, Judge
 from helpers.nursery import run_trainer
+from helpers.orders import obey_all
 from helpers.places import ROOT
 
 from trainer.boat.casualties import instrument_readings
@@ -86,7 +87,7 @@ def test_a_run_by_orders_is_the_trainers_to_the_last_bit(
     for tick in range(TICKS):
         for at, text, values in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
                 for name, value in values.items():
                     assert flown.set(name, value) == OK, flown.told[-1]
         assert boat.tick() == flown.step() == OK
@@ -492,9 +493,9 @@ def test_fmpy_finds_nothing_wrong_and_flies_the_trainers_bits(
     rows = [boat.numbers(names)]
     for tick in range(TICKS):
         if tick == 60:
-            obey(boat, "depth 90")
+            obey_all(boat, "depth 90")
         if tick == 180:
-            obey(boat, "course 100")
+            obey_all(boat, "course 100")
         boat.tick()
         rows.append(boat.numbers(names))
     assert [[row[name] for name in names] for row in scope["flown"]] == rows
@@ -515,7 +516,7 @@ def test_another_simulator_flies_ten_minutes_by_orders_with_the_trainers_bits(
     for tick in range(TICKS):
         for at, text, values in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
                 for name, value in values.items():
                     flown.set(name, value)
         boat.tick()

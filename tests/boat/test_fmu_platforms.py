@@ -11,9 +11,10 @@ from typing import Final, NamedTuple
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import GUID_BYTES, UNIT_MARKS, Unit, unpack
-from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
 from helpers.installation import installed
 from helpers.nursery import run_trainer
+from helpers.orders import obey_all
 from helpers.places import ROOT
 
 from trainer.boat.export.fmu import LIBRARY_ENDINGS
@@ -126,7 +127,7 @@ def state_of_trainer() -> bytes:
     for tick in range(TICKS):
         for at, text, _ in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
         boat.tick()
     return bytes(boat.records.state.tobytes())
 

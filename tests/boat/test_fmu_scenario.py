@@ -9,7 +9,8 @@ from typing import Any, Final
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import UNIT_MARKS, Unit, unpack
-from helpers.fmu_flight import OPTIONS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, TICKS
+from helpers.orders import obey_all
 from helpers.places import ROOT
 
 from trainer.cli.export import boat_at_start
@@ -43,15 +44,15 @@ def fly_in_trainer() -> list[list[float]]:
     """Fly the scenario by the trainer's boat, coupled as the platform's fixed step couples."""
     boat = boat_at_start(replace(OPTIONS, sea="sea-state-4"))
     angle, rows = 0.0, []
-    obey(boat, "stern planes rise 0")
-    obey(boat, "bow planes rise 0")
+    obey_all(boat, "stern planes rise 0")
+    obey_all(boat, "bow planes rise 0")
     for _ in range(TICKS):
         answer = answer_of_planesman(*boat.numbers(("z", "theta")))
         boat.tick()
         rows.append(boat.numbers(NAMES))
         if answer != angle:
             angle = answer
-            obey(boat, f"stern planes {'rise' if angle >= 0.0 else 'dive'} {abs(angle)!r}")
+            obey_all(boat, f"stern planes {'rise' if angle >= 0.0 else 'dive'} {abs(angle)!r}")
     return rows
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.nursery import Done, run_trainer
+from helpers.orders import read_order
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import check_exercise
@@ -95,8 +96,7 @@ def test_a_casualty_is_as_severe_and_sudden_as_ordered_else_as_its_table_says(
 
 
 def test_an_unknown_casualty_is_answered_with_the_nearest() -> None:
-    order = parse("casualty propulsion-los")
-    assert isinstance(order, Order)
+    order = read_order("casualty propulsion-los")
     answer = obey_order(bb2(), order)
     assert isinstance(answer, Refused)
     assert answer.reason.endswith("nearest is propulsion-lost")

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from helpers.key_tables import documentary_keys
+from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.boat import stability
@@ -25,7 +26,7 @@ from trainer.config.vessel import (
     load_vessel,
     read_vessel,
 )
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.status import status_lines
@@ -110,8 +111,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         boat.state.z, boat.state.theta = depth, 0.0
         told += [collapse_of(boat), count_passed(file.hull.test_depth_m or math.inf, depth)]
     for line in ORDERS:
-        order = parse(line)
-        assert isinstance(order, Order), line
+        order = read_order(line)
         told += [obey_order(boat, order), boat.state.ordered_u_c, boat.state.ordered_depth]
     if scope := periscope_of(boat):
         told += [obey_order(boat, RAISE), scope.head(scope.at(10))]

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from helpers.contrast import contrast
 from helpers.lanes import sample_cases
+from helpers.orders import read_order
 from helpers.places import ROOT
 from helpers.screens import (
     CREW,
@@ -87,14 +88,11 @@ def test_every_key_gives_an_order_that_its_role_may_give() -> None:
     for role, keys in KEYS.items():
         for key in keys:
             if isinstance(key.act, OrderAction):
-                order = parse(key.act.words)
-                assert isinstance(order, Order), key
+                order = read_order(key.act.words)
                 assert refusal(ROLES[role], order) is None, key
             if isinstance(key.act, MoveAction):
-                order = parse(
-                    f"{key.act.surface} {'right' if key.act.surface == 'rudder' else 'rise'} 1"
-                )
-                assert isinstance(order, Order)
+                side = "right" if key.act.surface == "rudder" else "rise"
+                order = read_order(f"{key.act.surface} {side} 1")
                 assert refusal(ROLES[role], order) is None, key
 
 

@@ -6,14 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers.boats import make_boat, take_in_hand
+from helpers.orders import obey_all
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
 from trainer.config.sea import SeaFile, load_sea
 from trainer.config.words import EQUATION_SETS
 from trainer.core.current import carry_along
 from trainer.core.state import PAST_CYCLES, new_state
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 
@@ -29,14 +28,6 @@ PAST = tuple(
 SHEAR = (-0.02, 0.01)  # [1/s]
 
 
-def give(boat: Boat, *lines: str) -> None:
-    """Give orders that are all obeyed."""
-    for text in lines:
-        order = parse(text)
-        assert isinstance(order, Order)
-        assert isinstance(obey_order(boat, order), str)
-
-
 def sea_of(name: str) -> SeaFile:
     """Return a shipped sea, or the fifth by the sum of cosines."""
     if name != "cosines":
@@ -50,7 +41,7 @@ def turning(boat: Boat, sea: str, current: tuple[float, float]) -> Boat:
     boat.start(8.0 * KNOT, 25.0, 0.3, seed=3)
     boat.put_to_sea(sea_of(sea))
     boat.state.current[:2] = current
-    give(boat, "rudder right 15", "depth 40")
+    obey_all(boat, "rudder right 15", "depth 40")
     return boat
 
 

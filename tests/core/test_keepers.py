@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
+from helpers.orders import answer_of, obey_all
 from numpy.typing import NDArray
 
-from trainer.boat import helm
 from trainer.boat.boat import Boat
 from trainer.boat.pilot import PilotMonitor
 from trainer.config.sea import parse_sea
@@ -19,7 +19,6 @@ from trainer.config.vessel import parse_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, ASCENT_RISING, NO_ASCENT
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
 from trainer.core.sea.forces import suction
-from trainer.io.orders.grammar import BadOrder, Refused, parse
 from trainer.units import KNOT
 
 pytestmark = [pytest.mark.core, pytest.mark.long]
@@ -61,15 +60,6 @@ def said(boat: Boat, seconds: float) -> list[str]:
         assert boat.tick() == 0
         news += [call.text for call in monitor.look(boat)]
     return news
-
-
-def order(boat: Boat, text: str) -> str:
-    """Return the answer to an order."""
-    asked = parse(text)
-    assert asked is not None
-    assert not isinstance(asked, BadOrder), asked
-    reply = helm.obey_order(boat, asked)
-    return reply.reason if isinstance(reply, Refused) else reply
 
 
 # --- speed
@@ -126,7 +116,7 @@ def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed() -> None:
 
 def casualty(boat: Boat, text: str) -> None:
     """Let something break or mend at once."""
-    answer = order(boat, text)
+    answer = answer_of(boat, text)
     assert "no " not in answer, answer
 
 
@@ -152,7 +142,7 @@ def test_a_keeper_held_at_its_end_for_ten_minutes_lets_go(
     casualty(boat, f"casualty {broken}")
     away = wrapped((sail(boat, 600.0, watched)[-1, 0] - goal) / scale, watched)
     casualty(boat, f"clear {broken.split(maxsplit=1)[0]}")
-    order(boat, "course 000")
+    obey_all(boat, "course 000")
     back = wrapped((sail(boat, 1800.0, watched)[:, 0] - goal) / scale, watched)
 
     assert abs(away) >= least
@@ -171,7 +161,7 @@ def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
     knots: float, depth: float, up: float
 ) -> None:
     boat = start(knots, depth)
-    order(boat, "emergency blow")
+    obey_all(boat, "emergency blow")
     rows = sail(boat, 240.0, "z", "theta", "ascent", "blow_aft")
 
     assert np.nonzero(rows[:, 0] < 6.0)[0][0] * boat.method.step < up
@@ -185,12 +175,11 @@ def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
 
 def test_a_blow_broken_off_is_handed_back_without_a_jump() -> None:
     boat = start(10.0, 100.0)
-    order(boat, "emergency blow")
+    obey_all(boat, "emergency blow")
     sail(boat, 8.0, "z")
-    order(boat, "blow stop")
-    order(boat, "vent all open")
+    obey_all(boat, "blow stop", "vent all open")
     ascent = sail(boat, 40.0, "ascent")[:, 0]
-    order(boat, "vent all shut")
+    obey_all(boat, "vent all shut")
     while boat.state.ascent == ASCENT_RISING and boat.time < 300.0:
         planes = boat.numbers(("command_s", "command_b"))
         assert boat.tick() == 0
@@ -204,13 +193,12 @@ def test_a_blow_broken_off_is_handed_back_without_a_jump() -> None:
 
 def test_afloat_no_depth_is_kept_until_one_is_ordered() -> None:
     boat = start(10.0, 60.0)
-    order(boat, "emergency blow")
+    obey_all(boat, "emergency blow")
     news = said(boat, 150.0)
-    order(boat, "blow stop")
+    obey_all(boat, "blow stop")
     news += said(boat, 300.0)
     resting = float(boat.state.z), float(boat.state.ascent)
-    order(boat, "dive")
-    order(boat, "depth 40")
+    obey_all(boat, "dive", "depth 40")
     sail(boat, 900.0, "z")
 
     assert any("emergency ascent" in text for text in news)
@@ -228,8 +216,7 @@ def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level() -> None:
     before = sail(boat, 10.0, "ascent")[:, 0]
     s.ordered_depth = 0.0
     rising = sail(boat, 40.0, "ascent")[:, 0]
-    order(boat, "blow stop")
-    order(boat, "vent all open")
+    obey_all(boat, "blow stop", "vent all open")
     while s.ascent == ASCENT_RISING and boat.time < 600.0:
         assert boat.tick() == 0
     kept = float(s.ordered_depth)
@@ -244,8 +231,7 @@ def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level() -> None:
 
 def test_with_the_planes_in_hand_a_blow_is_the_crews() -> None:
     boat = start(10.0, 60.0)
-    order(boat, "planes manual")
-    order(boat, "emergency blow")
+    obey_all(boat, "planes manual", "emergency blow")
     rows = sail(boat, 20.0, "ascent", "blow_aft", "delta_s")
 
     assert set(rows[:, 0]) == {NO_ASCENT}
@@ -346,7 +332,7 @@ def test_automatic_trim_takes_pitch_and_planes_to_nothing(knots: float) -> None:
 
 def test_trim_by_hand_moves_no_water_and_pitch_stays_steady() -> None:
     boat = start(5.0, 18.0)
-    assert order(boat, "trim manual") == "trim by hand"
+    assert answer_of(boat, "trim manual") == "trim by hand"
     water = boat.state.water.copy()
     pitch = sail(boat, 3600.0, "theta")[:, 0]
 
@@ -358,7 +344,7 @@ def test_a_pump_that_the_crew_uses_is_not_taken_from_it() -> None:
     boat = start(5.0, 18.0)
     sail(boat, 120.0, "z")
     assert boat.state.trim_flood != 0.0
-    order(boat, "pump auxiliary 5")
+    obey_all(boat, "pump auxiliary 5")
     before = float(boat.state.water_auxiliary)
     sail(boat, 10.0, "z")
 
@@ -380,11 +366,11 @@ def test_automatic_trim_does_not_outdo_a_failed_pump() -> None:
 
 def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back() -> None:
     boat = start(10.0, 60.0)
-    order(boat, "rudder left 15")
+    obey_all(boat, "rudder left 15")
     sail(boat, 30.0)
     begun = boat.state.psi
 
-    order(boat, "rudder auto")
+    obey_all(boat, "rudder auto")
     heading = sail(boat, 300.0, "psi")[:, 0]
 
     assert begun < -30.0 * DEGREE
@@ -394,12 +380,11 @@ def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back() -> None:
 
 def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up() -> None:
     boat = start(10.0, 60.0)
-    order(boat, "stern dive 20")
-    order(boat, "bow dive 20")
+    obey_all(boat, "stern dive 20", "bow dive 20")
     sail(boat, 30.0)
     begun = boat.state.z
 
-    order(boat, "planes auto")
+    obey_all(boat, "planes auto")
     depth = sail(boat, 400.0, "z")[:, 0]
 
     assert begun > 75.0
@@ -409,7 +394,7 @@ def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up() -> None:
 
 def test_going_astern_course_and_depth_are_kept_as_they_can_be() -> None:
     boat = start(10.0, 100.0)
-    order(boat, "turns -6")
+    obey_all(boat, "turns -6")
     news = said(boat, 480.0)
     boat.state.psi += 3.0 * DEGREE
     rows = sail(boat, 300.0, "psi", "z", "u")
@@ -461,7 +446,7 @@ def test_hovering_holds_its_depth_under_waves(
     depth: float, state: int, within: float, seed: int
 ) -> None:
     boat = at_rest(depth, state, seed)
-    assert "hovering" in order(boat, "hover on")
+    assert "hovering" in answer_of(boat, "hover on")
     rows = sail(boat, 3600.0, "z", "hover", "command_s", "command_b")
 
     assert rows[:, 1].min() == 1.0
@@ -472,20 +457,20 @@ def test_hovering_holds_its_depth_under_waves(
 def test_hovering_is_refused_where_the_pump_cannot_hold() -> None:
     boat = start(4.0, 18.0, 5)
 
-    answer = order(boat, "hover on")
+    answer = answer_of(boat, "hover on")
 
     assert answer.startswith("the pump cannot hold 18 m here")
     assert answer.endswith(", or make 3 knots")
     assert boat.state.hover == 0.0
     depth = float(answer.rpartition("go to ")[2].split()[0])
     boat.state.z = depth
-    assert "until then the planes keep the depth" in order(boat, "hover on"), "at 4 knots"
-    assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
+    assert "until then the planes keep the depth" in answer_of(boat, "hover on"), "at 4 knots"
+    assert "cannot hold 18 m" in answer_of(boat, "depth 18"), "nor is the boat sent there hovering"
 
 
 def test_hovering_that_is_lost_is_given_up_and_told() -> None:
     boat = at_rest(30.0, 5, 201)
-    order(boat, "hover on")
+    obey_all(boat, "hover on")
     boat.state.speed_by_hand = 0.0
     boat.state.ordered_speed = 0.0
     boat.state.water_auxiliary -= 6000.0
@@ -500,7 +485,7 @@ def test_a_sea_without_suction_is_told_where_one_hovers() -> None:
     boat = start(4.0, 30.0, 4)
     boat.state.u, boat.state.sea_suction = 0.5, 0.0
 
-    assert "no suction" in order(boat, "hover on")
+    assert "no suction" in answer_of(boat, "hover on")
 
 
 # --- tanks too small for automatic trim

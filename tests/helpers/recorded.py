@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from helpers.givers import giver_at
+from helpers.orders import read_order
 from helpers.sessions import begin_run
 from trainer.boat.helm import obey_order
 from trainer.debrief.rehearsal import due_orders, last_tick
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
@@ -59,8 +60,7 @@ def record(
             for place in due.get(tick, ()):
                 give(SCHEDULE_GIVER, plan.schedule[place].order, place)
             for text in (text for when, text in given_at if when == tick):
-                order = parse(text)
-                assert isinstance(order, Order), order
+                order = read_order(text)
                 give(giver_at(who), order, None)
                 if order.name == "mark":
                     recording.event(tick, "mark", who, order.subject, giver_at(who).role)

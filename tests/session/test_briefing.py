@@ -8,6 +8,7 @@ import pytest
 from helpers.boats import make_boat
 from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
 from helpers.line import Line
+from helpers.orders import read_order
 from helpers.sessions import session_over, start_plan
 
 from trainer.boat.calls import Rank
@@ -15,7 +16,6 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.help import help_text
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
@@ -322,8 +322,7 @@ def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple
     offered = hint(ROLES[role], frozenset(hand))
     assert len(offered) <= 79
     for words in filter(None, offered.partition(": ")[2].split("   ")):
-        order = parse(words)
-        assert isinstance(order, Order), words
+        order = read_order(words)
         assert order.name in ROLES[role].commands, words
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 from helpers.crewed import Begin, Crewed, Typist
+from helpers.orders import read_order
 
 from trainer.console.exercise import marks_in_words
 from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
 from trainer.debrief.episodes import aids_used
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.briefing import hint
@@ -160,8 +160,7 @@ def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed:
 def test_advice_that_a_line_is_given_is_obeyed_there(
     crewed: Begin, role: str, hand: tuple[str, ...]
 ) -> None:
-    order = parse("tell trim the boat")
-    assert isinstance(order, Order)
+    order = read_order("tell trim the boat")
     ship = crewed(seconds=None, hand=frozenset(hand), schedule=[ScheduledOrder(0.5, order, 1)])
     line = alone(ship, role)
     ship.fly(4)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from helpers.boats import make_boat
+from helpers.orders import obey_all, read_order
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.helm import obey_order
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.state import STATE
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.display import (
@@ -405,8 +405,7 @@ def test_the_line_of_state_shows_what_the_crew_is_ordered(boat: Boat) -> None:
     *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
     assert ">60.0" in line
     for words in ("order depth 75", "order course right 045", "planes manual", "rudder left 5"):
-        order = parse(words)
-        assert isinstance(order, Order)
+        order = read_order(words)
         assert isinstance(obey_order(boat, order), str)
     boat.tick()
     *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
@@ -542,10 +541,7 @@ def test_a_stations_status_is_its_own_instruments(boat: Boat) -> None:
 
 def ordered(boat: Boat, *lines: str) -> dict[str, str]:
     """Give orders to the crew, fly on for 2 s; return what its panel shows."""
-    for line in lines:
-        order = parse(line)
-        assert isinstance(order, Order), line
-        assert isinstance(obey_order(boat, order), str), line
+    obey_all(boat, *lines)
     boat.state.tick += 4.0
     return values(frame_of(boat), "orders")
 

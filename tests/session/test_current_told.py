@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
+from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
@@ -24,7 +25,6 @@ from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.exercise import is_met
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
@@ -123,8 +123,7 @@ def test_the_status_has_a_line_of_it_where_there_is_any(plan: Plan) -> None:
 
 
 def test_only_the_instructor_orders_it() -> None:
-    order = parse("current set 090 drift 2")
-    assert isinstance(order, Order)
+    order = read_order("current set 090 drift 2")
     assert refusal(ROLES["instructor"], order) is None
     whose = {refusal(role, order) for name, role in ROLES.items() if name != "instructor"}
     assert all(each and "is the instructor's" in each.reason for each in whose)

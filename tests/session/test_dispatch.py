@@ -6,22 +6,15 @@ from contextlib import closing
 
 import pytest
 from helpers.crewed import Begin, Crewed
+from helpers.orders import read_order
 from helpers.places import ROOT
 
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED_WORDS
 from trainer.session import dispatch
 from trainer.session.dispatch import ORDER_GATES, ORDERS, Gate, Obeyer, refusal
 from trainer.session.stations import roles
 from trainer.session.stations.station import Station
-
-
-def understood(words: str) -> Order:
-    """Return the order that words are."""
-    order = parse(words)
-    assert isinstance(order, Order)
-    return order
 
 
 def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
@@ -32,7 +25,7 @@ def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
 
 @pytest.mark.parametrize("words", ["mark", "status", "who", "end exercise", "again"])
 def test_a_schedule_goes_on_past_what_has_no_place_in_it(crewed: Begin, words: str) -> None:
-    orders = [understood(text) for text in (words, "rudder right 10")]
+    orders = [read_order(text) for text in (words, "rudder right 10")]
     ship = crewed(seconds=5, schedule=[ScheduledOrder(1.0, order, 1) for order in orders])
     ship.fly(10)
     assert ship.session.dispatch.refused == [
@@ -62,7 +55,7 @@ def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
 
 def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:
     """Return all gates that are shut to an order."""
-    order = understood(words)
+    order = read_order(words)
     return [gate for gate in ORDER_GATES if gate(order, station, ship.session)]
 
 
@@ -107,10 +100,10 @@ def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Begin) -> None
     ship.order("end exercise")
     station = next(each for each in ship.session.event_log.stations if each.line is second)
 
-    answers = [gate(understood("run"), station, ship.session) for gate in ORDER_GATES]
+    answers = [gate(read_order("run"), station, ship.session) for gate in ORDER_GATES]
     reasons = list(filter(None, answers))
     assert len(reasons) == 2
-    found = refusal(understood("run"), station, ship.session)
+    found = refusal(read_order("run"), station, ship.session)
     assert found is not None
     assert found == reasons[0]
     assert "has command" in found.reason

@@ -2,18 +2,12 @@
 
 import pytest
 from helpers.crewed import Begin
+from helpers.orders import read_order
 
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.session.manning import unheard
 
 BOTH = frozenset({"rudder", "planes"})
-
-
-def crew_order(text: str) -> Order:
-    order = parse(text)
-    assert isinstance(order, Order)
-    return order
 
 
 @pytest.mark.parametrize(
@@ -67,7 +61,7 @@ def crew_order(text: str) -> Order:
 def test_an_order_to_a_crew_that_is_not_there_says_how_else_it_is_carried_out(
     order: str, hand: tuple[str, ...], roles: tuple[str, ...], said: str
 ) -> None:
-    assert unheard(crew_order(order), hand, (), roles) == said
+    assert unheard(read_order(order), hand, (), roles) == said
 
 
 def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(crewed: Begin) -> None:

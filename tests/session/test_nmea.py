@@ -9,18 +9,18 @@ import pynmea2
 import pytest
 from geographiclib.geodesic import Geodesic
 from helpers.boats import make_boat
+from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT_CHART, Chart, chart_at
 from trainer.io.lines import LineDecoder, OverlongLine
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import parse
 from trainer.session.nmea import page as nmea_page
 from trainer.session.nmea.orders import (
     REPEAT_PERIOD_S,
@@ -53,13 +53,6 @@ def under_way(speed: float = 10.0, course: float = 0.0) -> Boat:
     boat = make_boat("bb2", "modified")
     boat.start(speed * KNOT, 60.0, math.radians(course))
     return boat
-
-
-def give(boat: Boat, *lines: str) -> None:
-    for line in lines:
-        order = parse(line)
-        assert isinstance(order, Order)
-        assert isinstance(obey_order(boat, order), str)
 
 
 def seen(boat: Boat) -> Frame:
@@ -150,7 +143,7 @@ def test_every_sentence_fits_with_the_widest_values_and_has_the_fields_it_is_sai
 
 def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
     boat = under_way(15.0)
-    give(boat, "rudder right full", "stern planes dive 25", "bell ahead flank")
+    obey_all(boat, "rudder right full", "stern planes dive 25", "bell ahead flank")
     shown = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START)
     for _ in range(300):
         if boat.tick():
@@ -161,7 +154,7 @@ def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
 
 def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
     boat = under_way(course=200.0)
-    give(boat, "rudder right 10", "stern planes rise 4", "bell ahead full")
+    obey_all(boat, "rudder right 10", "stern planes rise 4", "bell ahead full")
     for _ in range(60):
         boat.tick()
     s, fields = boat.state, told(boat)
@@ -197,7 +190,7 @@ def test_time_and_date_run_from_the_start_with_the_boats_own_time() -> None:
 def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     boat = under_way(course=90.0)
     sound = told(boat)
-    give(boat, "casualty depth-gauge-biased 5", "casualty gyro-biased 4")
+    obey_all(boat, "casualty depth-gauge-biased 5", "casualty gyro-biased 4")
     for _ in range(40):
         boat.tick()
     wrong, s = told(boat), boat.state
@@ -332,8 +325,7 @@ def test_a_sentence_orders_what_the_helm_may_order(
 ) -> None:
     command = meaning(heard(address, fields))
     assert isinstance(command, Command)
-    parsed = parse(command.words)
-    assert isinstance(parsed, Order)
+    parsed = read_order(command.words)
     assert parsed.text == order[0]
     value = math.degrees(parsed.value) if parsed.name in ("rudder", "course") else parsed.value
     assert value == pytest.approx(order[1])
@@ -372,7 +364,7 @@ def test_other_sentences_mean_nothing_here() -> None:
 @pytest.mark.parametrize("bell", sorted(set(TELEGRAPH_BELLS.values())))
 def test_a_bell_rung_is_told_by_the_position_that_orders_it(bell: str) -> None:
     boat = under_way()
-    give(boat, f"bell {bell}")
+    obey_all(boat, f"bell {bell}")
     assert TELEGRAPH_BELLS[told(boat)["INETL"][2]] == bell
 
 
@@ -510,7 +502,7 @@ def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
 
 def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
     boat = under_way()
-    give(boat, "rudder left 5", "bell ahead full")
+    obey_all(boat, "rudder left 5", "bell ahead full")
     echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(seen(boat))
     line, _, _ = line_of(*echo)
     assert line.take(50) == []

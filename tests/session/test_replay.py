@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import giver_at
+from helpers.orders import read_order
 from helpers.sessions import begin_run
 from helpers.waiting import stay_for
 
@@ -22,7 +23,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.core.update import update
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
 from trainer.session.header import differences
@@ -106,8 +107,7 @@ class Run:
                 if due:
                     self.give(entry.order, place)
             for text in orders.get(self.tick, []):
-                order = parse(text)
-                assert isinstance(order, Order), order
+                order = read_order(text)
                 self.give(order)
             if self.tick == until:
                 return

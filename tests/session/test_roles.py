@@ -1,8 +1,9 @@
 """Who may order what, and who sees and hears what."""
 
 import pytest
+from helpers.orders import read_order
 
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order
 from trainer.io.orders.table import FORMS, heading_word
 from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.roles import (
@@ -43,12 +44,6 @@ ALL = {
     *("subscribe", "unsubscribe", "detach", "who", "name"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})
-
-
-def order(line: str) -> Order:
-    found = parse(line)
-    assert isinstance(found, Order), line
-    return found
 
 
 def test_a_role_gives_the_orders_of_the_table_and_no_others() -> None:
@@ -109,7 +104,7 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
     ],
 )
 def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
-    refused = refusal(ROLES[role], order(line))
+    refused = refusal(ROLES[role], read_order(line))
     assert refused
     assert refused.reason.endswith(why)
 
@@ -118,7 +113,7 @@ def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
 def test_the_autopilot_is_given_surfaces_one_by_one_by_whose_they_are(line: str) -> None:
     role = "helm" if line.startswith(("rudder", "course")) else "planes"
 
-    assert refusal(ROLES[role], order(line)) is None
+    assert refusal(ROLES[role], read_order(line)) is None
 
 
 def test_a_line_that_owes_a_token_may_only_say_who_it_is_ask_for_help_or_go() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.boat.helm import obey_order
@@ -173,8 +174,7 @@ def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
     """BB2's head is 1.9 m over calm water at 17.5 m with the whole mast out, on an even keel."""
     sailed = sail(depth, scope=True)
     if words:
-        order = parse(f"scope {words}")
-        assert isinstance(order, Order)
+        order = read_order(f"scope {words}")
         obey_order(sailed.boat, order)
     assert antenna(sailed.frame(200)) == (
         pytest.approx(19.45 - depth, abs=0.1) if words else -math.inf

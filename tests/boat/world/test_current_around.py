@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.nursery import run_trainer
+from helpers.orders import read_order
 from helpers.places import environment
 from helpers.sessions import start_plan
 
@@ -16,7 +17,6 @@ from trainer.config.current import Current, Tide
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import parse_sea
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
@@ -25,13 +25,6 @@ HEAD = 'schema = "exercise/1"\nname = "Adrift"\nbriefing = "A current."\nduratio
 UNIFORM = "[current]\nset_deg = 90\ndrift_kn = 2\n"
 DEEP = 60.0  # [m]
 TIDE = Tide(major_kn=2.0, towards_deg=10.0, period_h=1.0)
-
-
-def order(text: str) -> Order:
-    """Return an order that is one."""
-    found = parse(text)
-    assert isinstance(found, Order)
-    return found
 
 
 def around(current: Current | None = None) -> CurrentAround:
@@ -109,7 +102,7 @@ def test_between_two_rows_the_water_is_straight_in_between_and_beyond_it_is_thei
 def test_an_order_takes_the_place_of_table_and_tide_in_a_straight_ramp() -> None:
     part = around(Current(table=((0.0, 180.0, 2.0), (100.0, 180.0, 1.0))))
     was = part.at(1000, DEEP)
-    told = part.obey(order("current set 090 drift 3"), 1000)
+    told = part.obey(read_order("current set 090 drift 3"), 1000)
     assert told == "current set 090 drift 3 kn: towards 090 at 3 kn, within 60 s"
     wanted = (0.0, 3.0 * KNOT, 0.0, 0.0)
     assert part.at(1000, DEEP) == was
@@ -117,16 +110,16 @@ def test_an_order_takes_the_place_of_table_and_tide_in_a_straight_ramp() -> None
     assert part.at(1060, DEEP) == pytest.approx(middle, abs=1e-12)
     assert part.at(1120, DEEP) == part.at(9000, 0.0) == pytest.approx(wanted, abs=1e-12)
     before = part.at(9000, DEEP)
-    part.obey(order("current off"), 9000)
+    part.obey(read_order("current off"), 9000)
     assert part.at(9000, DEEP) == before  # it begins from what was ordered
 
 
 def test_off_leaves_water_that_stands_still_to_the_last_bit() -> None:
     part = around()
     assert not part.acts
-    part.obey(order("current set 222 drift 1.7"), 3)
+    part.obey(read_order("current set 222 drift 1.7"), 3)
     assert part.acts
-    assert part.obey(order("current off"), 40) == "current off: no current, within 60 s"
+    assert part.obey(read_order("current off"), 40) == "current off: no current, within 60 s"
     assert part.at(100, DEEP)[0] != 0.0
     assert part.at(160, DEEP) == (0.0, 0.0, 0.0, 0.0)
 
@@ -134,7 +127,7 @@ def test_off_leaves_water_that_stands_still_to_the_last_bit() -> None:
 def test_orders_told_again_after_a_jump_make_the_same_bits_as_those_lived_through() -> None:
     rng = np.random.default_rng(5)
     given = [
-        (int(tick), order(f"current set {rng.integers(360)} drift {rng.uniform(0, 4):.2f}"))
+        (int(tick), read_order(f"current set {rng.integers(360)} drift {rng.uniform(0, 4):.2f}"))
         for tick in np.cumsum(rng.integers(1, 150, 30))  # most within the ramp of those before
     ]
     lived = around(Current(tide=TIDE))
@@ -154,7 +147,7 @@ def drifted() -> CurrentAround:
     """Return a tide in which one order's ramp begins within another's."""
     part = around(Current(tide=TIDE))
     for tick, text in ((300, "set 090 drift 3"), (370, "off"), (1000, "set 200 drift 1")):
-        part.obey(order(f"current {text}"), tick)
+        part.obey(read_order(f"current {text}"), tick)
     return part
 
 
@@ -173,7 +166,7 @@ def test_what_floats_is_at_the_same_place_to_the_bit_whoever_asks_and_when() -> 
         text = {300: "set 090 drift 3", 370: "off", 1000: "set 200 drift 1"}.get(tick)
         places[tick] = live.carried(0.5 * tick)
         if text:
-            live.obey(order(f"current {text}"), tick)
+            live.obey(read_order(f"current {text}"), tick)
     again = drifted()
     assert {tick: again.carried(0.5 * tick) for tick in (1299, 50, 301, 0, 1010)}.items() <= (
         places.items()
@@ -184,9 +177,9 @@ def test_what_floats_is_at_the_same_place_to_the_bit_whoever_asks_and_when() -> 
 
 def test_no_step_of_a_ramp_is_longer_than_the_ramp_has_it() -> None:
     part = around()
-    part.obey(order("current set 000 drift 2"), 10)
-    part.obey(order("current set 180 drift 2"), 50)
-    part.obey(order("current off"), 90)
+    part.obey(read_order("current set 000 drift 2"), 10)
+    part.obey(read_order("current set 180 drift 2"), 50)
+    part.obey(read_order("current off"), 90)
     north = np.array([part.at(tick, DEEP)[0] for tick in range(300)])
     assert np.abs(np.diff(north)).max() < 4.0 * KNOT / 120.0 + 1e-12
     assert north[-1] == 0.0
@@ -239,7 +232,7 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 ) -> None:
     boat = start_plan(plan_of(""))
     assert boat.tick is boat.advance
-    assert isinstance(obey_order(boat, order("current set 090 drift 2")), str)
+    assert isinstance(obey_order(boat, read_order("current set 090 drift 2")), str)
     assert boat.tick is not boat.advance
     for _ in range(10):
         boat.tick()
@@ -249,9 +242,9 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 
 
 def test_the_ramp_of_an_order_is_the_file_s(plan_of: Callable[..., Plan]) -> None:
-    told = obey_order(start_plan(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
+    told = obey_order(start_plan(plan_of(UNIFORM + "ramp_s = 120\n")), read_order("current off"))
     assert told == "current off: no current, within 120 s"
-    told = obey_order(start_plan(plan_of("")), order("current set 010 drift 0.5"))
+    told = obey_order(start_plan(plan_of("")), read_order("current set 010 drift 0.5"))
     assert told == "current set 010 drift 0.5 kn: towards 010 at 0.5 kn, within 60 s"
 
 
@@ -330,7 +323,7 @@ def test_many_ticks_at_once_are_in_the_same_water_as_each_by_itself(
     for boat in boats:
         plan.start(boat)
         if words:
-            boat.world.obey(order(words), 0)
+            boat.world.obey(read_order(words), 0)
     together, singly = boats
     assert together.world.stands(0) == stands
     places = np.arange(3)

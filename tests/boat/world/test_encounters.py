@@ -8,6 +8,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from helpers.orders import read_order
 from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
@@ -31,7 +32,7 @@ from trainer.boat.world.encounters import (
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, piece_column, situation
 from trainer.config.contacts import SHIP_TYPES
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s = 1200\n'
@@ -48,9 +49,7 @@ def under_way(folder: Path, tables: str, depth: float = 60.0) -> Boat:
 
 def ordered(boat: Boat, text: str) -> str:
     """Return how a boat's world answers an order; refusals begin with one."""
-    order = parse(text)
-    assert isinstance(order, Order)
-    reply = obey_order(boat, order)
+    reply = obey_order(boat, read_order(text))
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.boats import make_boat
+from helpers.orders import read_order
 from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
@@ -42,7 +43,7 @@ from trainer.debrief.data import gather_debrief
 from trainer.debrief.scoring import take_measure
 from trainer.debrief.ships_met import shown_rows as shown_ticks
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import RecordedEvent, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.resume import bring_up
@@ -63,15 +64,9 @@ def at_sea(folder: Path, tables: str = "", depth: float = 17.5, speed: float = 5
     return start_exercise(path)
 
 
-def order_of(text: str) -> Order:
-    order = parse(text)
-    assert isinstance(order, Order)
-    return order
-
-
 def give(boat: Boat, text: str) -> str:
     """Return how a boat answers an order; refusals begin with one."""
-    reply = obey_order(boat, order_of(text))
+    reply = obey_order(boat, read_order(text))
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 
@@ -202,7 +197,7 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
         stood.append(scope_of(boat).at(boat.ticks))
         fly(boat, 1)
     again = at_sea(tmp_path, speed=9.0)  # another state, in which an order would be doubted
-    again.world.obey_anew([(tick, order_of(text)) for tick, text in given])
+    again.world.obey_anew([(tick, read_order(text)) for tick, text in given])
     assert [scope_of(again).at(tick) for tick in range(24)] == stood
     again.world.obey_anew([])
     assert scope_of(again).at(24) == Mast(tick=24)
@@ -211,7 +206,7 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
 def test_a_boat_without_a_periscope_says_so() -> None:
     boat = make_boat("remus100")
     assert periscope_of(boat) is None
-    refused = Periscope(boat, {}).obey(order_of("scope raise"), 0)
+    refused = Periscope(boat, {}).obey(read_order("scope raise"), 0)
     assert isinstance(refused, Refused)
     assert refused.reason == "remus100.toml has no periscope"
     assert math.isnan(eye_height(boat))
