@@ -22,6 +22,7 @@ from helpers.exported import Core, link_shipped, shipped_kernel
 from helpers.installation import installed
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
+from helpers.typed import type_command
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer import __version__
@@ -392,8 +393,7 @@ def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
 
 def listed_targets() -> dict[str, str]:
     """Return what the command lists of each target."""
-    done = CliRunner().invoke(cli, ["export-core", "--list"])
-    assert done.exit_code == 0, done.output
+    done = type_command(cli, "export-core", "--list")
     return dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
 
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-from click.testing import CliRunner
 from helpers.fmu import UNIT_MARKS, Unit, unpack
 from helpers.fmu_flight import OPTIONS, TICKS
 from helpers.orders import obey_all
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
@@ -78,8 +78,7 @@ def fly_in_platform(folder: Path, unit: Unit) -> list[list[float]]:
 def test_a_planesman_of_another_unit_steers_the_boat_to_the_trainers_bits(tmp_path: Path) -> None:
     """It flies the scenario of the page."""
     pytest.importorskip("libcosimpy")
-    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "bb2.fmu")])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", tmp_path / "bb2.fmu")
     unit = unpack(tmp_path / "bb2.fmu", tmp_path / "unpacked")
     write_planesman(tmp_path / "planesman.fmu")
     structure = PAGE.read_text(encoding="utf-8").split("```xml\n")[1].split("```")[0]

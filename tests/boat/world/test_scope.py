@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from helpers.boats import make_boat
 from helpers.orders import read_order
 from helpers.sessions import start_exercise
+from helpers.typed import type_command
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -357,8 +357,7 @@ def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
     (tmp_path / "o.txt").write_text("3 scope raise\n40 scope lower\n60 scope raise\n")
     words = ["run", str(path), "--orders", str(tmp_path / "o.txt"), "--record", str(file)]
     more = ["--headless", "--speed", "max", "--duration", "90"]
-    done = CliRunner().invoke(cli, words + more)
-    assert done.exit_code == 0, done.output
+    type_command(cli, *(words + more))
     with contextlib.closing(Recording.reopen(file)) as recording:
         rows, raises = shown_ticks(gather_debrief(recording, file, None).trajectory)
         plan = plan_of(recording.header())
