@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_bb2
 from helpers.orders import read_order
 
 from trainer.boat import casualties
@@ -15,18 +15,12 @@ from trainer.io.orders.grammar import Refused, Reply
 KNOT = 1852.0 / 3600.0
 
 
-@pytest.fixture(scope="module")
-def bb2() -> Boat:
-    """Return one BB2 for all tests; ``boat`` starts it afresh."""
-    return make_boat("bb2")
-
-
 @pytest.fixture
-def boat(bb2: Boat) -> Boat:
+def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 000, a minute on its way."""
-    bb2.start(10.0 * KNOT, 60.0, 0.0)
-    bb2.state.tick = 120.0
-    return bb2
+    boat = start_bb2()
+    boat.state.tick = 120.0
+    return boat
 
 
 def give(boat: Boat, *lines: str) -> Reply:

@@ -42,20 +42,15 @@ HERE = Position("my.toml", "casualties[0]")
 FIELD = {"rudder": "r", "stern": "s", "bow": "b"}
 
 
-@pytest.fixture(scope="module")
-def bb2() -> Boat:
-    """Return one BB2 for all tests; ``at_sea`` starts it afresh."""
-    return make_boat("bb2")
-
-
 @pytest.fixture
-def boat(bb2: Boat) -> Boat:
+def boat() -> Boat:
     """Return a BB2 at 10 knots and 60 m."""
-    return at_sea(bb2)
+    return start_bb2()
 
 
-def at_sea(boat: Boat, knots: float = 10.0, depth: float = 60.0) -> Boat:
-    """Return ``boat`` started anew."""
+def at_sea(knots: float = 10.0, depth: float = 60.0) -> Boat:
+    """Return a BB2 at a speed and depth."""
+    boat = make_boat("bb2")
     boat.start(knots * KNOT, depth, 0.0)
     return boat
 
@@ -173,8 +168,8 @@ def test_a_sound_boat_has_nothing_to_clear(boat: Boat) -> None:
 
 @pytest.mark.core
 @pytest.mark.parametrize("name", KINDS)
-def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(bb2: Boat, name: str) -> None:
-    boat = at_sea(bb2)
+def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(name: str) -> None:
+    boat = at_sea()
     s = boat.state
     s.ordered_psi, s.ordered_depth, s.blow[:], s.negative_flood = 0.5, 80.0, 1.0, 1.0
     s.bottom[0] = 100.0  # the sounder needs a ground
@@ -313,11 +308,11 @@ def test_of_two_casualties_on_a_surface_the_jam_counts(boat: Boat) -> None:
 @pytest.mark.core
 @pytest.mark.parametrize("fault", ["hard-over", "free", "slow"])
 def test_rudder_casualties_to_port_mirror_those_to_starboard(fault: str) -> None:
-    symmetric = make_boat("bb2")
-    symmetric.vessel.K_star = symmetric.vessel.K_star_eta = 0.0
     ends = []
     for side in (1.0, -1.0):
-        boat = at_sea(symmetric)
+        boat = make_boat("bb2")
+        boat.vessel.K_star = boat.vessel.K_star_eta = 0.0
+        boat.start(10.0 * KNOT, 60.0, 0.0)
         boat.state.rudder_by_hand, boat.state.ordered_r = 1.0, side * 0.2
         run(boat, 5.0)
         begun(boat, f"rudder-{fault}", side if fault == "hard-over" else 0.5, 0.0)
@@ -333,10 +328,10 @@ def test_rudder_casualties_to_port_mirror_those_to_starboard(fault: str) -> None
         assert port[name] == starboard[name], name
 
 
-def test_stern_planes_jammed_hard_to_dive_sink_the_boat_unless_it_is_recovered(bb2: Boat) -> None:
+def test_stern_planes_jammed_hard_to_dive_sink_the_boat_unless_it_is_recovered() -> None:
     deepest = []
     for recovered in (False, True):
-        boat = at_sea(bb2, knots=15.0, depth=100.0)
+        boat = at_sea(knots=15.0, depth=100.0)
         begun(boat, "stern-hard-over", -1.0)
         depths = []
         for tick in range(300):
@@ -448,12 +443,12 @@ WITNESSES = [  # kind, witness, sign of the difference it makes
 ]
 
 
-def at_work(bb2: Boat, kind: str) -> Boat:
+def at_work(kind: str) -> Boat:
     """Return a stopped boat with air in its tanks and everything ordered that moves water or air.
 
     For a vent that does not open, the vents are ordered open; for the others, everything blows.
     """
-    boat = at_sea(bb2, knots=10.0, depth=40.0)
+    boat = at_sea(knots=10.0, depth=40.0)
     s = boat.state
     s.stern_by_hand = s.bow_by_hand = 1.0  # the autopilot works valves of its own in a blow
     s.negative_flood = 1.0
@@ -468,13 +463,13 @@ def at_work(bb2: Boat, kind: str) -> Boat:
 
 @pytest.mark.parametrize(("kind", "witness", "sign"), WITNESSES)
 def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
-    bb2: Boat, kind: str, witness: str, sign: int
+    kind: str, witness: str, sign: int
 ) -> None:
-    sound = at_work(bb2, kind)
+    sound = at_work(kind)
     run(sound, 4.0)
     expected = float(sound.state[witness])
 
-    boat = at_work(bb2, kind)
+    boat = at_work(kind)
     start = float(boat.state[witness])
     orders = boat.state.vent.tolist(), boat.state.blow.tolist()
     begun(boat, kind, None, None if boat.casualties[kind].measure.sudden else 0.0)
@@ -492,9 +487,9 @@ def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
 
 @pytest.mark.parametrize(("hole", "end"), [(2.0, "up"), (4.0, "lost"), (10.0, "lost")])
 def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not(
-    bb2: Boat, hole: float, end: str
+    hole: float, end: str
 ) -> None:
-    boat = at_sea(bb2, knots=5.0, depth=200.0)
+    boat = at_sea(knots=5.0, depth=200.0)
     begun(boat, "flooding-aft", hole, 0.0)
     run(boat, 60.0)
     boat.state.blow[:3] = 2.0
@@ -549,9 +544,9 @@ def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -
     assert instrument_readings(boat) == pytest.approx(read)
 
 
-def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> None:
+def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time() -> None:
     def errors() -> list[float]:
-        boat = at_sea(bb2_boat)
+        boat = at_sea()
         begun(boat, "depth-gauge-noisy", 1.5)
         found = []
         for _ in range(2000):
@@ -559,7 +554,6 @@ def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> No
             found.append(instrument_readings(boat).depth - float(boat.state.z))
         return found
 
-    bb2_boat = boat
     once = errors()
 
     assert once == errors()
@@ -567,10 +561,10 @@ def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> No
     assert abs(np.mean(once)) < 0.3
 
 
-def test_a_failed_sensor_changes_nothing_but_what_stations_read(bb2: Boat) -> None:
+def test_a_failed_sensor_changes_nothing_but_what_stations_read() -> None:
     ends = []
     for broken in (False, True):
-        boat = at_sea(bb2)
+        boat = at_sea()
         boat.state.ordered_depth = 80.0
         if broken:
             for gauge in ("depth-gauge", "gyro", "log"):
@@ -738,7 +732,7 @@ def test_triggers_have_a_rule_and_are_eight_at_most(boat: Boat) -> None:
         armed(boat, "depth > 500")
     with pytest.raises(ConfigError, match="more than 8 triggers"):
         armed(boat, "depth > 500")
-    at_sea(boat)
+    boat.start(10.0 * KNOT, 60.0, 0.0)
     armed(boat, "depth > 500")  # a new start has none
 
 

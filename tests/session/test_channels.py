@@ -49,20 +49,15 @@ SHOWN = (
 GAUGES = ("casualty", "casualty_amount")
 
 
-@pytest.fixture(scope="module")
-def bb2() -> Boat:
-    """Return one BB2 for all tests; ``boat`` starts it afresh."""
-    return make_boat("bb2")
-
-
 @pytest.fixture
-def boat(bb2: Boat) -> Boat:
+def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
-    bb2.start(10.0 * KNOT, 60.0, math.pi / 2.0)
-    bb2.state.ordered_psi = 2.0
+    boat = make_boat("bb2")
+    boat.start(10.0 * KNOT, 60.0, math.pi / 2.0)
+    boat.state.ordered_psi = 2.0
     for _ in range(120):
-        assert bb2.tick() == 0
-    return bb2
+        assert boat.tick() == 0
+    return boat
 
 
 def lookout(boat: Boat) -> StateReader:
