@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.altered import alter, is_whole, locked
 from helpers.givers import HELM, giver_at
 from helpers.lanes import sample_cases
 from helpers.waiting import await_that, eventually
@@ -65,12 +66,6 @@ def path(tmp_path: Path) -> Path:
 def files(path: Path) -> set[str]:
     """Return the names in the folder of a recording, as endings of its own."""
     return {each.name.removeprefix(path.name) for each in path.parent.iterdir()}
-
-
-def whole(path: Path) -> bool:
-    """Return whether SQLite finds nothing wrong with a file."""
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        return connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
 
 
 # What is written is read back
@@ -386,7 +381,7 @@ def survives(path: Path, told: int) -> None:
         for flown in recording.flown(recording.branch):
             assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
         assert recording.order(latest.tick, giver_at("instructor"), "go on") == len(written) + 1
-    assert whole(path)
+    assert is_whole(path)
 
 
 def kill_often(folder: Path, kills: int) -> None:
@@ -763,14 +758,12 @@ def test_a_recording_that_ends_on_a_full_disk_is_whole_as_far_as_it_goes(path: P
 def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) -> None:
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             began = time.monotonic()
             fly(recording, 11, 100)
             recording.event(100, "mark", "helm", "here")
             assert time.monotonic() - began < 10 * recording_module.CALLER_WAIT_S
             assert "locked" in recording.trouble
-            other.execute("COMMIT")
         assert eventually(lambda: not recording.trouble)
         assert recording.missing == ""
         assert [each.text for each in recording.events()] == ["here"]
@@ -781,11 +774,9 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
 def test_a_moment_that_could_not_be_kept_at_once_is_not_kept_later(path: Path) -> None:
     with closing(begin(path)) as recording:
         recording.snapshot("a", Moment(1, 0, state_of(0), 0, 0))
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             recording.snapshot("b", Moment(1, 0, state_of(0), 0, 0))
             assert "locked" in recording.trouble
-            other.execute("COMMIT")
         recording.event(1, "mark", "helm", "here")
         assert eventually(lambda: not recording.trouble)
         assert [each.text for each in recording.events()] == ["here"]
@@ -803,12 +794,10 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
     monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             fly(recording, 11, 60)
             assert recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack") == 2
             fly(recording, 21, 40)
-            other.execute("COMMIT")
         assert eventually(lambda: recording.reachable)
         with monkeypatch.context() as unread:
             unread.setattr(recording, "last_tick", unreadable)
@@ -859,15 +848,12 @@ def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path) -> None
 
 
 def foreign(path: Path) -> None:
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute("CREATE TABLE accounts (name)")
-        connection.commit()
+    alter(path, "CREATE TABLE accounts (name)")
 
 
 def newer(path: Path) -> None:
     begin(path).close()
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute(f"PRAGMA user_version = {FILE_FORMAT + 1}")
+    alter(path, f"PRAGMA user_version = {FILE_FORMAT + 1}")
 
 
 def truncated(path: Path) -> None:

@@ -3,12 +3,12 @@
 import hashlib
 import math
 import shutil
-import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.altered import alter
 from helpers.exported import Row
 from helpers.givers import giver_at
 from helpers.orders import answer_of
@@ -245,9 +245,7 @@ def test_what_the_core_does_not_predict_is_kept_as_it_was(drill: Path, tmp_path:
     recording.close()
     numbers = np.frombuffer(states[300]).copy()
     numbers[7] += 1.0
-    with sqlite3.connect(changed) as connection:
-        connection.execute("UPDATE states SET state = ? WHERE tick = 300", (numbers.tobytes(),))
-    connection.close()
+    alter(changed, "UPDATE states SET state = ? WHERE tick = 300", numbers.tobytes())
 
     boat, told_of = boat_of(changed)
     page = boat_for_page(boat, "instructor") | {"recording": told_of}
