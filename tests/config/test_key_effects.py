@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from helpers.key_tables import documentary_keys
+from helpers.lanes import sample_cases
 from helpers.orders import read_order
 from helpers.sessions import start_plan
 
@@ -126,18 +127,8 @@ def reaction(table: Mapping[str, Any], name: str) -> VesselFile | str:
         return str(wrong)
 
 
-# One boat has every kind of key; the others are for the slow run.
-each_vessel = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[] if name == "remus100" else pytest.mark.slow)
-        for name in shipped_names("vessels")
-    ],
-)
-
-
 @pytest.mark.long
-@each_vessel
+@pytest.mark.parametrize("name", sample_cases(shipped_names("vessels"), "remus100"))
 def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
