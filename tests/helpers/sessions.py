@@ -24,6 +24,18 @@ from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.subscriptions import Sender
 from trainer.session.time.timekeeping import Timekeeping
 
+TROUBLED_SEA = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, things that break, and everything automatic."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+"""  # the head of an exercise; casualties are added
+
 
 def session_over(
     boat: Boat,

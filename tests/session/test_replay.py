@@ -15,7 +15,7 @@ import pytest
 from helpers.altered import alter, alter_number
 from helpers.givers import giver_at
 from helpers.orders import read_order
-from helpers.sessions import begin_run
+from helpers.sessions import TROUBLED_SEA, begin_run
 from helpers.waiting import stay_for
 
 from trainer.analysis.recording_export import table_layout
@@ -31,17 +31,7 @@ from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.replay import ReplayFlight, replay_anyway
 
-EXERCISE = """
-schema = "exercise/1"
-name = "All at once"
-briefing = "A sea, things that break, and everything automatic."
-sea = "sea-state-5"
-seed = 23
-
-[initial]
-depth_m = 40
-speed_kn = 8
-
+EXERCISE = f"""{TROUBLED_SEA}
 [[orders]]
 at_s = 20
 order = "course right 60"
