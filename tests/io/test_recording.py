@@ -3,7 +3,6 @@
 import contextlib
 import csv
 import functools
-import json
 import os
 import random
 import re
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.altered import alter, is_whole, locked
+from helpers.altered import alter, locked
 from helpers.givers import HELM, giver_at
 from helpers.lanes import sample_cases
 from helpers.waiting import await_that, eventually
@@ -320,100 +319,7 @@ def test_a_branch_taken_over_in_a_replay_of_its_forebear_begins_there() -> None:
         assert [recording.state_at(3, tick) for tick in (0, 1, 2)] == [b"0", b"1", None]
 
 
-# Kills
-
-KILLED = """
-import json, os, random, signal, sys, time
-from pathlib import Path
-from trainer.io.recording import checkpoint, recording
-from trainer.io.recording.format_1 import giver_of
-from trainer.io.recording.recording import Moment, Recording
-
-HELM = giver_of("helm")
-checkpoint.MIN_CHECKPOINT_BYTES, checkpoint.LOOK_PERIOD_S, recording.BATCH_ROWS = 100_000, 0.002, 20
-
-def fly(path, pipe):
-    recording = Recording.create(path, {"vessel": "v" * 20_000}, b"0" * 1944)
-    tick = 0
-    while True:
-        number = recording.order(tick, HELM, f"order at {tick}")
-        if not recording.trouble:  # else it would be answered as not recorded
-            os.write(pipe, f"{number}\\n".encode())
-        recording.answered(number, "yes", True)
-        for _ in range(number % 7):
-            tick += 1
-            recording.state(tick, f"{tick:06}".encode() * 324)
-            recording.timing(tick, 1, 2)
-        if number % 50 == 0:
-            recording.snapshot("kept", Moment(recording.branch, tick, b"kept", number, 0))
-            recording.fork(recording.moment(recording.branch, tick // 2), "backtrack")
-            tick //= 2
-
-dice, folder = random.Random(int(sys.argv[3])), Path(sys.argv[1])
-for kill in range(int(sys.argv[2])):
-    path = folder / f"{kill}.recording"
-    heard, told = os.pipe()
-    child = os.fork()
-    if not child:
-        fly(path, told)
-    os.close(told)
-    begun = os.read(heard, 1) if kill % 2 else b""  # or killed while the file is made
-    time.sleep(dice.uniform(0.0, 0.1))  # any instant
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(heard) as lines:
-        told = (begun.decode() + lines.read()).count("\\n")
-    print(json.dumps([path.name, told]), flush=True)
-"""
-
-
-def survives(path: Path, told: int) -> None:
-    """Go on with a recording whose program was killed after it had told of so many orders."""
-    with closing(Recording.reopen(path)) as recording:
-        orders = recording.orders(recording.branch)
-        latest = recording.latest()
-        with contextlib.closing(sqlite3.connect(path)) as connection:
-            written = connection.execute("SELECT id, tick, text FROM orders ORDER BY id").fetchall()
-        assert len(written) >= told
-        assert [number for number, _, _ in written] == list(range(1, len(written) + 1))
-        assert all(text == f"order at {tick}" for _, tick, text in written)
-        assert all(order.tick <= latest.tick for order in orders)
-        for flown in recording.flown(recording.branch):
-            assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
-        assert recording.order(latest.tick, giver_at("instructor"), "go on") == len(written) + 1
-    assert is_whole(path)
-
-
-def kill_often(folder: Path, kills: int) -> None:
-    command = [sys.executable, "-c", KILLED, str(folder), str(kills), "4"]
-    ran = subprocess.run(command, check=True, capture_output=True, text=True)
-    found = [json.loads(line) for line in ran.stdout.splitlines()]
-    assert len(found) == kills
-
-    begun = 0
-    for name, told in found:
-        path = folder / name
-        if not path.exists():
-            assert told == 0  # killed before it was made
-            continue
-        with closing(Recording.look(path)) as recording:
-            assert recording.header() == {"vessel": "v" * 20_000}
-        survives(path, told)
-        begun += told > 0
-    assert begun >= kills // 2
-
-
-@pytest.mark.process
-@posix
-def test_a_kill_at_any_instant_loses_no_order(tmp_path: Path) -> None:
-    kill_often(tmp_path, 6)
-
-
-@posix
-@pytest.mark.long
-@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
-def test_many_kills_at_any_instant_lose_no_order(tmp_path: Path) -> None:
-    kill_often(tmp_path, int(os.environ["TRAINER_KILLS"]))
+# What a killed program leaves
 
 
 def left_behind(path: Path) -> None:
