@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from helpers.boats import fly
 from helpers.orders import obey_all, read_order
 from hypothesis import given
 from hypothesis import strategies as st
@@ -34,11 +35,6 @@ def without_autopilot() -> Boat:
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", 0.5))
     boat.start(10.0 * KNOT, 60.0, 0.0)
     return boat
-
-
-def fly(boat: Boat, seconds: float) -> None:
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
 
 
 # What an order changes

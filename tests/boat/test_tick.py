@@ -38,30 +38,6 @@ def test_the_tick_is_compiled_by_the_first_boat_that_takes_one() -> None:
     assert "advance" in vars(boat)
 
 
-def test_two_boats_do_not_sail_in_each_other_s_records() -> None:
-    one, other = make_boat(), make_boat()
-    for boat in (one, other):
-        boat.start(5.0, 60.0, 0.0)
-
-    one.tick()
-
-    assert (one.ticks, other.ticks) == (1, 0)
-
-
-def test_a_boat_put_back_ticks_on_from_there() -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
-    start = boat.snapshot()
-    boat.tick()
-    after = boat.snapshot()
-
-    boat.restore(start)
-    assert boat.ticks == 0
-    boat.tick()
-
-    assert np.array_equal(boat.records.state.view(np.uint8), after.view(np.uint8))
-
-
 def test_a_tick_that_fails_tells_its_status() -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)

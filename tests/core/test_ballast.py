@@ -538,22 +538,6 @@ def ticks(boat: Boat, seconds: float) -> list[float]:
     return depths
 
 
-def test_an_emergency_blow_from_200_m_at_10_knots_brings_the_boat_up() -> None:
-    boat = start_bb2(depth=200.0)
-    ballast.start_ballast(boat.records.vessel, boat.records.state)
-    boat.state.blow[:3] = 2.0
-
-    depths = ticks(boat, 60.0)
-    early = boat.vessel.weight - boat.state.weight
-    depths += ticks(boat, 75.0)
-    boat.state.blow[:] = 0.0
-
-    assert depths[119] < 150.0
-    assert depths[-1] < 10.0
-    assert boat.vessel.weight - boat.state.weight > 1.5 * early > 60 * 9.81 * TONNE
-    assert np.isfinite(boat.state.whole).all()
-
-
 @pytest.mark.long
 def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth() -> None:
     boat = stopped(60.0)

@@ -38,3 +38,9 @@ def take_in_hand(boat: Boat) -> None:
     s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
     s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
     s.ordered_u_c = s.u_c
+
+
+def fly(boat: Boat, seconds: float) -> None:
+    """Let time pass."""
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
