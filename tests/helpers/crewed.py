@@ -10,6 +10,7 @@ from typing import Final
 import pytest
 
 from helpers.boats import make_boat
+from helpers.line import fields_of
 from helpers.sessions import session_over
 from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
@@ -188,20 +189,10 @@ class Crewed:
         raise AssertionError
 
     def facts(self, line: Typist, what: str) -> list[str]:
-        found = [parse_sentence(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRF" and each.fields[2] == what
-        ]
+        return [told[3] for told in fields_of(line.sent, "TRF") if told[2] == what]
 
     def events(self, line: Typist, kind: str) -> list[str]:
-        found = [parse_sentence(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRE" and each.fields[2] == kind
-        ]
+        return [told[3] for told in fields_of(line.sent, "TRE") if told[2] == kind]
 
 
 Begin = Callable[..., Crewed]

@@ -2,12 +2,12 @@
 
 import pytest
 from helpers.crewed import PLACE, Begin, Crewed, Typist
+from helpers.line import fields_of
 
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.core.casualties import KINDS
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
-from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.roles import ROLES
 
 
@@ -18,8 +18,7 @@ def broken(ship: Crewed) -> list[str]:
 
 def planned(ship: Crewed, line: Typist | None = None) -> list[str]:
     """Return the list of what is ahead as a program has it now."""
-    facts = [parse_sentence(each) for each in (line or ship.instructor).sent]
-    told = [each.fields[2:4] for each in facts if each and each.kind == "TRF"]
+    told = [fields[2:4] for fields in fields_of((line or ship.instructor).sent, "TRF")]
     begins = max(at for at, (what, _) in enumerate(told) if what == "plans")
     count = int(told[begins][1])
     return [subject for what, subject in told[begins + 1 :] if what == "planned"][:count]

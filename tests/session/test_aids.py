@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.crewed import Begin, Crewed, Typist
+from helpers.line import fields_of
 from helpers.sessions import start_plan
 
 from trainer.boat.casualties import instrument_readings
@@ -34,9 +35,7 @@ def planned(exercise: str, *aids: str) -> Plan:
 
 def shown(line: Typist, channel: str) -> Sequence[str]:
     """Return the fields that a station was sent of a channel last."""
-    told = [parse_sentence(each) for each in line.sent]
-    rows = [each.fields for each in told if each and each.kind == "TRS"]
-    return [fields for fields in rows if fields[0] == channel][-1][3:]
+    return [fields for fields in fields_of(line.sent, "TRS") if fields[0] == channel][-1][3:]
 
 
 def switch_on(ship: Crewed, words: str) -> None:

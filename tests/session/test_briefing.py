@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.boats import make_boat
 from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
-from helpers.line import Line
+from helpers.line import Line, fields_of
 from helpers.orders import read_order
 from helpers.sessions import session_over, start_plan
 
@@ -82,14 +82,11 @@ class Attended:
 
     def facts(self, role: str, what: str) -> list[tuple[str, str]]:
         """Return the keys and values of a kind of fact that a line was told."""
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
-        told = [each.fields for each in found if each and each.kind == "TRF"]
-        return [tuple(each[3].split("=", 1)) for each in told if each[2] == what]  # type: ignore[misc]
+        return [tuple(each.split("=", 1)) for each in self.facts_of(role, what)]  # type: ignore[misc]
 
     def facts_of(self, role: str, what: str) -> list[str]:
         """Return the subjects of a kind of fact that a line was told."""
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
-        return [e.fields[3] for e in found if e and e.kind == "TRF" and e.fields[2] == what]
+        return [each[3] for each in fields_of(self.lines[role].sent, "TRF") if each[2] == what]
 
     def answer(self, role: str, words: str) -> str:
         """Ask something on one line; return the answer."""
@@ -97,8 +94,7 @@ class Attended:
         before = len(line.sent)
         line.waiting.append(sentences.order_sentence(words))
         self.session.attendance.listen()
-        found = [sentences.parse_sentence(each) for each in line.sent[before:]]
-        return next(each.fields[1] for each in found if each and each.kind == "TRA")
+        return fields_of(line.sent[before:], "TRA")[0][1]
 
 
 def attended(name: str, *roles: str) -> Attended:

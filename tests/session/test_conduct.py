@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.crewed import PLACE, Begin, Crewed, Typist
+from helpers.line import fields_of
 
 from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
@@ -659,11 +660,7 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(crewed
     ship.fly(400)
     ship.order("freeze")
     ship.recording.flush()
-    live = {
-        each.fields[1]: each.fields
-        for each in map(parse_sentence, watch.sent)
-        if each and each.kind == "TRS"
-    }
+    live = {fields[1]: fields for fields in fields_of(watch.sent, "TRS")}
     late = ship.comes("helm")
     ship.say(late, "subscribe gauges")
     rows = len([each for each in late.sent if each.startswith("$TRS")])
