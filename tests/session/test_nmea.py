@@ -9,6 +9,7 @@ import pynmea2
 import pytest
 from geographiclib.geodesic import Geodesic
 from helpers.boats import make_boat
+from helpers.line import Line
 from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
 from hypothesis import given
@@ -384,26 +385,6 @@ def test_no_fields_raise_and_every_command_is_an_order_or_refused(
 # A line of sentences
 
 
-class Wire:
-    """A line that brings what it is given."""
-
-    name, ended, trouble, dropped, room = "nmea wire", False, "", 3, True
-
-    def __init__(self, *lines: str | OverlongLine) -> None:
-        self.lines = list(lines)
-        self.sent: list[str] = []
-
-    def take(self, most: int) -> list[str | OverlongLine]:
-        taken, self.lines = self.lines[:most], self.lines[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        raise AssertionError(patience)
-
-
 class Told:
     """A clock that is set, and a log."""
 
@@ -415,8 +396,8 @@ class Told:
         self.log.append(text)
 
 
-def line_of(*lines: str | OverlongLine) -> tuple[NmeaLine, Wire, Told]:
-    wire, told_of = Wire(*lines), Told()
+def line_of(*lines: str | OverlongLine) -> tuple[NmeaLine, Line, Told]:
+    wire, told_of = Line("nmea wire", list(lines), dropped=3), Told()
     line = NmeaLine(wire, threading.Event(), told_of.write, lambda: told_of.now)
     return line, wire, told_of
 
@@ -429,12 +410,12 @@ GPS = nmea.sentence("GPGLL", "4916.45", "N", "12311.12", "W", "225444", "A")
 def test_a_command_sent_all_the_time_is_one_order_and_is_given_anew_after_a_while() -> None:
     line, wire, told_of = line_of(LEFT, LEFT, HALF, LEFT)
     assert line.take(10) == ["rudder left 5.0", "bell ahead standard"]
-    wire.lines = [LEFT, HALF]
+    wire.waiting = [LEFT, HALF]
     told_of.now += REPEAT_PERIOD_S - 0.1
     assert line.take(10) == []
-    wire.lines = [nmea.sentence("APHSC", "90", "T", "", ""), LEFT]  # the same control: both
+    wire.waiting = [nmea.sentence("APHSC", "90", "T", "", ""), LEFT]  # the same control: both
     assert line.take(10) == ["course 90", "rudder left 5.0"]
-    wire.lines = [HALF]
+    wire.waiting = [HALF]
     told_of.now += 0.2
     assert line.take(10) == ["bell ahead standard"]
     assert line.ignored == 0
@@ -510,7 +491,7 @@ def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
 
 
 def test_more_than_is_asked_for_is_taken_later_and_somebody_is_woken_for_it() -> None:
-    wire, wake = Wire(GPS, GPS, LEFT), threading.Event()
+    wire, wake = Line("nmea wire", [GPS, GPS, LEFT]), threading.Event()
     line = NmeaLine(wire, wake, Told().write)
     assert line.take(2) == []
     assert wake.is_set()
