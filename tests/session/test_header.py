@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 from helpers.boats import make_boat
-from helpers.sessions import begin_run
+from helpers.sessions import begin_run, start_plan
 
-from trainer.boat.boat import Boat
 from trainer.config import files
 from trainer.config.files import (
     ConfigError,
@@ -205,8 +204,7 @@ def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None
     assert again == plan
     assert method_of(header) == plan.method
     assert layout_of(header) == LAYOUT
-    other = Boat(again.file, again.method)
-    again.start(other)
+    other = start_plan(again)
     assert other.records.state.tobytes() == boat.records.state.tobytes()
     assert other.records.scheme.tobytes() == boat.records.scheme.tobytes()
     assert differences(header) == []

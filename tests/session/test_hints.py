@@ -130,15 +130,16 @@ def test_who_may_ask_and_when(jam: Crewed) -> None:
     assert jam.refused("hint", instructor).startswith("the exercise is over")
 
 
+@pytest.mark.parametrize("words", ["hint", "demonstrate"])
 @pytest.mark.parametrize(
     ("exercise", "why"),
     [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
 )
-def test_without_a_reference_crew_there_is_no_hint(
-    crewed: Begin, exercise: str | None, why: str
+def test_without_a_reference_crew_nobody_hints_or_shows_the_way(
+    crewed: Begin, exercise: str | None, why: str, words: str
 ) -> None:
     plan = replace(planned(exercise), crew=Crew())
-    assert crewed(plan=plan, seconds=None).refused("hint").startswith(why)
+    assert crewed(plan=plan, seconds=None).refused(words).startswith(why)
 
 
 def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(crewed: Begin) -> None:

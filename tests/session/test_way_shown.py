@@ -1,14 +1,12 @@
 """The reference crew shows the way from a frozen moment, and the boat is back there afterwards."""
 
 from contextlib import closing
-from dataclasses import replace
 
 import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.sessions import start_plan
 
 from trainer.boat.mute_crew import MuteCrew
-from trainer.config.reference_crew import Crew
 from trainer.debrief.rehearsal import Departure, due_orders, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording
@@ -142,17 +140,6 @@ def test_the_crew_never_goes_on_from_what_was_shown(jam: Crewed) -> None:
     assert "counts for no mark" in jam.refused("branch 2")
     listed = [str(each) for each in jam.session.history.branches()]
     assert "demonstrate for 30 s, by instructor" in listed[1]
-
-
-@pytest.mark.parametrize(
-    ("exercise", "why"),
-    [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
-)
-def test_without_a_reference_crew_there_is_nobody_to_show_the_way(
-    crewed: Begin, exercise: str | None, why: str
-) -> None:
-    plan = replace(planned(exercise), crew=Crew())
-    assert crewed(plan=plan, seconds=None).refused("demonstrate").startswith(why)
 
 
 def test_it_is_told_why_the_way_cannot_be_shown_now(jam: Crewed) -> None:
