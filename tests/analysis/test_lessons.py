@@ -9,7 +9,8 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Begin, Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.newcomer import READING_TIME_S, StepFlight, fly_steps
@@ -59,7 +60,7 @@ def flown(name: str) -> list[StepFlight]:
     return fly_steps(planned(name))
 
 
-def at_sea(crewed: Begin, plan: Plan) -> tuple[Crewed, Typist]:
+def at_sea(crewed: Begin, plan: Plan) -> tuple[Crewed, Line]:
     """Return a session of a lesson with nobody but a trainee in it."""
     ship = crewed(seconds=None, hand=frozenset(plan.hand), plan=plan)
     ship.leaves(ship.instructor)
@@ -211,7 +212,7 @@ def test_a_step_that_nobody_can_end_is_refused_with_its_place(
 
 
 @pytest.fixture
-def missed(crewed: Begin, tmp_path: Path) -> tuple[Crewed, Typist]:
+def missed(crewed: Begin, tmp_path: Path) -> tuple[Crewed, Line]:
     steps = 'within_s = 30\nmissed = "again"\norders = ["order course 040"]\n'
     second = '[[steps]]\ntext = "Amidships."\nwhen = ["rudder_deg < 1"]\nwithin_s = 10\n'
     text = DRILL.replace("within_s = 30\n", steps) + second
@@ -219,7 +220,7 @@ def missed(crewed: Begin, tmp_path: Path) -> tuple[Crewed, Typist]:
 
 
 def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_comes(
-    missed: tuple[Crewed, Typist],
+    missed: tuple[Crewed, Line],
 ) -> None:
     ship, trainee = missed
     fly(ship, 3 * 60 + 40)
@@ -237,7 +238,7 @@ def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_come
 
 
 def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(
-    missed: tuple[Crewed, Typist], monkeypatch: pytest.MonkeyPatch
+    missed: tuple[Crewed, Line], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ship, trainee = missed
     fly(ship, 10)
@@ -252,7 +253,7 @@ def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(
     assert ship.session.history.recording.branch == 2
 
 
-def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Typist]) -> None:
+def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Line]) -> None:
     ship, trainee = missed
     for _ in range(2):
         fly(ship, 3 * 60 + 40)
@@ -271,7 +272,7 @@ def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Begin) -> None:
     assert ship.session.control.following == "trim-by-hand"
 
 
-def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed, Typist]) -> None:
+def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed, Line]) -> None:
     ship, trainee = missed
     fly(ship, 10)
     assert ship.say(trainee, "rudder right 10")[0] == "ok"

@@ -1,8 +1,8 @@
 """The orders that are ahead: planned, told to the instructor alone, come, taken away."""
 
 import pytest
-from helpers.crewed import PLACE, Begin, Crewed, Typist
-from helpers.line import fields_of
+from helpers.crewed import PLACE, Begin, Crewed
+from helpers.line import Line, fields_of
 
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import ConditionalCasualty
@@ -16,7 +16,7 @@ def broken(ship: Crewed) -> list[str]:
     return [KINDS[int(code) - 1] for code in ship.boat.state.casualty if code]
 
 
-def planned(ship: Crewed, line: Typist | None = None) -> list[str]:
+def planned(ship: Crewed, line: Line | None = None) -> list[str]:
     """Return the list of what is ahead as a program has it now."""
     told = [fields[2:4] for fields in fields_of((line or ship.instructor).sent, "TRF")]
     begins = max(at for at, (what, _) in enumerate(told) if what == "plans")

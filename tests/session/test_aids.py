@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.crewed import Begin, Crewed, Typist
-from helpers.line import fields_of
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line, fields_of
 from helpers.sessions import start_plan
 
 from trainer.boat.casualties import instrument_readings
@@ -33,7 +33,7 @@ def planned(exercise: str, *aids: str) -> Plan:
     return replace(plan, aids=aids)
 
 
-def shown(line: Typist, channel: str) -> Sequence[str]:
+def shown(line: Line, channel: str) -> Sequence[str]:
     """Return the fields that a station was sent of a channel last."""
     return [fields for fields in fields_of(line.sent, "TRS") if fields[0] == channel][-1][3:]
 

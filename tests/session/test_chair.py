@@ -5,7 +5,8 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Begin, Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 from helpers.orders import read_order
 
 from trainer.console.exercise import marks_in_words
@@ -19,14 +20,14 @@ from trainer.session.stations.roles import CREW_ROLES, ROLES, Access
 from trainer.session.stations.station import Station
 
 
-def alone(ship: Crewed, role: str = "", door: Access | None = None) -> Typist:
+def alone(ship: Crewed, role: str = "", door: Access | None = None) -> Line:
     """Let the instructor go, and somebody come alone, as a program that hears facts."""
     ship.leaves(ship.instructor)
     return joins(ship, role, door or Access(here=lambda: True))
 
 
-def joins(ship: Crewed, role: str, door: Access) -> Typist:
-    line = Typist(f"line {len(ship.session.event_log.stations) + 1}")
+def joins(ship: Crewed, role: str, door: Access) -> Line:
+    line = Line(f"line {len(ship.session.event_log.stations) + 1}")
     station = Station(line, door, ship.sending, ship.session.event_log.log)
     ship.session.event_log.stations.append(station)
     if role:
@@ -34,7 +35,7 @@ def joins(ship: Crewed, role: str, door: Access) -> Typist:
     return line
 
 
-def role_of(ship: Crewed, line: Typist) -> str:
+def role_of(ship: Crewed, line: Line) -> str:
     return next(each.role.name for each in ship.session.event_log.stations if each.line is line)
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.crewed import PLACE, Begin, Crewed, Typist
-from helpers.line import fields_of
+from helpers.crewed import PLACE, Begin, Crewed
+from helpers.line import Line, fields_of
 
 from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
@@ -260,7 +260,7 @@ def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(cre
     ship.fly(20)
     assert ship.judged.wait(60.0)
     ship.session.control.ended = False
-    ship.instructor.typed = ["again"]
+    ship.instructor.waiting = ["again"]
     for station in ship.session.event_log.stations:
         for asked in station.take(1):
             ship.session.dispatch.hear(asked)  # before what is done beside is taken
@@ -637,7 +637,7 @@ def test_command_that_the_session_s_only_instructor_has_cannot_be_given(crewed: 
 # What a channel has shown
 
 
-def past(ship: Crewed, line: Typist, channel: str) -> list[tuple[str, ...]]:
+def past(ship: Crewed, line: Line, channel: str) -> list[tuple[str, ...]]:
     """Return the rows of a channel between the marks of its past."""
     sent = [parse_sentence(each) for each in line.sent]
     marks = [
@@ -676,21 +676,20 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(crewed
     assert len(after) == rows + len(found) + 1  # the live ones go on
 
 
-class Narrow(Typist):
+class Narrow(Line):
     """A line that loses what is sent while it has no room, as a slow one does."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.taken = 0  # lines before it is full
+    taken = 0  # lines before it is full
 
-    @property
-    def room(self) -> bool:  # type: ignore[override]
-        return len(self.sent) < self.taken
+    def make_room(self, lines: int) -> None:
+        """Have room for so many lines."""
+        self.taken, self.room = len(self.sent) + lines, True
 
     def send(self, line: str) -> None:
         if line.startswith("$TRS") and not self.room:
             self.dropped += 1
         super().send(line)
+        self.room = len(self.sent) < self.taken
 
 
 def test_a_slow_line_loses_nothing_of_the_past(crewed: Begin) -> None:
@@ -698,14 +697,14 @@ def test_a_slow_line_loses_nothing_of_the_past(crewed: Begin) -> None:
     ship.fly(200)
     ship.order("freeze")
     ship.recording.flush()
-    late = Narrow("a slow line")
+    late = Narrow("a slow line", room=False)
     ship.attach(late, "helm")
 
     assert ship.say(late, "history gauges 60 min")[0] == "ok"
     time.sleep(0.1)  # in which the thread that sends would send
     assert not [each for each in late.sent if each.startswith("$TRS")]
     while "end,gauges" not in ship.facts(late, "past"):
-        late.taken = len(late.sent) + 10
+        late.make_room(10)
         ship.settle(lambda: not late.room or "end,gauges" in ship.facts(late, "past"))
     assert [row[1] for row in past(ship, late, "gauges")] == [str(tick) for tick in range(201)]
     assert late.dropped == 0
@@ -895,7 +894,7 @@ def test_nobody_asks_whether_a_visitor_is_ready(crewed: Begin) -> None:
 def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(crewed: Begin) -> None:
     ship = crewed()
     visitor = ship.comes("visitor")
-    visitor.typed = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
+    visitor.waiting = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
     begun = time.monotonic()
     for _ in range(20):
         ship.session.attendance.listen()

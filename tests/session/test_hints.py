@@ -5,7 +5,8 @@ from contextlib import closing
 from dataclasses import replace
 
 import pytest
-from helpers.crewed import Begin, Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -25,7 +26,7 @@ def planned(exercise: str | None) -> Plan:
     return plan_run(RunOptions(exercise=exercise, given=frozenset({"exercise"})))
 
 
-def trainee(ship: Crewed) -> Typist:
+def trainee(ship: Crewed) -> Line:
     """Return the line of who trains, alone from now on."""
     if not ship.instructor.ended:
         ship.leaves(ship.instructor)
@@ -40,10 +41,10 @@ def jam(crewed: Begin) -> Crewed:
     return ship
 
 
-def asks(ship: Crewed, line: Typist, words: str = "hint") -> tuple[str, str]:
+def asks(ship: Crewed, line: Line, words: str = "hint") -> tuple[str, str]:
     """Ask for a hint as a program; wait for the answer, and return it."""
     before = len(line.sent)
-    line.typed = [order_sentence(words, "8")]
+    line.waiting = [order_sentence(words, "8")]
     ship.session.attendance.listen()
 
     def answers() -> list[tuple[str, ...]]:
@@ -168,7 +169,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
 
 def test_a_hint_of_a_moment_that_was_left_is_not_told(jam: Crewed) -> None:
     line = trainee(jam)
-    line.typed = [order_sentence("hint", "8"), order_sentence("hint", "9")]
+    line.waiting = [order_sentence("hint", "8"), order_sentence("hint", "9")]
     jam.session.attendance.listen()
     assert "a hint is being found already" in line.sent[-1]
     jam.say(line, "freeze")

@@ -3,12 +3,13 @@
 from types import SimpleNamespace
 
 import pytest
-from helpers.crewed import Begin, Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.session import own_alerts
 
 
-def told(ship: Crewed, page: Typist) -> list[str]:
+def told(ship: Crewed, page: Line) -> list[str]:
     """Return what a page was told of its own alerts, without for how long."""
     return [each.rpartition(",")[0] for each in ship.facts(page, "own-alert")]
 
