@@ -13,12 +13,10 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+from helpers import boats
 from helpers.installation import PACKAGES, SLOW_PACKAGES, install_missing
-from helpers.places import DATA
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import load_vessel
 
 NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
 FLEETS = ("test_fleet", "test_sweep", "test_python_")  # files of tests that fly members at once
@@ -148,32 +146,13 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-def boat_of(
-    vessel: str = "bb2",
-    equations: str = "full",
-    rates: str = "lagged",
-    integrator: str = "adams2",
-    step: float = 0.5,
-) -> Boat:
-    """Return a boat not yet started."""
-    path = str(DATA / "vectors" / vessel) if vessel.endswith(".toml") else vessel
-    return Boat(load_vessel(path), Method(equations, rates, "exact", integrator, step))
-
-
 @pytest.fixture(scope="session")
 def make_boat() -> Callable[..., Boat]:
-    """Return a function that makes boats; see boat_of."""
-    return boat_of
+    """Return a function that makes boats; see helpers.boats."""
+    return boats.make_boat
 
 
 @pytest.fixture(scope="session")
 def by_hand() -> Callable[[Boat], None]:
     """Return a function that puts every surface and the propeller in hand as they stand."""
-
-    def take(boat: Boat) -> None:
-        s = boat.state
-        s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
-        s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
-        s.ordered_u_c = s.u_c
-
-    return take
+    return boats.take_in_hand

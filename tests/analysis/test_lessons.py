@@ -9,7 +9,8 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.stated import READING_TIME_S, StepFlight, fly_steps
@@ -59,7 +60,7 @@ def flown(name: str) -> list[StepFlight]:
     return fly_steps(planned(name))
 
 
-def at_sea(crewed: Callable[..., Crewed], plan: Plan) -> tuple[Crewed, Typist]:
+def at_sea(crewed: Begin, plan: Plan) -> tuple[Crewed, Line]:
     """Return a session of a lesson with nobody but a trainee in it."""
     ship = crewed(seconds=None, hand=frozenset(plan.hand), plan=plan)
     ship.leaves(ship.instructor)
@@ -107,7 +108,7 @@ def test_a_check_finds_nothing_wrong_in_a_lesson(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
-    crewed: Callable[..., Crewed], name: str
+    crewed: Begin, name: str
 ) -> None:
     ship, trainee = at_sea(crewed, planned(name))
     done: list[str] = []
@@ -131,9 +132,7 @@ def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_who_does_nothing_is_told_and_is_never_stuck(
-    crewed: Callable[..., Crewed], name: str
-) -> None:
+def test_who_does_nothing_is_told_and_is_never_stuck(crewed: Begin, name: str) -> None:
     ship, trainee = at_sea(crewed, planned(name))
 
     fly(ship, 8000)
@@ -213,7 +212,7 @@ def test_a_step_that_nobody_can_end_is_refused_with_its_place(
 
 
 @pytest.fixture
-def missed(crewed: Callable[..., Crewed], tmp_path: Path) -> tuple[Crewed, Typist]:
+def missed(crewed: Begin, tmp_path: Path) -> tuple[Crewed, Line]:
     steps = 'within_s = 30\nmissed = "again"\norders = ["order course 040"]\n'
     second = '[[steps]]\ntext = "Amidships."\nwhen = ["rudder_deg < 1"]\nwithin_s = 10\n'
     text = DRILL.replace("within_s = 30\n", steps) + second
@@ -221,7 +220,7 @@ def missed(crewed: Callable[..., Crewed], tmp_path: Path) -> tuple[Crewed, Typis
 
 
 def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_comes(
-    missed: tuple[Crewed, Typist],
+    missed: tuple[Crewed, Line],
 ) -> None:
     ship, trainee = missed
     fly(ship, 3 * 60 + 40)
@@ -239,7 +238,7 @@ def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_come
 
 
 def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(
-    missed: tuple[Crewed, Typist], monkeypatch: pytest.MonkeyPatch
+    missed: tuple[Crewed, Line], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ship, trainee = missed
     fly(ship, 10)
@@ -254,7 +253,7 @@ def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(
     assert ship.session.history.recording.branch == 2
 
 
-def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Typist]) -> None:
+def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Line]) -> None:
     ship, trainee = missed
     for _ in range(2):
         fly(ship, 3 * 60 + 40)
@@ -263,7 +262,7 @@ def test_who_begins_anew_has_all_repeats_before_him(missed: tuple[Crewed, Typist
     assert ship.facts(trainee, "step-missed").count("1,again") == 4
 
 
-def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Callable[..., Crewed]) -> None:
+def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     ship.leaves(ship.instructor)
@@ -273,7 +272,7 @@ def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Callable[..., Crewed
     assert ship.session.control.following == "trim-by-hand"
 
 
-def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed, Typist]) -> None:
+def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed, Line]) -> None:
     ship, trainee = missed
     fly(ship, 10)
     assert ship.say(trainee, "rudder right 10")[0] == "ok"
@@ -288,9 +287,7 @@ def test_who_goes_back_in_time_is_at_the_step_of_that_time(missed: tuple[Crewed,
 # What the trainee is told, and what not
 
 
-def test_who_trains_has_time_and_all_controls_unless_an_instructor_is_there(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_who_trains_has_time_and_all_controls_unless_an_instructor_is_there(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     assert "an instructor is here" in ship.refused("freeze", trainee)
@@ -302,7 +299,7 @@ def test_who_trains_has_time_and_all_controls_unless_an_instructor_is_there(
 
 
 def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_there(
-    crewed: Callable[..., Crewed],
+    crewed: Begin,
 ) -> None:
     for alone in (True, False):
         ship = crewed(seconds=5.0)
@@ -316,9 +313,7 @@ def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_ther
 
 
 @pytest.mark.slow
-def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(crewed: Begin) -> None:
     names = [*NAMES, *(each.name for each in course())]
     for before, after in itertools.pairwise(names):
         if (before, after) not in ((NAMES[0], NAMES[1]), (NAMES[-1], course()[0].name)):

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.analysis.sweep.job import job_of, open_job
@@ -233,12 +232,6 @@ def test_effects_are_means_at_either_end_the_widest_first() -> None:
     assert (found[0].at_low, found[0].at_high) == (0.0, 118.0)
     assert (found[1].low, found[1].high) == ("calm", "rough")
     assert (found[2].low, found[2].high) == (4.5, 94.5)
-
-
-def test_the_page_of_the_documents_has_every_key() -> None:
-    page = (ROOT / "docs" / "sweep-keys.md").read_text(encoding="utf-8")
-
-    assert TABLES["sweeps"]() in page, "renew: python -m helpers.key_tables sweeps"
 
 
 def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> None:

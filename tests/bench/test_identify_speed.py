@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from cases.reference_ships import TANKER, TANKER_RUDDER
-from click.testing import CliRunner
+from helpers.typed import type_command
 
 from bench import identify, sections
 from bench.__main__ import bench as bench_command
@@ -81,9 +81,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def bench(*words: Any) -> Any:
-    result = CliRunner().invoke(bench_command, ["--identify", *words])
-    assert result.exit_code == 0, result.output
-    return result.output
+    return type_command(bench_command, "--identify", *words).output
 
 
 @pytest.mark.slow

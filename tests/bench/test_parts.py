@@ -10,8 +10,8 @@ import click
 import pytest
 from c_twin import comparison
 from c_twin.compiler import BUILDS, SAME_BITS
-from click.testing import CliRunner
 from helpers.tables_1969 import CORE_WORDS
+from helpers.typed import type_command
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from bench import control, footprint, peers, sections, wasm
@@ -63,9 +63,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def said(*words: str) -> str:
     """Return what the command prints."""
-    result = CliRunner().invoke(bench, words)
-    assert result.exit_code == 0, result.output
-    return result.output
+    return type_command(bench, *words).output
 
 
 @pytest.mark.usefixtures("quick")

@@ -5,6 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from helpers.boats import fly
+from helpers.orders import obey_all, read_order
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -14,7 +16,7 @@ from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -40,19 +42,7 @@ def under_way(vessel: str = "bb2", speed_kn: float = 10.0, equations: str = "mod
 
 
 def answer(boat: Boat, line: str) -> str | Refused:
-    order = parse(line)
-    assert isinstance(order, Order), line
-    return obey_order(boat, order)
-
-
-def told(boat: Boat, *lines: str) -> None:
-    for line in lines:
-        assert isinstance(answer(boat, line), str), line
-
-
-def fly(boat: Boat, seconds: float) -> None:
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
+    return obey_order(boat, read_order(line))
 
 
 @pytest.mark.parametrize(
@@ -115,7 +105,7 @@ def test_an_order_sets_its_fields_and_no_others(
         boat.state[name] = value
     expected = boat.snapshot()
 
-    told(boat, line)
+    obey_all(boat, line)
 
     for name, value in changes.items():
         expected[name] = value
@@ -125,8 +115,7 @@ def test_an_order_sets_its_fields_and_no_others(
 def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
     boat = under_way()
     before = boat.snapshot()
-    order = parse("hover 900")
-    assert isinstance(order, Order)
+    order = read_order("hover 900")
     reply = obey_order(boat, order)
     assert isinstance(reply, Refused)
     assert "greatest depth is " in reply.reason
@@ -135,7 +124,7 @@ def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
 
 def test_a_dive_keeps_a_depth_that_is_deeper_than_the_periscope_allows() -> None:
     boat = under_way()
-    told(boat, "dive")
+    obey_all(boat, "dive")
     assert boat.state.ordered_depth == 60.0
 
 
@@ -202,7 +191,7 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     boat = under_way()
     boat.start(10.0 * KNOT, depth, 0.0)
     pilot = PilotMonitor.over(boat)
-    told(boat, "surface")
+    obey_all(boat, "surface")
     s = boat.state
     said, lowest = [], 0.0
     for _ in range(round((time + 60.0) / boat.method.step)):
@@ -216,7 +205,7 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     assert afloat.text.endswith(GIVEN_UP_TEXTS["afloat"])
     assert afloat.rank is Rank.CAUTION, "what was ordered rings no bell"
 
-    told(boat, "dive")
+    obey_all(boat, "dive")
     fly(boat, 300.0)
     assert s.z == pytest.approx(17.5, abs=3.0)
 
@@ -224,12 +213,12 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
 def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() -> None:
     boat = under_way()
     pilot = PilotMonitor.over(boat)
-    told(boat, "emergency blow")
+    obey_all(boat, "emergency blow")
     fly(boat, 1.0)
     (rising,) = pilot.look(boat)
     assert GIVEN_UP_TEXTS["emergency ascent"] in rising.text
     assert rising.rank is Rank.WARNING
-    told(boat, "dive")
+    obey_all(boat, "dive")
     fly(boat, 1.0)
     (over,) = pilot.look(boat)
     assert over.text.endswith("autopilot: the ascent is over: keeping depth 17.5 m")
@@ -238,7 +227,7 @@ def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() ->
 
 def test_planes_in_hand_stay_in_hand_when_the_boat_surfaces() -> None:
     boat = under_way()
-    told(boat, "planes manual", "surface")
+    obey_all(boat, "planes manual", "surface")
     fly(boat, 1.0)
     assert boat.state.ascent == NO_ASCENT
 
@@ -248,9 +237,9 @@ def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     boat = under_way(equations=equations)
     s = boat.state
 
-    told(boat, "trim manual", "surface")
+    obey_all(boat, "trim manual", "surface")
     fly(boat, 240.0)
-    told(boat, "blow stop")
+    obey_all(boat, "blow stop")
     fly(boat, 240.0)
     # Surfaced she floats with 10 % of her mass in the air: the deck is out, the keel 9 m deep.
     assert s.z == pytest.approx(4.1, abs=0.3)
@@ -258,35 +247,35 @@ def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     assert s.weight < 0.9 * boat.vessel.weight
     assert 0.1 < s.bank_main / boat.vessel.bank_full[0] < 0.5
 
-    told(boat, "dive")
+    obey_all(boat, "dive")
     fly(boat, 300.0)
     assert s.weight == pytest.approx(boat.vessel.weight, rel=1e-9)
     assert s.z == pytest.approx(17.5, abs=3.0)
 
-    told(boat, "depth 60")
+    obey_all(boat, "depth 60")
     fly(boat, 300.0)
     assert s.z == pytest.approx(60.0, abs=0.5)
 
-    told(boat, "periscope depth")
+    obey_all(boat, "periscope depth")
     fly(boat, 400.0)
     assert s.z == pytest.approx(17.5, abs=0.5)
 
 
 def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
     boat = under_way(speed_kn=3.0)
-    told(boat, "bell stop", "planes manual", "flood depth-control 2", "hover on")
+    obey_all(boat, "bell stop", "planes manual", "flood depth-control 2", "hover on")
     fly(boat, 1200.0)
     assert boat.state.u < 1.0
     assert boat.state.z == pytest.approx(60.0, abs=0.5)
 
-    told(boat, "depth 65", "planes manual")
+    obey_all(boat, "depth 65", "planes manual")
     fly(boat, 900.0)
     assert boat.state.z == pytest.approx(65.0, abs=0.5)
 
 
 def test_an_emergency_blow_by_order_surfaces_the_boat_within_two_minutes() -> None:
     boat = under_way()
-    told(boat, "emergency blow")
+    obey_all(boat, "emergency blow")
     shallowest = 60.0
     for _ in range(240):
         assert boat.tick() == 0
@@ -295,25 +284,9 @@ def test_an_emergency_blow_by_order_surfaces_the_boat_within_two_minutes() -> No
     assert boat.state.water[:3].sum() < 0.1 * boat.vessel.capacity[:3].sum()
 
 
-def test_water_moved_and_moved_back_leaves_the_same_trim() -> None:
-    boat = under_way(speed_kn=8.0)
-    told(boat, "trim manual")
-    fly(boat, 120.0)
-    pitch, planes = float(boat.state.theta), float(boat.state.delta_s)
-
-    told(boat, "flood auxiliary 3", "pump trim forward 2")
-    fly(boat, 600.0)
-    assert abs(boat.state.theta - pitch) > math.radians(0.5)
-
-    told(boat, "pump auxiliary 3", "pump trim aft 2")
-    fly(boat, 1800.0)
-    assert boat.state.theta == pytest.approx(pitch, abs=math.radians(0.05))
-    assert boat.state.delta_s == pytest.approx(planes, abs=math.radians(0.05))
-
-
 def test_status_tells_of_tanks_air_and_sea_in_79_columns() -> None:
     boat = under_way()
-    told(
+    obey_all(
         boat,
         "trim manual",
         "blow aft",

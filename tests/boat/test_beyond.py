@@ -1,10 +1,10 @@
 """Boats taken where the coefficients do not reach: against the figures of docs/envelope.md."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, start_bb2
 
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
@@ -57,11 +57,8 @@ def neutral(boat: Boat) -> None:
 
 
 @pytest.mark.parametrize(("equations", "rates"), SETS)
-def test_bb2_stops_and_goes_astern_as_a_boat_does(
-    make_boat: Callable[..., Boat], equations: str, rates: str
-) -> None:
-    boat = make_boat("bb2", equations, rates)
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_bb2_stops_and_goes_astern_as_a_boat_does(equations: str, rates: str) -> None:
+    boat = start_bb2(equations, rates, depth=300.0)
     in_hand(boat, -8.0)
 
     rows = flown(boat, 900.0)
@@ -87,12 +84,7 @@ def test_bb2_stops_and_goes_astern_as_a_boat_does(
     ],
 )
 def test_a_crash_stop_takes_the_time_and_way_of_its_kind(
-    make_boat: Callable[..., Boat],
-    vessel: str,
-    knots: float,
-    bell: float,
-    seconds: float,
-    lengths: float,
+    vessel: str, knots: float, bell: float, seconds: float, lengths: float
 ) -> None:
     step = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.02}[vessel]
     boat = make_boat(vessel, "full", "exact", "adams2", step)
@@ -108,11 +100,8 @@ def test_a_crash_stop_takes_the_time_and_way_of_its_kind(
     assert way / boat.vessel.ell == pytest.approx(lengths, rel=0.2)
 
 
-def test_rudder_to_starboard_astern_takes_the_stern_to_starboard(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_rudder_to_starboard_astern_takes_the_stern_to_starboard() -> None:
+    boat = start_bb2("full", "exact", depth=300.0)
     in_hand(boat, -8.0, rudder=20.0)
 
     rows = flown(boat, 600.0)
@@ -122,9 +111,8 @@ def test_rudder_to_starboard_astern_takes_the_stern_to_starboard(
     assert math.degrees(of(rows, "r")[-1]) == pytest.approx(-1.33, rel=0.2)
 
 
-def test_taken_ahead_again_the_boat_goes_on_ahead(make_boat: Callable[..., Boat]) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_taken_ahead_again_the_boat_goes_on_ahead() -> None:
+    boat = start_bb2("full", "exact", depth=300.0)
     in_hand(boat, -8.0)
     while boat.state.u > 0.0:
         assert boat.tick() == 0
@@ -150,7 +138,7 @@ def test_taken_ahead_again_the_boat_goes_on_ahead(make_boat: Callable[..., Boat]
     ],
 )
 def test_a_heavy_boat_falls_level_at_a_bounded_speed(
-    make_boat: Callable[..., Boat], vessel: str, heavy: float, speed: float
+    vessel: str, heavy: float, speed: float
 ) -> None:
     step = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.02}[vessel]
     boat = make_boat(vessel, "full", "exact", "adams2", step)
@@ -171,9 +159,7 @@ def test_a_heavy_boat_falls_level_at_a_bounded_speed(
     ("step", "integrator"),
     [(0.1, "adams2"), (0.5, "adams2"), (1.0, "adams2"), (1.0, "rk4"), (1.0, "rkv")],
 )
-def test_a_blown_boat_in_a_calm_comes_to_lie_still(
-    make_boat: Callable[..., Boat], step: float, integrator: str
-) -> None:
+def test_a_blown_boat_in_a_calm_comes_to_lie_still(step: float, integrator: str) -> None:
     boat = make_boat("bb2", "full", "exact", integrator, step)
     boat.vessel.fitted = 0.0
     s = boat.state
@@ -189,7 +175,7 @@ def test_a_blown_boat_in_a_calm_comes_to_lie_still(
     assert abs(math.degrees(s.theta)) < 0.1
 
 
-def test_the_modes_afloat_are_those_of_the_waterplane(make_boat: Callable[..., Boat]) -> None:
+def test_the_modes_afloat_are_those_of_the_waterplane() -> None:
     expected = {
         "bb2": (8.83, 9.37, 13.5),
         "sdv-mk9": (5.5, 6.2, 7.1),
@@ -232,7 +218,7 @@ def heave(boat: Boat, seconds: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("cosines", [0.0, 1.0])
-def test_a_boat_afloat_rides_a_long_swell(make_boat: Callable[..., Boat], cosines: float) -> None:
+def test_a_boat_afloat_rides_a_long_swell(cosines: float) -> None:
     boat = make_boat("bb2", "full", "exact")
     afloat(boat, 3.0, swell_of(20.0, 0.5 * math.pi, cosines, 0.0))
 
@@ -259,7 +245,7 @@ def test_a_boat_afloat_rides_a_long_swell(make_boat: Callable[..., Boat], cosine
     [pytest.param(12.0, marks=pytest.mark.slow), 16.0, pytest.param(20.0, marks=pytest.mark.slow)],
 )
 def test_a_boat_afloat_heaves_alike_in_a_swell_of_either_generator(
-    make_boat: Callable[..., Boat], period: float, towards: float, peaked: float
+    period: float, towards: float, peaked: float
 ) -> None:
     boat = make_boat("bb2", "full", "exact")
 
@@ -290,7 +276,7 @@ def in_a_turn_afloat(boat: Boat, rudder: float) -> np.ndarray:
 @pytest.mark.parametrize("rudder", [10.0, 20.0, 30.0])
 @pytest.mark.parametrize(("equations", "rates"), SETS)
 def test_a_turn_afloat_heels_inward_as_a_pendulum_does(
-    make_boat: Callable[..., Boat], equations: str, rates: str, rudder: float
+    equations: str, rates: str, rudder: float
 ) -> None:
     boat = make_boat("bb2", equations, rates)
     right, left = (in_a_turn_afloat(boat, to * rudder) for to in (1.0, -1.0))
@@ -306,9 +292,7 @@ def test_a_turn_afloat_heels_inward_as_a_pendulum_does(
     assert inward == pytest.approx(pendulum, abs=0.35)
 
 
-def test_without_a_propeller_s_torque_both_sides_heel_alike(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_without_a_propeller_s_torque_both_sides_heel_alike() -> None:
     boat = make_boat("bb2", "full", "exact")
     boat.vessel.K_star = boat.vessel.K_star_eta = 0.0
     right, left = (in_a_turn_afloat(boat, to * 20.0) for to in (1.0, -1.0))
@@ -317,9 +301,8 @@ def test_without_a_propeller_s_torque_both_sides_heel_alike(
     assert 0.5 < math.degrees(of(right, "phi")[-1]) < 1.2
 
 
-def test_the_sail_comes_into_the_air_without_a_jump(make_boat: Callable[..., Boat]) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_the_sail_comes_into_the_air_without_a_jump() -> None:
+    boat = start_bb2("full", "exact", depth=300.0)
     s, c = boat.state, boat.vessel
     s.theta = s.phi = 0.0
     s.u, s.v, s.w, s.p, s.q, s.r = 5.0, -1.0, 0.1, 0.02, 0.0, 0.03
@@ -340,9 +323,7 @@ def test_the_sail_comes_into_the_air_without_a_jump(make_boat: Callable[..., Boa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("degree", range(1, 7))
-def test_a_boat_is_afloat_for_an_hour_in_any_sea_state(
-    make_boat: Callable[..., Boat], degree: int
-) -> None:
+def test_a_boat_is_afloat_for_an_hour_in_any_sea_state(degree: int) -> None:
     boat = make_boat("bb2", "modified", "lagged")
     afloat(boat, 5.0, swell_of(20.0, 0.0, 0.0, 0.0) * 0.0)
     boat.state.u = 8.0 * KNOT
@@ -358,7 +339,7 @@ def test_a_boat_is_afloat_for_an_hour_in_any_sea_state(
     assert abs(of(rows, "z")).max() < 20.0
 
 
-def test_the_engine_s_torque_limits_revolutions(make_boat: Callable[..., Boat]) -> None:
+def test_the_engine_s_torque_limits_revolutions() -> None:
     boat = make_boat("bb2", "full", "exact")
     boat.start(3 * KNOT, 300.0, 0.0)
     in_hand(boat, 20.0)
@@ -383,11 +364,8 @@ def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> 
     return said
 
 
-def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_leaving_the_range_is_called_out_once_and_can_be_a_limit() -> None:
+    boat = start_bb2("full", "exact", depth=300.0)
     monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
     assert called(boat, monitor, 30.0) == []
     in_hand(boat, -8.0)
@@ -400,11 +378,8 @@ def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
     assert said[2] == "LIMIT: validity level above 1"
 
 
-def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 300.0, 0.0)
+def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one() -> None:
+    boat = start_bb2("full", "exact", depth=300.0)
     monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
     in_hand(boat, -8.0)
     ranks = []
@@ -415,11 +390,8 @@ def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one(
     assert ranks == [Rank.CAUTION, Rank.WARNING, Rank.ALARM]
 
 
-def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 100.0, 0.0)
+def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why() -> None:
+    boat = start_bb2("full", "exact", depth=100.0)
     monitor = PilotMonitor.over(boat)
     in_hand(boat, 10.0, rudder=25.0)
     boat.state.ordered_s = math.radians(20.0)
@@ -440,11 +412,8 @@ def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why(
     assert not [text for text in quiet if "X-TAIL" in text]
 
 
-def test_a_jammed_surface_is_not_told_as_the_sharing_of_an_x_tail(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(10 * KNOT, 100.0, 0.0)
+def test_a_jammed_surface_is_not_told_as_the_sharing_of_an_x_tail() -> None:
+    boat = start_bb2("full", "exact", depth=100.0)
     monitor = PilotMonitor.over(boat)
     in_hand(boat, 10.0, rudder=25.0)
     boat.state.ordered_s = math.radians(25.0)

@@ -1,39 +1,33 @@
 """Orders to the crew as they stand in the state."""
 
 import math
-from collections.abc import Callable
 
 import pytest
+from helpers.boats import make_boat, start_bb2
+from helpers.orders import read_order
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import standing_order, standing_orders
 from trainer.boat.helm import obey_order
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Refused, Reply
 
 KNOT = 1852.0 / 3600.0
 
 
-@pytest.fixture(scope="module")
-def bb2(make_boat: Callable[..., Boat]) -> Boat:
-    """Return one BB2 for all tests; ``boat`` starts it afresh."""
-    return make_boat("bb2")
-
-
 @pytest.fixture
-def boat(bb2: Boat) -> Boat:
+def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 000, a minute on its way."""
-    bb2.start(10.0 * KNOT, 60.0, 0.0)
-    bb2.state.tick = 120.0
-    return bb2
+    boat = start_bb2()
+    boat.state.tick = 120.0
+    return boat
 
 
 def give(boat: Boat, *lines: str) -> Reply:
     """Give orders; return the answer to the last."""
     answer: Reply = ""
     for line in lines:
-        order = parse(line)
-        assert isinstance(order, Order), line
+        order = read_order(line)
         answer = obey_order(boat, order)
     return answer
 
@@ -84,7 +78,7 @@ def test_a_new_order_takes_the_place_of_the_old_one_on_its_axis_alone(boat: Boat
     assert [str(each) for each in standing_orders(boat)] == ["course 090", "depth 80 m"]
 
 
-def test_an_order_to_the_crew_moves_nothing(make_boat: Callable[..., Boat]) -> None:
+def test_an_order_to_the_crew_moves_nothing() -> None:
     boats = [make_boat("bb2"), make_boat("bb2")]
     for each in boats:
         each.start(10.0 * KNOT, 60.0, 0.0)

@@ -5,17 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthMonitor, collapse_of, hull_depth, lowest_depth
-from trainer.config.vessel import load_vessel
 from trainer.units import KNOT
 
 
 def boat_with(test_depth: float | None, collapse_depth: float | None = None) -> Boat:
     """Return BB2 at 60 m and 10 knots, her test and collapse depth [m] as given."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat = make_boat("bb2", "modified")
     hull = replace(boat.file.hull, test_depth_m=test_depth, collapse_depth_m=collapse_depth)
     boat.file = replace(boat.file, hull=hull)
     boat.start(10.0 * KNOT, 60.0, 0.0)

@@ -10,7 +10,6 @@ import shutil
 import struct
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,14 +17,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.boats import make_boat
 from helpers.exported import Core, link_shipped, shipped_kernel
 from helpers.installation import installed
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
+from helpers.typed import type_command
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer import __version__
-from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.entries import entry_of
 from trainer.boat.export import library, lowering
 from trainer.boat.export.header import PUBLISHED_NAMES, record_members
@@ -392,8 +393,7 @@ def test_without_a_compiler_the_object_is_written_and_the_way_to_link_it_told(
 
 def listed_targets() -> dict[str, str]:
     """Return what the command lists of each target."""
-    done = CliRunner().invoke(cli, ["export-core", "--list"])
-    assert done.exit_code == 0, done.output
+    done = type_command(cli, "export-core", "--list")
     return dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
 
 
@@ -436,7 +436,7 @@ def test_the_list_looks_for_the_compiler_that_cc_names_where_a_library_is_linked
 
 
 def test_a_compiler_without_a_processor_says_so_and_what_brings_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make_boat: Callable[..., Boat]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(triple: str) -> object:
         if triple.startswith("riscv64"):
@@ -486,9 +486,7 @@ def test_another_version_of_the_compiler_is_refused_with_the_one_to_install(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(
-    tmp_path: Path, make_boat: Callable[..., Boat]
-) -> None:
+def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(tmp_path: Path) -> None:
     (tmp_path / "core").write_text("")
 
     with pytest.raises(ConfigError, match="core: File exists"):

@@ -14,10 +14,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
-from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
 from helpers.fmu_judges import CosimJudge, EcosJudge, Judge
 from helpers.nursery import run_trainer
+from helpers.orders import obey_all
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.boat.casualties import instrument_readings
 from trainer.boat.export.fmu import fmu_bytes
@@ -41,8 +43,7 @@ pytestmark = UNIT_MARKS
 def folder(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     """Return the folder of BB2's unit by a version of FMI, packed and unpacked."""
     path = tmp_path_factory.mktemp("fmu")
-    done = CliRunner().invoke(cli, ["export-fmu", str(path / "bb2.fmu"), "--fmi", request.param])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", path / "bb2.fmu", "--fmi", request.param)
     unpack(path / "bb2.fmu", path)
     return path
 
@@ -86,7 +87,7 @@ def test_a_run_by_orders_is_the_trainers_to_the_last_bit(
     for tick in range(TICKS):
         for at, text, values in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
                 for name, value in values.items():
                     assert flown.set(name, value) == OK, flown.told[-1]
         assert boat.tick() == flown.step() == OK
@@ -334,8 +335,7 @@ def test_a_unit_of_another_guid_is_no_instance(unit: Unit) -> None:
 
 
 def test_what_fmi_3_has_beside_co_simulation_is_told_as_lacking(tmp_path: Path) -> None:
-    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "x.fmu"), "--fmi", "3"])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", tmp_path / "x.fmu", "--fmi", "3")
     unit = unpack(tmp_path / "x.fmu", tmp_path)
     boat = Instance(unit)
     for interface in ("ModelExchange", "ScheduledExecution"):
@@ -349,8 +349,7 @@ def test_what_fmi_3_has_beside_co_simulation_is_told_as_lacking(tmp_path: Path) 
 def test_both_versions_are_written_beside_each_other_and_sail_the_same_bits(
     tmp_path: Path,
 ) -> None:
-    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "x.fmu"), "--fmi", "both"])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", tmp_path / "x.fmu", "--fmi", "both")
     names = ("x", "x-fmi3")
     boats = [begun(unpack(tmp_path / f"{name}.fmu", tmp_path / name)) for name in names]
     for boat in boats:
@@ -492,9 +491,9 @@ def test_fmpy_finds_nothing_wrong_and_flies_the_trainers_bits(
     rows = [boat.numbers(names)]
     for tick in range(TICKS):
         if tick == 60:
-            obey(boat, "depth 90")
+            obey_all(boat, "depth 90")
         if tick == 180:
-            obey(boat, "course 100")
+            obey_all(boat, "course 100")
         boat.tick()
         rows.append(boat.numbers(names))
     assert [[row[name] for name in names] for row in scope["flown"]] == rows
@@ -506,8 +505,7 @@ def test_another_simulator_flies_ten_minutes_by_orders_with_the_trainers_bits(
     judge: Callable[..., Judge], tmp_path: Path
 ) -> None:
     path = tmp_path / "bb2.fmu"
-    done = CliRunner().invoke(cli, ["export-fmu", str(path)])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", path)
     names = tuple(name for name in MOTION_COLUMNS if name not in ("t", "tick"))
     flown = judge(path, unpack(path, tmp_path), 0.5, {"sea_state": 4, "seed": 7})
     boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
@@ -515,7 +513,7 @@ def test_another_simulator_flies_ten_minutes_by_orders_with_the_trainers_bits(
     for tick in range(TICKS):
         for at, text, values in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
                 for name, value in values.items():
                     flown.set(name, value)
         boat.tick()

@@ -11,10 +11,12 @@ from typing import Final, NamedTuple
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import GUID_BYTES, UNIT_MARKS, Unit, unpack
-from helpers.fmu_flight import OPTIONS, ORDERS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
 from helpers.installation import installed
 from helpers.nursery import run_trainer
+from helpers.orders import obey_all
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.boat.export.fmu import LIBRARY_ENDINGS
 from trainer.boat.platforms import SHIPPED_PLATFORMS, UNIT_PLATFORMS, platform_name
@@ -55,8 +57,7 @@ def need_linkers(*names: str) -> None:
 def export_for(path: Path, fmi: str, *platforms: str) -> None:
     """Write BB2's unit for platforms."""
     asked = [word for name in platforms for word in ("--platform", name)]
-    done = CliRunner().invoke(cli, ["export-fmu", str(path), "--fmi", fmi, *asked])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", path, "--fmi", fmi, *asked)
 
 
 def library_path(folder: Path, name: str, version: int) -> Path:
@@ -126,7 +127,7 @@ def state_of_trainer() -> bytes:
     for tick in range(TICKS):
         for at, text, _ in ORDERS:
             if at == tick:
-                obey(boat, text)
+                obey_all(boat, text)
         boat.tick()
     return bytes(boat.records.state.tobytes())
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Final
 
 import pytest
-from click.testing import CliRunner
 from helpers.fmu import UNIT_MARKS
+from helpers.typed import type_command
 
 from trainer.cli.main import cli
 
@@ -30,8 +30,7 @@ def write_description(folder: Path, version: int, vessel: str) -> Path:
     """Return the model description of a vessel's unit, written into a folder."""
     path = folder / "boat.fmu"
     words = ["export-fmu", str(path), "--vessel", vessel, "--fmi", str(version)]
-    done = CliRunner().invoke(cli, words)
-    assert done.exit_code == 0, done.output
+    type_command(cli, *words)
     with zipfile.ZipFile(path) as archive:
         return Path(archive.extract("modelDescription.xml", folder))
 

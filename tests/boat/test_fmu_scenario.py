@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
-from click.testing import CliRunner
 from helpers.fmu import UNIT_MARKS, Unit, unpack
-from helpers.fmu_flight import OPTIONS, TICKS, obey
+from helpers.fmu_flight import OPTIONS, TICKS
+from helpers.orders import obey_all
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
@@ -43,15 +44,15 @@ def fly_in_trainer() -> list[list[float]]:
     """Fly the scenario by the trainer's boat, coupled as the platform's fixed step couples."""
     boat = boat_at_start(replace(OPTIONS, sea="sea-state-4"))
     angle, rows = 0.0, []
-    obey(boat, "stern planes rise 0")
-    obey(boat, "bow planes rise 0")
+    obey_all(boat, "stern planes rise 0")
+    obey_all(boat, "bow planes rise 0")
     for _ in range(TICKS):
         answer = answer_of_planesman(*boat.numbers(("z", "theta")))
         boat.tick()
         rows.append(boat.numbers(NAMES))
         if answer != angle:
             angle = answer
-            obey(boat, f"stern planes {'rise' if angle >= 0.0 else 'dive'} {abs(angle)!r}")
+            obey_all(boat, f"stern planes {'rise' if angle >= 0.0 else 'dive'} {abs(angle)!r}")
     return rows
 
 
@@ -77,8 +78,7 @@ def fly_in_platform(folder: Path, unit: Unit) -> list[list[float]]:
 def test_a_planesman_of_another_unit_steers_the_boat_to_the_trainers_bits(tmp_path: Path) -> None:
     """It flies the scenario of the page."""
     pytest.importorskip("libcosimpy")
-    done = CliRunner().invoke(cli, ["export-fmu", str(tmp_path / "bb2.fmu")])
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-fmu", tmp_path / "bb2.fmu")
     unit = unpack(tmp_path / "bb2.fmu", tmp_path / "unpacked")
     write_planesman(tmp_path / "planesman.fmu")
     structure = PAGE.read_text(encoding="utf-8").split("```xml\n")[1].split("```")[0]

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from helpers.boats import fly
+from helpers.orders import obey_all, read_order
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,7 +14,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.vessel import load_vessel
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0
@@ -33,24 +35,6 @@ def without_autopilot() -> Boat:
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", 0.5))
     boat.start(10.0 * KNOT, 60.0, 0.0)
     return boat
-
-
-def order(line: str) -> Order:
-    found = parse(line)
-    assert isinstance(found, Order), line
-    return found
-
-
-def told(boat: Boat, *lines: str) -> list[str]:
-    """Return what the boat answers to orders, all of which it obeys."""
-    answers = [obey_order(boat, order(line)) for line in lines]
-    assert all(isinstance(answer, str) for answer in answers), answers
-    return [str(answer) for answer in answers]
-
-
-def fly(boat: Boat, seconds: float) -> None:
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
 
 
 # What an order changes
@@ -131,7 +115,7 @@ def test_an_order_changes_what_it_says_and_nothing_else(
     for name, value in changes.items():
         expected[name] = value
 
-    (answer,) = told(boat, line)
+    (answer,) = obey_all(boat, line)
 
     assert reply in answer
     for name, value in changes.items():
@@ -159,9 +143,9 @@ def test_an_order_changes_what_it_says_and_nothing_else(
 )
 def test_what_was_taken_by_hand_is_given_back(hand: str, automatic: str, places: list[str]) -> None:
     boat = under_way()
-    told(boat, hand)
+    obey_all(boat, hand)
     assert [boat.state[place] for place in places] == [1.0] * len(places)
-    told(boat, automatic)
+    obey_all(boat, automatic)
     assert [boat.state[place] for place in places] == [0.0] * len(places)
 
 
@@ -197,7 +181,7 @@ def test_an_order_that_cannot_be_obeyed_says_why_and_changes_nothing(
     boat = make()
     before = boat.records.state.tobytes()
 
-    answer = obey_order(boat, order(line))
+    answer = obey_order(boat, read_order(line))
 
     assert isinstance(answer, Refused)
     assert reason in answer.reason
@@ -209,11 +193,11 @@ def test_a_depth_below_the_greatest_of_the_boat_is_refused() -> None:
     boat.file = replace(boat.file, hull=replace(boat.file.hull, max_depth_m=300.0))
     before = boat.records.state.tobytes()
 
-    assert obey_order(boat, order("depth 301")) == Refused(
+    assert obey_order(boat, read_order("depth 301")) == Refused(
         "this boat's greatest depth is 300 m, not 301 m"
     )
     assert boat.records.state.tobytes() == before
-    told(boat, "depth 300")
+    obey_all(boat, "depth 300")
 
 
 def test_a_bell_the_telegraph_lacks_is_refused_with_those_it_has() -> None:
@@ -222,16 +206,16 @@ def test_a_bell_the_telegraph_lacks_is_refused_with_those_it_has() -> None:
     boat.file = replace(boat.file, propulsion=replace(boat.file.propulsion, bells_kn=bells))
     before = boat.records.state.tobytes()
 
-    assert obey_order(boat, order("ahead flank")) == Refused(
+    assert obey_order(boat, read_order("ahead flank")) == Refused(
         "this boat's telegraph has ahead one third, astern full and stop"
     )
     assert boat.records.state.tobytes() == before
-    told(boat, "astern full", "bell stop")
+    obey_all(boat, "astern full", "bell stop")
 
 
 def test_a_boat_without_autopilot_is_steered_by_hand() -> None:
     boat = without_autopilot()
-    told(boat, "rudder right 10", "stern dive 5", "bow rise 5", "turns 12", "planes manual")
+    obey_all(boat, "rudder right 10", "stern dive 5", "bow rise 5", "turns 12", "planes manual")
     fly(boat, 20.0)
     assert boat.state.psi > 0.1
 
@@ -239,7 +223,7 @@ def test_a_boat_without_autopilot_is_steered_by_hand() -> None:
 def test_orders_for_both_planes_pass_over_a_pair_the_boat_lacks() -> None:
     boat = under_way("remus100")
     assert boat.state.bow_by_hand == 1.0  # nothing there to be automatic
-    assert told(boat, "planes manual", "planes auto") == [
+    assert obey_all(boat, "planes manual", "planes auto") == [
         "planes by hand",
         "stern planes automatic",
     ]
@@ -253,7 +237,7 @@ def test_orders_for_both_planes_pass_over_a_pair_the_boat_lacks() -> None:
 @pytest.mark.parametrize(("side", "sign"), [("right", 1.0), ("left", -1.0)])
 def test_right_rudder_turns_right_and_left_rudder_left(vessel: str, side: str, sign: float) -> None:
     boat = under_way(vessel)
-    told(boat, f"rudder {side} 10")
+    obey_all(boat, f"rudder {side} 10")
     fly(boat, 20.0 if vessel == "bb2" else 3.0)
     assert sign * boat.state.psi > 0.045
     assert sign * boat.state.r > 0.0
@@ -267,7 +251,7 @@ def test_stern_planes_to_dive_put_the_bow_down_and_take_the_boat_deeper(
 ) -> None:
     boat = under_way(vessel)
     start, level = float(boat.state.z), float(boat.state.theta)
-    told(boat, "planes manual", f"stern planes {way} 12")  # REMUS 100 flies level at 8.7, rise
+    obey_all(boat, "planes manual", f"stern planes {way} 12")  # REMUS 100 flies level at 8.7, rise
     fly(boat, 40.0 if vessel == "bb2" else 4.0)
     assert sign * (boat.state.theta - level) < -0.02
     assert sign * (boat.state.z - start) > 0.1
@@ -278,7 +262,7 @@ def test_stern_planes_to_dive_put_the_bow_down_and_take_the_boat_deeper(
 def test_bow_planes_to_dive_take_the_boat_deeper(vessel: str, way: str, sign: float) -> None:
     boat = under_way(vessel)
     start = float(boat.state.z)
-    told(boat, "planes manual", f"bow planes {way} 10")
+    obey_all(boat, "planes manual", f"bow planes {way} 10")
     fly(boat, 60.0 if vessel == "bb2" else 10.0)
     assert sign * (boat.state.z - start) > 0.1
 
@@ -287,7 +271,7 @@ def test_bow_planes_to_dive_take_the_boat_deeper(vessel: str, way: str, sign: fl
 def test_the_autopilot_goes_where_it_is_told(vessel: str) -> None:
     boat = under_way(vessel)
     depth = float(boat.state.z) + 5.0
-    told(boat, f"depth {depth}", "course 020")
+    obey_all(boat, f"depth {depth}", "course 020")
     fly(boat, 400.0 if vessel == "bb2" else 120.0)
     assert boat.state.z == pytest.approx(depth, abs=0.5)
     assert boat.state.psi == pytest.approx(20.0 * DEGREE, abs=1.0 * DEGREE)
@@ -297,7 +281,7 @@ def test_turns_are_answered_with_more_speed_and_astern_bells_with_less() -> None
     speeds = []
     for line in ("turns 15", "turns 10", "astern full"):
         boat = under_way()
-        told(boat, line)
+        obey_all(boat, line)
         fly(boat, 60.0)
         speeds.append(float(boat.state.u))
     assert speeds == sorted(speeds, reverse=True)
@@ -314,10 +298,10 @@ def test_a_course_is_steered_the_short_way_however_often_the_boat_has_turned(
     s = boat.state
     s.psi = heading
     if head == "course":
-        told(boat, f"course {course:.6f}")
+        obey_all(boat, f"course {course:.6f}")
     else:  # turned by hand since the course was ordered
         s.ordered_psi = course * DEGREE
-        told(boat, "rudder auto")
+        obey_all(boat, "rudder auto")
 
     assert abs(s.ordered_psi - heading) <= math.pi + 1e-9
     turns = (s.ordered_psi - course * DEGREE) / math.tau
@@ -327,10 +311,12 @@ def test_a_course_is_steered_the_short_way_however_often_the_boat_has_turned(
 def test_a_change_of_course_is_steered_the_way_ordered_from_the_course_kept() -> None:
     boat = under_way()
     boat.state.psi, boat.state.ordered_psi = 20.0, 20.5
-    told(boat, "course left 350")
+    obey_all(boat, "course left 350")
     assert boat.state.ordered_psi == pytest.approx(20.5 - 350.0 * DEGREE)
 
-    told(boat, "rudder right 5", "course right 10")  # by hand there is no course: from the heading
+    obey_all(
+        boat, "rudder right 5", "course right 10"
+    )  # by hand there is no course: from the heading
     assert boat.state.ordered_psi == pytest.approx(20.0 + 10.0 * DEGREE)
 
 
@@ -358,8 +344,8 @@ def test_the_rudder_is_eased_and_shifted_by_what_is_on(
 ) -> None:
     for vessel in VESSELS[:2]:
         boat = under_way(vessel)
-        told(boat, before)
-        assert told(boat, line) == [answer]
+        obey_all(boat, before)
+        assert obey_all(boat, line) == [answer]
         assert rudder(boat) == pytest.approx(angle)
 
 
@@ -378,9 +364,9 @@ def test_the_rudder_is_eased_and_shifted_by_what_is_on(
 )
 def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, why: str) -> None:
     boat = under_way()
-    told(boat, before)
+    obey_all(boat, before)
     kept = boat.records.state.tobytes()
-    assert obey_order(boat, order(line)) == Refused(why)
+    assert obey_order(boat, read_order(line)) == Refused(why)
     assert boat.records.state.tobytes() == kept
 
 
@@ -390,9 +376,9 @@ def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, w
 )
 def test_a_swing_is_met_by_opposite_rudder(before: str, angle: float) -> None:
     boat = under_way()
-    told(boat, before)
+    obey_all(boat, before)
     fly(boat, 30.0)
-    told(boat, "meet her")
+    obey_all(boat, "meet her")
     assert rudder(boat) == pytest.approx(angle)
 
 
@@ -409,24 +395,24 @@ def test_a_swing_is_met_by_opposite_rudder(before: str, angle: float) -> None:
 def test_a_course_is_steered_the_way_that_is_said(line: str, turned: float) -> None:
     boat = under_way()
     boat.state.psi = 4.0 * math.pi
-    told(boat, line)
+    obey_all(boat, line)
     assert math.degrees(float(boat.state.ordered_psi)) - 720.0 == pytest.approx(turned)
 
 
 def test_steady_keeps_the_heading_of_this_moment() -> None:
     boat = under_way()
     boat.state.psi = 1.25
-    assert told(boat, "steady as she goes") == ["keeping course 072"]
+    assert obey_all(boat, "steady as she goes") == ["keeping course 072"]
     assert float(boat.state.ordered_psi) == pytest.approx(1.25)
 
 
 def test_both_planes_go_to_zero_and_each_pair_as_far_as_it_goes() -> None:
     boat = under_way()
-    told(boat, "stern planes full rise", "bow planes full dive")
+    obey_all(boat, "stern planes full rise", "bow planes full dive")
     toward, c = boat.toward, boat.vessel
     assert float(boat.state.ordered_s) * toward["stern"] == pytest.approx(float(c.limit_s))
     assert float(boat.state.ordered_b) * toward["bow"] == pytest.approx(-float(c.limit_b))
-    assert told(boat, "planes zero") == ["planes zero, by hand"]
+    assert obey_all(boat, "planes zero") == ["planes zero, by hand"]
     assert (boat.state.ordered_s, boat.state.ordered_b) == (0.0, 0.0)
     assert boat.state.stern_by_hand
     assert boat.state.bow_by_hand

@@ -20,6 +20,7 @@ import numba
 import numpy as np
 import pytest
 from helpers import places
+from helpers.boats import make_boat
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
@@ -180,7 +181,7 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
 
 
 @jitted
-def test_a_kernel_called_from_python_is_the_object_s(make_boat: Callable[..., Boat]) -> None:
+def test_a_kernel_called_from_python_is_the_object_s() -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
     records, asked = boat.records, (wanted_pump, ballast.hover.is_hovering, rates)
@@ -196,7 +197,7 @@ def test_a_kernel_called_from_python_is_the_object_s(make_boat: Callable[..., Bo
 
 
 @jitted
-def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat]) -> None:
+def test_what_the_object_does_not_take_numba_takes() -> None:
     vessel = make_boat().records.vessel
     wanted = np.zeros(9)
     wanted[:3] = 1.0, 2.0, 0.8
@@ -210,7 +211,7 @@ def test_what_the_object_does_not_take_numba_takes(make_boat: Callable[..., Boat
 @jitted
 @pytest.mark.parametrize("wanted", [np.zeros(10), np.zeros(9, np.float32), np.zeros((9, 1))])
 def test_numbers_of_another_size_or_kind_are_numba_s(
-    make_boat: Callable[..., Boat], monkeypatch: pytest.MonkeyPatch, wanted: Numbers
+    monkeypatch: pytest.MonkeyPatch, wanted: Numbers
 ) -> None:
     records = make_boat().records
     monkeypatch.setitem(vars(order_sea), "dispatcher", lambda *_: "numba's")
@@ -221,9 +222,7 @@ def test_numbers_of_another_size_or_kind_are_numba_s(
 
 
 @jitted
-def test_a_kernel_called_for_two_boats_in_turns_takes_each_one_s_records(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_kernel_called_for_two_boats_in_turns_takes_each_one_s_records() -> None:
     boats = [make_boat() for _ in range(2)]
     depths = (8.0, 12.0)
     for boat, depth in zip(boats, depths, strict=True):
@@ -240,9 +239,7 @@ def test_a_kernel_called_for_two_boats_in_turns_takes_each_one_s_records(
 
 
 @jitted
-def test_numbers_that_may_only_be_read_are_taken_by_the_object_too(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_numbers_that_may_only_be_read_are_taken_by_the_object_too() -> None:
     vars(entry.fly).pop("dispatcher", None)  # that a test before this one has asked for
     flown = []
     for may_be_written in (True, False):
@@ -267,7 +264,7 @@ def take(boat: Boat, ticks: int) -> None:
 
 @jitted
 @pytest.mark.process
-def test_two_boats_and_a_fork_tick_as_one_does(make_boat: Callable[..., Boat]) -> None:
+def test_two_boats_and_a_fork_tick_as_one_does() -> None:
     boats = [make_boat() for _ in range(3)]
     for boat in boats:
         boat.start(5.0, 60.0, 0.0)

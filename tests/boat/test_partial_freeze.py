@@ -1,9 +1,8 @@
 """Depth, position or tanks frozen while all else goes on, and released again."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
@@ -21,7 +20,7 @@ INTEGRATORS = ("adams2", TWO_PASTS, "best2", "abm4", "rk4", "rkv")
 PLACE = {"x", "y", "past_motion", "held_position"}  # what a hold of position may change
 
 
-def busy(make_boat: Callable[..., Boat], integrator: str = "adams2") -> Boat:
+def busy(integrator: str = "adams2") -> Boat:
     """Return a BB2 in a turn and a dive, in a sea, with pumps at work and things breaking."""
     boat = make_boat("bb2", "full", "lagged", integrator)
     boat.start(8.0 * KNOT, 40.0, 1.0, seed=7)
@@ -65,10 +64,8 @@ def alike(one: Boat, other: Boat, but: set[str]) -> list[str]:
 
 @pytest.mark.core
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_a_boat_held_in_place_does_all_else_to_the_bit_as_if_she_were_not(
-    make_boat: Callable[..., Boat], integrator: str
-) -> None:
-    plain, held = busy(make_boat, integrator), busy(make_boat, integrator)
+def test_a_boat_held_in_place_does_all_else_to_the_bit_as_if_she_were_not(integrator: str) -> None:
+    plain, held = busy(integrator), busy(integrator)
     x, y = float(held.state.x), float(held.state.y)
     assert told(held, "hold", "position") == (
         f"position frozen at {x:.0f} m north, {y:.0f} m east of the start"
@@ -85,10 +82,8 @@ def test_a_boat_held_in_place_does_all_else_to_the_bit_as_if_she_were_not(
 
 @pytest.mark.core
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_once_released_she_sails_on_from_where_she_was_held(
-    make_boat: Callable[..., Boat], integrator: str
-) -> None:
-    plain, held = busy(make_boat, integrator), busy(make_boat, integrator)
+def test_once_released_she_sails_on_from_where_she_was_held(integrator: str) -> None:
+    plain, held = busy(integrator), busy(integrator)
     told(held, "hold", "position")
     sail(plain, 40)
     sail(held, 40)
@@ -109,10 +104,8 @@ def test_once_released_she_sails_on_from_where_she_was_held(
 
 @pytest.mark.core
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_a_boat_held_at_her_depth_pitches_and_turns_and_stays_there(
-    make_boat: Callable[..., Boat], integrator: str
-) -> None:
-    boat = busy(make_boat, integrator)
+def test_a_boat_held_at_her_depth_pitches_and_turns_and_stays_there(integrator: str) -> None:
+    boat = busy(integrator)
     told(boat, "hold", "depth")
     depth, pitch = float(boat.state.z), float(boat.state.theta)
     water, north = float(boat.state.flood_aft), float(boat.state.x)
@@ -130,10 +123,8 @@ def test_a_boat_held_at_her_depth_pitches_and_turns_and_stays_there(
 
 @pytest.mark.core
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_depth_released_goes_on_without_a_jump(
-    make_boat: Callable[..., Boat], integrator: str
-) -> None:
-    boat = busy(make_boat, integrator)
+def test_depth_released_goes_on_without_a_jump(integrator: str) -> None:
+    boat = busy(integrator)
     told(boat, "hold", "depth")
     sail(boat, 60)
     depth = float(boat.state.z)
@@ -150,10 +141,8 @@ def test_depth_released_goes_on_without_a_jump(
 
 
 @pytest.mark.core
-def test_frozen_tanks_keep_water_air_and_weight_whatever_is_ordered(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = busy(make_boat)
+def test_frozen_tanks_keep_water_air_and_weight_whatever_is_ordered() -> None:
+    boat = busy()
     kept = ("water", "tank_air", "bank", "to_move", "weight", "x_g", "z_g", "water_taken")
     before = [boat.state[name].tobytes() for name in kept]
     depth = float(boat.state.z)
@@ -175,9 +164,9 @@ def test_frozen_tanks_keep_water_air_and_weight_whatever_is_ordered(
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("part", ["depth", "position", "tanks"])
 def test_nothing_but_the_state_remembers_that_something_was_frozen(
-    make_boat: Callable[..., Boat], part: str, integrator: str
+    part: str, integrator: str
 ) -> None:
-    boat = busy(make_boat, integrator)
+    boat = busy(integrator)
     told(boat, "hold", part)
     sail(boat, 30)
     still_held = boat.snapshot()
@@ -193,10 +182,8 @@ def test_nothing_but_the_state_remembers_that_something_was_frozen(
 
 
 @pytest.mark.core
-def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat, other = busy(make_boat, "rkv"), make_boat("bb2", "full", "lagged", "rkv")
+def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle() -> None:
+    boat, other = busy("rkv"), make_boat("bb2", "full", "lagged", "rkv")
     for part in ("depth", "position", "tanks"):
         told(boat, "hold", part)
     sail(boat, 15)
@@ -209,8 +196,8 @@ def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle(
 
 
 @pytest.mark.core
-def test_a_second_order_to_freeze_changes_nothing(make_boat: Callable[..., Boat]) -> None:
-    boat = busy(make_boat)
+def test_a_second_order_to_freeze_changes_nothing() -> None:
+    boat = busy()
     told(boat, "hold", "position")
     sail(boat, 10)
     before = bits(boat)
@@ -220,10 +207,8 @@ def test_a_second_order_to_freeze_changes_nothing(make_boat: Callable[..., Boat]
     assert bits(boat) == before
 
 
-def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = busy(make_boat)
+def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was() -> None:
+    boat = busy()
     assert told(boat, "release", "all") == "nothing is frozen"
     boat.state.z = 60.04
     assert told(boat, "hold", "depth") == "depth frozen at 60.0 m"
@@ -233,25 +218,23 @@ def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was(
     assert not boat.state.held.any()
 
 
-def test_what_is_not_frozen_cannot_be_released_and_the_answer_says_what_is(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = busy(make_boat)
+def test_what_is_not_frozen_cannot_be_released_and_the_answer_says_what_is() -> None:
+    boat = busy()
     assert told(boat, "release", "depth") == Refused("depth is not frozen; frozen: nothing")
     told(boat, "hold", "tanks")
     assert told(boat, "release", "depth") == Refused("depth is not frozen; frozen: tanks")
     assert boat.state.held_tanks == 1.0
 
 
-def test_a_boat_without_tanks_has_none_to_freeze(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_without_tanks_has_none_to_freeze() -> None:
     boat = make_boat("remus100", step=0.1)
     answer = told(boat, "hold", "tanks")
     assert answer == Refused("remus100.toml has no [ballast] table: this boat has no tanks")
     assert not boat.state.held.any()
 
 
-def test_the_status_says_what_is_frozen(make_boat: Callable[..., Boat]) -> None:
-    boat = busy(make_boat)
+def test_the_status_says_what_is_frozen() -> None:
+    boat = busy()
     summary = Ledger(boat.method.step).summary()
     assert not [line for line in status_lines(boat, summary) if line.startswith("frozen")]
 

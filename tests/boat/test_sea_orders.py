@@ -5,20 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.nursery import run_trainer
+from helpers.orders import obey_all, read_order
 from helpers.places import environment
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, parse_sea
-from trainer.config.vessel import load_vessel
 from trainer.core.sea.sea import advance_sea
 from trainer.core.update import outside
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.io.orders.schedule import parse_schedule
 from trainer.units import KNOT
 
@@ -31,22 +31,13 @@ def boat_at(
     depth: float, speed_kn: float = 5.0, course: float = 0.0, equations: str = "modified"
 ) -> Boat:
     """Return BB2 under way in trim, everything automatic, in a calm."""
-    boat = Boat(load_vessel("bb2"), Method(equations, "lagged", "exact", "adams2", 0.5))
+    boat = make_boat("bb2", equations)
     boat.start(speed_kn * KNOT, depth, course * DEGREE, 3)
     return boat
 
 
 def sea_of(text: str) -> SeaFile:
     return parse_sea(f"[sea]\n{text}\n", Path("my-sea.toml"))
-
-
-def told(boat: Boat, *lines: str) -> list[str]:
-    """Return what the boat answers to orders, all of which it obeys."""
-    orders = [parse(line) for line in lines]
-    answers = [obey_order(boat, order) for order in orders if isinstance(order, Order)]
-    assert len(answers) == len(lines)
-    assert all(isinstance(answer, str) for answer in answers), answers
-    return [str(answer) for answer in answers]
 
 
 def flown(boat: Boat, seconds: float, *names: str) -> np.ndarray:
@@ -72,7 +63,7 @@ def flown(boat: Boat, seconds: float, *names: str) -> np.ndarray:
 )
 def test_a_sea_is_ordered_by_state_wind_or_height(line: str, height: float, period: float) -> None:
     boat = boat_at(60.0)
-    told(boat, line)
+    obey_all(boat, line)
     flown(boat, 60.0)
     assert boat.state.sea_height == pytest.approx(height, rel=1e-3)
     assert 2.0 * math.pi / boat.state.sea_omega == pytest.approx(period, rel=1e-3)
@@ -80,7 +71,7 @@ def test_a_sea_is_ordered_by_state_wind_or_height(line: str, height: float, peri
 
 def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once() -> None:
     boat = boat_at(60.0)
-    answer = told(boat, "sea state 5")
+    answer = obey_all(boat, "sea state 5")
     assert answer == ["sea state 5: 3.25 m, peak at 9.0 s, from 000, within 60 s"]
     heights = flown(boat, 70.0, "sea_height")[:, 0]
     assert heights[59] == pytest.approx(1.625, rel=0.05)
@@ -91,7 +82,7 @@ def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once() -> None:
 def test_a_sea_of_the_users_own_ramp_takes_that_time() -> None:
     boat = boat_at(60.0)
     boat.put_to_sea(sea_of("height_m = 1\nramp_s = 10"))
-    told(boat, "sea height 2")
+    obey_all(boat, "sea height 2")
     assert flown(boat, 10.0, "sea_height")[-1] == [2.0]
 
 
@@ -100,13 +91,13 @@ def test_an_order_keeps_direction_and_generator() -> None:
     boat.put_to_sea(
         sea_of('sea_state = 3\ndirection_deg = 45\ngenerator = "cosines"\nsuction="on"')
     )
-    told(boat, "sea state 5")
+    obey_all(boat, "sea state 5")
     flown(boat, 61.0)
     s = boat.state
     assert (s.sea_cosines, s.sea_suction) == (1.0, 1.0)
     assert s.sea_direction == pytest.approx(225.0 * DEGREE)
 
-    told(boat, "sea from 090")
+    obey_all(boat, "sea from 090")
     flown(boat, 61.0)
     assert s.sea_height == 3.25
     assert s.sea_direction == pytest.approx(270.0 * DEGREE)
@@ -114,7 +105,7 @@ def test_an_order_keeps_direction_and_generator() -> None:
 
 def test_a_direction_ordered_in_a_calm_is_that_of_the_next_sea() -> None:
     boat = boat_at(60.0)
-    told(boat, "sea from 045", "sea state 3")
+    obey_all(boat, "sea from 045", "sea state 3")
     flown(boat, 1.0)
     assert boat.state.sea_direction == pytest.approx(225.0 * DEGREE)
 
@@ -122,7 +113,7 @@ def test_a_direction_ordered_in_a_calm_is_that_of_the_next_sea() -> None:
 def test_a_calm_lets_the_sea_die_and_the_surface_is_flat() -> None:
     boat = boat_at(60.0)
     boat.put_to_sea(load_sea("sea-state-4"))
-    told(boat, "sea calm")
+    obey_all(boat, "sea calm")
     waves = flown(boat, 61.0, "eta_wave")[:, 0]
     assert waves[:60].std() > 0.1
     assert waves[-1] == 0.0
@@ -181,7 +172,7 @@ def test_motion_falls_with_depth_as_the_waves_do(generator: str, excess: float) 
     swings = []
     for depth in (60.0, 80.0, 100.0):
         boat = boat_at(depth, 8.0)
-        told(boat, "planes manual")
+        obey_all(boat, "planes manual")
         boat.put_to_sea(sea_of(f'sea_state = 5\ngenerator = "{generator}"\nsuction = "off"'))
         swings.append(flown(boat, 600.0, "zdot")[:, 0].std())
         number = float(boat.state.sea_omega) ** 2 / 9.81
@@ -320,12 +311,12 @@ def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
 def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out_once() -> None:
     boat = boat_at(60.0, 10.0)
     monitor = LimitMonitor.over(boat, ExerciseLimits())
-    told(boat, "surface")
+    obey_all(boat, "surface")
     said = watched(boat, monitor, 300.0)
     assert shown(said) == ["surfaced: the boat shows above the sea"]
-    told(boat, "dive", "depth 40")
+    obey_all(boat, "dive", "depth 40")
     assert shown(watched(boat, monitor, 300.0)) == []
-    told(boat, "surface")
+    obey_all(boat, "surface")
     assert len(shown(watched(boat, monitor, 300.0))) == 1
 
 
@@ -370,8 +361,7 @@ def test_a_sea_that_the_filter_can_follow_or_that_is_not_felt_is_not_called_out(
 
 def test_a_sea_above_nyquist_for_the_step_is_refused_by_order_and_by_file() -> None:
     boat = boat_at(60.0)
-    order = parse("sea state 1")
-    assert isinstance(order, Order)
+    order = read_order("sea state 1")
 
     answer = obey_order(boat, order)
 
@@ -390,9 +380,9 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
         boat, ExerciseLimits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
     )  # she starts above 65 m: no news
     assert monitor.account() == ""
-    told(boat, "depth 80")
+    obey_all(boat, "depth 80")
     down = watched(boat, monitor, 240.0)
-    told(boat, "depth 60")
+    obey_all(boat, "depth 60")
     up = watched(boat, monitor, 240.0)
     assert [line.partition(": ")[2] for line in down if "deeper" in line] == [
         "LIMIT: deeper than 70 m"

@@ -1,17 +1,15 @@
 """The tick of a boat: the tick of its records."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
-from trainer.boat.boat import Boat
 from trainer.core.update import update
 
 pytestmark = pytest.mark.core
 
 
-def test_a_boat_s_tick_is_the_tick_of_its_records(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_s_tick_is_the_tick_of_its_records() -> None:
     bound, called = make_boat(), make_boat()
     for boat in (bound, called):
         boat.start(5.0, 60.0, 0.0)
@@ -25,15 +23,11 @@ def test_a_boat_s_tick_is_the_tick_of_its_records(make_boat: Callable[..., Boat]
 
 
 @pytest.mark.parametrize(("seconds", "ticks"), [(0.0, 0), (1.1, 11), (1.11, 12), (3 * 0.1, 3)])
-def test_a_time_on_a_tick_is_that_tick(
-    make_boat: Callable[..., Boat], seconds: float, ticks: int
-) -> None:
+def test_a_time_on_a_tick_is_that_tick(seconds: float, ticks: int) -> None:
     assert make_boat(step=0.1).ticks_in(seconds) == ticks
 
 
-def test_the_tick_is_compiled_by_the_first_boat_that_takes_one(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_the_tick_is_compiled_by_the_first_boat_that_takes_one() -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
 
@@ -44,31 +38,7 @@ def test_the_tick_is_compiled_by_the_first_boat_that_takes_one(
     assert "advance" in vars(boat)
 
 
-def test_two_boats_do_not_sail_in_each_other_s_records(make_boat: Callable[..., Boat]) -> None:
-    one, other = make_boat(), make_boat()
-    for boat in (one, other):
-        boat.start(5.0, 60.0, 0.0)
-
-    one.tick()
-
-    assert (one.ticks, other.ticks) == (1, 0)
-
-
-def test_a_boat_put_back_ticks_on_from_there(make_boat: Callable[..., Boat]) -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
-    start = boat.snapshot()
-    boat.tick()
-    after = boat.snapshot()
-
-    boat.restore(start)
-    assert boat.ticks == 0
-    boat.tick()
-
-    assert np.array_equal(boat.records.state.view(np.uint8), after.view(np.uint8))
-
-
-def test_a_tick_that_fails_tells_its_status(make_boat: Callable[..., Boat]) -> None:
+def test_a_tick_that_fails_tells_its_status() -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
     boat.state.q = 1e4
@@ -78,7 +48,7 @@ def test_a_tick_that_fails_tells_its_status(make_boat: Callable[..., Boat]) -> N
     assert boat.ticks == 0
 
 
-def test_plain_numbers_are_the_state(make_boat: Callable[..., Boat]) -> None:
+def test_plain_numbers_are_the_state() -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
     boat.tick()

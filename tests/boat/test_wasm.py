@@ -7,9 +7,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from helpers.installation import installed
 from helpers.tab import fly, standard_hour
+from helpers.typed import type_command
 
 from trainer.analysis.bench.standard_hour import digest, standard_boat
 from trainer.analysis.boat_page import boat_for_page
@@ -70,9 +70,7 @@ def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
 @pytest.mark.process
 def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     installed("wasm-ld", "lld")
-    built = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--cpu", "wasm32", "--json"])
-
-    assert built.exit_code == 0, built.output
+    built = type_command(cli, "export-core", tmp_path, "--cpu", "wasm32", "--json")
     card = (tmp_path / wasm.CARD_FILE).read_text()
     same = (tmp_path / wasm.MODULE_FILE).read_bytes() == wasm.SHIPPED_PATH.read_bytes()
     assert same, f"shipped: {CARD}; built now: {card}; {BUILD}"
@@ -106,9 +104,7 @@ def test_without_a_linker_the_module_of_the_trainer_is_exported(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
 
-    done = CliRunner().invoke(cli, ["export-core", str(tmp_path / "core"), "--cpu", "wasm32"])
-
-    assert done.exit_code == 0, done.output
+    type_command(cli, "export-core", tmp_path / "core", "--cpu", "wasm32")
     for name, shipped in ((wasm.MODULE_FILE, wasm.SHIPPED_PATH), (wasm.CARD_FILE, SHIPPED_CARD)):
         assert (tmp_path / "core" / name).read_bytes() == shipped.read_bytes()
     numbers = json.loads((tmp_path / "core" / wasm.NUMBERS_FILE).read_text())

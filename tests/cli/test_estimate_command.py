@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.analysis.check import check_vessel
@@ -338,10 +337,6 @@ def lightly() -> Callable[[Path], Any]:
         return list(survey.warnings(boat_file.WrittenBoat(made, text, file, ()), own))
 
     return warn
-
-
-def test_the_keys_on_the_page_are_those_of_the_reader() -> None:
-    assert TABLES["own-hull"]() in (ROOT / "docs/hull-keys.md").read_text(encoding="utf-8")
 
 
 XTAIL = HULL.partition("[[surfaces]]")[0] + (

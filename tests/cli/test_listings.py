@@ -3,8 +3,8 @@
 import json
 
 import pytest
-from click.testing import CliRunner
 from helpers.shell import HEAVY, imported
+from helpers.typed import type_command
 
 from trainer.cli import listings
 from trainer.cli.main import cli
@@ -17,9 +17,7 @@ LISTS = ("vessels", "seas", "exercises")
 
 def said(*words: str) -> str:
     """Return what a command prints."""
-    result = CliRunner().invoke(cli, words)
-    assert result.exit_code == 0, result.output
-    return result.stdout
+    return type_command(cli, *words).stdout
 
 
 @pytest.mark.parametrize("what", LISTS)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 from helpers.nursery import run_trainer
+from helpers.sessions import start_exercise, start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.contacts import SHIP_TYPES
 from trainer.config.exercise import parse_exercise
@@ -29,7 +29,7 @@ def refused(folder: Path, tables: str) -> tuple[str, ...]:
     """Return why an exercise cannot begin."""
     try:
         plan = plan_run(RunOptions(exercise=str(write(folder, tables))))
-        plan.start(Boat(plan.file, plan.method))
+        start_plan(plan)
     except ConfigError as wrong:
         return wrong.problems
     return ()
@@ -117,9 +117,7 @@ def test_what_a_file_leaves_out_is_as_its_type_has_it() -> None:
 @pytest.mark.parametrize("name", SHIP_TYPES)
 def test_every_type_of_ship_sails_and_is_seen(tmp_path: Path, name: str) -> None:
     path = write(tmp_path, SHIP.replace("cargo", name) + "speed_kn = 5\nmmsi = 211000001\n")
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_exercise(path)
     contacts = contacts_in(boat)
     assert contacts is not None
     (seen,) = contacts.seen(100)

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
 from helpers.nursery import Done, run_trainer
+from helpers.orders import read_order
 from helpers.places import ROOT
 
 from trainer.analysis.exercise_page import check_exercise
@@ -96,8 +96,7 @@ def test_a_casualty_is_as_severe_and_sudden_as_ordered_else_as_its_table_says(
 
 
 def test_an_unknown_casualty_is_answered_with_the_nearest() -> None:
-    order = parse("casualty propulsion-los")
-    assert isinstance(order, Order)
+    order = read_order("casualty propulsion-los")
     answer = obey_order(bb2(), order)
     assert isinstance(answer, Refused)
     assert answer.reason.endswith("nearest is propulsion-lost")
@@ -606,10 +605,6 @@ def test_the_lists_name_everything_in_79_columns() -> None:
 
 def page(name: str) -> str:
     return (ROOT / "docs" / name).read_text(encoding="utf-8")
-
-
-def test_the_page_has_the_table_of_every_key() -> None:
-    assert TABLES["exercises"]() in page("exercise-keys.md")
 
 
 def test_the_exercises_of_the_page_are_exercises() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.lanes import sample_cases
 
 from trainer.analysis.sweep.study import load_study
 from trainer.boat.assemble import Method
@@ -75,18 +76,8 @@ def check(load: Callable[[str], object], path: Path, text: str) -> Iterator[tupl
     assert refused > 0
 
 
-# One boat has every kind of key; the others are for the slow run.
-each_vessel = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[] if name == "remus100" else pytest.mark.slow)
-        for name in shipped_names("vessels")
-    ],
-)
-
-
 @pytest.mark.long
-@each_vessel
+@pytest.mark.parametrize("name", sample_cases(shipped_names("vessels"), "remus100"))
 def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Path) -> None:
     text = shipped_path("vessels", name).read_text(encoding="utf-8")
     path = tmp_path / "boat.toml"
@@ -96,7 +87,7 @@ def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Pat
 
 
 @pytest.mark.long
-@each_vessel
+@pytest.mark.parametrize("name", sample_cases(shipped_names("vessels"), "remus100"))
 def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
     name: str, tmp_path: Path
 ) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 
 import click
 import pytest
-from click.testing import CliRunner
 from fuzz.files import SHIP
 from helpers.places import ROOT
+from helpers.typed import type_command
 from jsonschema import Draft202012Validator
 
 from trainer.cli.schema import SCHEMA_MODULES, schema, schema_of
@@ -149,9 +149,7 @@ def test_editors_show_unit_and_meaning() -> None:
 def test_the_command_writes_a_schema_and_says_the_line_that_names_it(tmp_path: Path) -> None:
     path = tmp_path / "exercise.schema.json"
 
-    done = CliRunner().invoke(schema, ["exercise", "-o", str(path)])
-
-    assert done.exit_code == 0
+    done = type_command(schema, "exercise", "-o", path)
     assert done.output.endswith("first line of your file: #:schema ./exercise.schema.json\n")
     assert json.loads(path.read_text(encoding="utf-8")) == schema_of("exercise")
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.places import DATA
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.config.bottom import (
     LAND_DEPTH_M,
     Bottom,
@@ -276,8 +276,8 @@ def test_an_esri_grid_with_origin_deg_is_in_degrees(tmp_path: Path) -> None:
 # GeoTIFF
 
 
-def tiff(path: Path, values: Any, **more: Any) -> None:
-    """Write a GeoTIFF: metres or degrees by ``keys``, its first pixel's corner at 0, 200."""
+def tiff(folder: Path, values: Any, **more: Any) -> Path:
+    """Write a GeoTIFF, metres or degrees by ``keys``, its first pixel's corner at 0, 200."""
     tifffile = pytest.importorskip("tifffile")
     keys = more.pop("keys", (1024, 0, 1, 1, 1025, 0, 1, 1))
     scale, corner = more.pop("scale", 100.0), more.pop("corner", (0.0, 200.0))
@@ -287,7 +287,9 @@ def tiff(path: Path, values: Any, **more: Any) -> None:
         (34735, "H", 4 + len(keys), (1, 1, 0, len(keys) // 4, *keys), True),
     ]
     tags += [(42113, "s", 0, more.pop("absent"), True)] if "absent" in more else []
+    path = folder / "a.tif"
     tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
+    return path
 
 
 @pytest.mark.parametrize(
@@ -296,11 +298,10 @@ def tiff(path: Path, values: Any, **more: Any) -> None:
 def test_a_geotiff_s_sample_without_a_value_is_none_however_it_is_printed(
     tmp_path: Path, value: float, more: dict[str, str]
 ) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[10, 20], [30, value]], **(more or {"absent": f"{value:g}"}))
+    path = tiff(tmp_path, [[10, 20], [30, value]], **(more or {"absent": f"{value:g}"}))
     assert np.isnan(read_grid(path).values).tolist() == [[False, True], [False, False]]
     if value < -12000:
-        tiff(path, [[10, 20], [30, value]])
+        tiff(tmp_path, [[10, 20], [30, value]])
         assert np.isnan(read_grid(path).values).sum() == 1
 
 
@@ -314,8 +315,8 @@ def packed(data: bytes) -> bytes:
 
 
 def test_packbits_are_unpacked(tmp_path: Path) -> None:
-    path, values = tmp_path / "a.tif", np.array([[0, 0], [30, 40]], np.float32)
-    tiff(path, values)
+    values = np.array([[0, 0], [30, 40]], np.float32)
+    path = tiff(tmp_path, values)
     strip = values.tobytes()
     assert packed(b"abccccd") == b"\x01ab\xfdc\x00d"
     assert len(packed(strip)) < 2 * len(strip)
@@ -324,22 +325,11 @@ def test_packbits_are_unpacked(tmp_path: Path) -> None:
     assert read_grid(path).values.tolist() == [[30.0, 40.0], [0.0, 0.0]]
 
 
-@pytest.mark.skipif(sys.version_info >= (3, 14), reason="this Python reads zstd")
-def test_zstd_is_refused_where_python_has_none(tmp_path: Path) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[1, 2], [3, 4]])
-    path.write_bytes(coded(path.read_bytes(), 50000))
-    said = refused(path, grid=path.name, values="depth")
-    assert "is compressed by ZSTD, which needs Python 3.14" in said
-    assert "COMPRESS=DEFLATE" in said
-
-
 @pytest.mark.parametrize("compression", [None, "zlib", "lzma"])
 def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
     tmp_path: Path, compression: str | None
 ) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[10, 20], [30, -5]], absent="-5", compression=compression)
+    path = tiff(tmp_path, [[10, 20], [30, -5]], absent="-5", compression=compression)
     grid = read_grid(path)
     assert (grid.west, grid.south, grid.cell, grid.degrees) == (50.0, 50.0, (100.0, 100.0), False)
     assert grid.values[1].tolist() == [10.0, 20.0]
@@ -347,15 +337,13 @@ def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
 
 
 def test_a_geotiff_of_points_has_its_tie_at_the_sample(tmp_path: Path) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[1, 2], [3, 4]], keys=(1024, 0, 1, 1, 1025, 0, 1, 2))
+    path = tiff(tmp_path, [[1, 2], [3, 4]], keys=(1024, 0, 1, 1, 1025, 0, 1, 2))
     assert (read_grid(path).west, read_grid(path).south) == (0.0, 100.0)
 
 
 def test_a_geotiff_in_degrees_needs_the_origin(tmp_path: Path) -> None:
-    path = tmp_path / "a.tif"
     keys = (1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326)
-    tiff(path, np.full((4, 4), 70.0), keys=keys, scale=0.01, corner=(9.98, 54.02))
+    path = tiff(tmp_path, np.full((4, 4), 70.0), keys=keys, scale=0.01, corner=(9.98, 54.02))
     assert "give origin_deg" in refused(path, grid=path.name, values="depth")
     found = ground(path, grid=path.name, values="depth", origin_deg=[54, 10])
     assert is_charted(found, 0.0, 0.0)
@@ -372,8 +360,7 @@ def test_a_geotiff_in_degrees_needs_the_origin(tmp_path: Path) -> None:
 def test_another_reference_system_is_refused_by_name(
     tmp_path: Path, keys: tuple[int, ...], told: str
 ) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[1, 2], [3, 4]], keys=keys)
+    path = tiff(tmp_path, [[1, 2], [3, 4]], keys=keys)
     said = refused(path, grid=path.name, values="depth")
     assert told in said
     assert "gdalwarp -t_srs EPSG:4326" in said
@@ -390,12 +377,23 @@ def coded(data: bytes, code: int, length: int | None = None) -> bytes:
     return data
 
 
-def test_lzw_is_refused_with_how_to_convert(tmp_path: Path) -> None:
-    path = tmp_path / "a.tif"
-    tiff(path, [[1, 2], [3, 4]])
-    path.write_bytes(coded(path.read_bytes(), 5))
+@pytest.mark.parametrize(
+    ("code", "told"),
+    [
+        (5, "LZW"),
+        pytest.param(
+            *(50000, "is compressed by ZSTD, which needs Python 3.14"),
+            marks=pytest.mark.skipif(sys.version_info >= (3, 14), reason="this Python reads zstd"),
+        ),
+    ],
+)
+def test_a_compression_that_is_not_read_is_refused_with_how_to_convert(
+    tmp_path: Path, code: int, told: str
+) -> None:
+    path = tiff(tmp_path, [[1, 2], [3, 4]])
+    path.write_bytes(coded(path.read_bytes(), code))
     said = refused(path, grid=path.name, values="depth")
-    assert "LZW" in said
+    assert told in said
     assert "COMPRESS=DEFLATE" in said
 
 
@@ -440,7 +438,7 @@ def test_a_start_over_bad_ground_is_refused(
     drill = exercise(asc, bottom, heading)
     plan = plan_run(RunOptions(exercise=str(drill)))
     with pytest.raises(ConfigError) as error:
-        plan.start(Boat(plan.file, plan.method))
+        start_plan(plan)
     assert told in str(error.value)
 
 

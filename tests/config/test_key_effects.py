@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.key_tables import documentary_keys, documentary_list
-from helpers.places import ROOT
+from helpers.key_tables import documentary_keys
+from helpers.lanes import sample_cases
+from helpers.orders import read_order
+from helpers.sessions import start_plan
 
 from trainer.boat import stability
 from trainer.boat.assemble import Method, fit_out
@@ -25,7 +27,7 @@ from trainer.config.vessel import (
     load_vessel,
     read_vessel,
 )
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.status import status_lines
@@ -102,8 +104,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         patch.setattr("trainer.session.plan.load_vessel", lambda _: file)
         patch.setattr(stability, "boat_responses", note_speeds)
         plan = plan_run(RunOptions())
-        boat = Boat(plan.file, plan.method)
-        plan.start(boat)
+        boat = start_plan(plan)
         refuse_unstable(boat)
     told = [*judged, plan.method, boat.records.state.tobytes()]
     told.append(status_lines(boat, Ledger(boat.method.step).summary()))
@@ -111,8 +112,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         boat.state.z, boat.state.theta = depth, 0.0
         told += [collapse_of(boat), count_passed(file.hull.test_depth_m or math.inf, depth)]
     for line in ORDERS:
-        order = parse(line)
-        assert isinstance(order, Order), line
+        order = read_order(line)
         told += [obey_order(boat, order), boat.state.ordered_u_c, boat.state.ordered_depth]
     if scope := periscope_of(boat):
         told += [obey_order(boat, RAISE), scope.head(scope.at(10))]
@@ -127,18 +127,8 @@ def reaction(table: Mapping[str, Any], name: str) -> VesselFile | str:
         return str(wrong)
 
 
-# One boat has every kind of key; the others are for the slow run.
-each_vessel = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[] if name == "remus100" else pytest.mark.slow)
-        for name in shipped_names("vessels")
-    ],
-)
-
-
 @pytest.mark.long
-@each_vessel
+@pytest.mark.parametrize("name", sample_cases(shipped_names("vessels"), "remus100"))
 def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -164,10 +154,6 @@ def test_every_key_of_a_shipped_boat_acts_or_is_documentary(
 
     assert without_effect == []
     assert mislabelled == []
-
-
-def test_the_document_lists_the_documentary_keys() -> None:
-    assert documentary_list() in (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

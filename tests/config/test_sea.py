@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError, shipped_names, shipped_path
@@ -171,12 +170,11 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
         load_sea("./storm.toml")
 
 
-def test_the_manual_lists_every_key_and_its_examples_load() -> None:
+def test_the_manual_has_the_defaults_and_its_examples_load() -> None:
     manual = (ROOT / "docs" / "seas.md").read_text(encoding="utf-8")
     examples = re.findall(r"```toml\n(.*?)```", manual, re.DOTALL)
     defaults = tomllib.loads(shipped_path("", "sea-defaults").read_text(encoding="utf-8"))["sea"]
 
-    assert TABLES["seas"]() in manual
     assert len(examples) >= 2
     for example in examples:
         parse_sea(example, Path("example.toml"))

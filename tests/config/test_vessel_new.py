@@ -1,14 +1,13 @@
 """A boat of one's own: a file written out, scaled by Froude's law, and flown beside its source."""
 
+import functools
 import re
-from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.key_tables import BALLAST_RECORDS, VESSEL_UNITS, law_table
-from helpers.places import ROOT
+from helpers.key_tables import BALLAST_RECORDS, VESSEL_UNITS
 
 from trainer.analysis.guide.programme import own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
@@ -84,12 +83,6 @@ def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
 def test_every_exception_is_of_a_key_that_is_there() -> None:
     for table, key in LAW_EXCEPTIONS:
         assert key in {item.name for item in fields(TABLES[table])}
-
-
-def test_the_page_has_the_table_of_laws() -> None:
-    page = (ROOT / "docs" / "vessel-keys.md").read_text(encoding="utf-8")
-
-    assert law_table() in page, "renew: python -m helpers.key_tables laws"
 
 
 # --- the file
@@ -183,27 +176,15 @@ def test_a_new_boat_has_the_name_that_is_given(tmp_path: Path) -> None:
 Measured = dict[str, tuple[float, str]]
 
 
-def flown(file: VesselFile, name: str, equations: str) -> Measured:
-    """Return the numbers of a manoeuvre at the boat's own speed by their names, SI."""
+@functools.cache
+def flown(source: str, length: float, name: str, equations: str) -> Measured:
+    """Return the numbers of a manoeuvre at the own speed of a boat, scaled if there is a length."""
+    file = made(source, length) if length else load_vessel(source)
     boat = Submarine(file, own_method(file, equations), Rig())
     manoeuvre = within_limits(find_manoeuvre(name), boat)
     flight = fly_manoeuvre(boat, manoeuvre, file.run.start_speed_kn * KNOT)
     numbers: Any = manoeuvre.measures(flight)
     return {one.name: (one.value, one.unit) for one in numbers if one.value is not None}
-
-
-@pytest.fixture(scope="module")
-def once() -> Callable[[str, float, str, str], Measured]:
-    found: dict[tuple[Any, ...], Measured] = {}
-
-    def ask(source: str, length: float, name: str, equations: str) -> Measured:
-        key = (source, length, name, equations)
-        if key not in found:
-            file = made(source, length) if length else load_vessel(source)
-            found[key] = flown(file, name, equations)
-        return found[key]
-
-    return ask
 
 
 @pytest.mark.slow
@@ -214,14 +195,11 @@ def once() -> Callable[[str, float, str, str], Measured]:
     [("bb2", 60.0), ("bb2", 10.0), ("bb2", 120.0), ("sdv-mk9", 20.0), ("remus100", 10.0)],
 )
 def test_a_scaled_boat_turns_and_weaves_as_its_source_in_lengths(
-    source: str,
-    length: float,
-    name: str,
-    equations: str,
-    once: Callable[[str, float, str, str], Measured],
+    source: str, length: float, name: str, equations: str
 ) -> None:
     factor = length / load_vessel(source).hull.length
-    here, there = once(source, 0.0, name, equations), once(source, length, name, equations)
+    here = flown(source, 0.0, name, equations)
+    there = flown(source, length, name, equations)
 
     compared = [key for key in LIKE if key in here]
     assert compared

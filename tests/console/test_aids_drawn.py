@@ -1,8 +1,8 @@
 """The console with aids: dots for ghost and way ahead, both in words, and the way shown."""
 
 import pytest
+from helpers.screens import ScriptedLine
 
-from trainer.console.client import Item, RoleTaken
 from trainer.console.drawing.aids import aid_rows, interpolated_way
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.crew_orders import order_line
@@ -22,23 +22,7 @@ AHEAD = {"seconds": "60", "depth": "72.0", "heading": "10.0", "pitch": "-6.0", "
 TIME = {"time": "running", "speed": "1.0"}
 
 
-class Line:
-    """A line that says what a test has it say, and keeps what is ordered."""
-
-    def __init__(self) -> None:
-        self.items: list[Item] = [RoleTaken()]
-        self.orders: list[str] = []
-
-    def order(self, words: str) -> str:
-        self.orders.append(words)
-        return str(len(self.orders))
-
-    def take(self) -> list[Item]:
-        taken, self.items = self.items, []
-        return taken
-
-
-def show(line: Line, tick: int, **channels: dict[str, str]) -> None:
+def show(line: ScriptedLine, tick: int, **channels: dict[str, str]) -> None:
     """Let the session show some channels at a tick; the gauges come last."""
     gauges = {"depth": "60.0", "heading": "359.0", "speed": "8.0", "pitch": "0.5", "heel": "0.0"}
     for name, values in {"time": TIME, **channels, "gauges": gauges}.items():
@@ -51,7 +35,7 @@ def show(line: Line, tick: int, **channels: dict[str, str]) -> None:
 
 def seen(**channels: dict[str, str]) -> SessionModel:
     """Return a trainee's model that has been shown some channels for a minute."""
-    line = Line()
+    line = ScriptedLine()
     model = SessionModel(line, "trainee", LAYOUTS["trainee"].charts)
     for tick in range(121):
         show(line, tick, **channels)
@@ -109,7 +93,7 @@ def test_a_way_is_interpolated_between_its_points() -> None:
 
 
 def test_the_ghosts_past_is_asked_for_once_when_it_comes() -> None:
-    line = Line()
+    line = ScriptedLine()
     model = SessionModel(line, "trainee", LAYOUTS["trainee"].charts)
     for tick in range(40):
         show(line, tick, ghost=GHOST if tick > 20 else dict.fromkeys(GHOST, ""))

@@ -3,12 +3,11 @@
 import math
 
 import pytest
-from helpers.screens import run_aside
+from helpers.screens import ScriptedLine, run_aside
 from textual.events import Key
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
-from trainer.console.client import Item, RoleTaken
 from trainer.console.drawing.panels import trainee
 from trainer.console.entry import Entry
 from trainer.console.exercise import LESSON_END
@@ -18,37 +17,17 @@ from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
 from trainer.io.orders.grammar import Refused
-from trainer.io.orders.sentences import fact, names, parse_sentence, state
+from trainer.io.orders.sentences import names, parse_sentence, state
 
 
-class Heard:
-    """A line that says what a test has it say, and keeps what is ordered."""
-
-    def __init__(self, *facts: tuple[str, str, str]) -> None:
-        self.items: list[Item] = [RoleTaken()]
-        for seconds, what, subject in facts:
-            sentence = parse_sentence(fact(1, float(seconds), what, subject))
-            assert sentence
-            self.items.append(sentence)
-        self.orders: list[str] = []
-
-    def order(self, words: str) -> str:
-        self.orders.append(words)
-        return str(len(self.orders))
-
-    def take(self) -> list[Item]:
-        taken, self.items = self.items, []
-        return taken
-
-
-def told(*facts: tuple[str, str, str]) -> tuple[SessionModel, Heard]:
-    line = Heard(*facts)
+def told(*facts: tuple[str, str, str]) -> tuple[SessionModel, ScriptedLine]:
+    line = ScriptedLine(*facts)
     model = SessionModel(line, "trainee", LAYOUTS["trainee"].charts)
     model.hear()
     return model, line
 
 
-def time_now(model: SessionModel, line: Heard, tick: int, word: str) -> None:
+def time_now(model: SessionModel, line: ScriptedLine, tick: int, word: str) -> None:
     """Let the session tell whether time runs."""
     for text in (names("time", [("time", "")]), state("time", tick, tick / 2.0, [word])):
         sentence = parse_sentence(text)
@@ -101,7 +80,7 @@ def test_after_the_marks_the_way_leads_to_where_it_went_wrong_and_to_the_next() 
 @pytest.mark.parametrize("role", ["trainee", "instructor"])
 def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role: str) -> None:
     facts = (("600.0", "exercise-over", "ended"), ("600.0", "debriefing", "0.41"))
-    line = Heard(*facts)
+    line = ScriptedLine(*facts)
     model = SessionModel(line, role, LAYOUTS[role].charts)
     model.hear()
     window = EndView(model)
@@ -110,7 +89,7 @@ def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role
     assert window.press("d", "d") is None  # it stays open, and is told
     assert line.orders[-1] == "debrief"
 
-    line.items += Heard(
+    line.items += ScriptedLine(
         ("600.0", "debriefing", ""), ("600.0", "reason", "71.5,1:11: 30 marks lost")
     ).items
     model.hear()
@@ -121,7 +100,7 @@ def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role
 
 @pytest.mark.parametrize("role", ["trainee", "instructor"])
 def test_quit_quits_in_the_window_of_an_exercise_that_is_over(role: str) -> None:
-    line = Heard(("600.0", "exercise-over", "ended"))
+    line = ScriptedLine(("600.0", "exercise-over", "ended"))
     model = SessionModel(line, role, LAYOUTS[role].charts)
     model.hear()
     window = EndView(model)
@@ -144,7 +123,7 @@ def test_enter_begins_at_the_briefing_of_who_trains_while_time_stands() -> None:
         outcome = window.press(key, None)
         assert outcome
         assert outcome.orders == ("run",)
-    over = Heard(("1.0", "exercise-over", "ended"))  # which freezes time too
+    over = ScriptedLine(("1.0", "exercise-over", "ended"))  # which freezes time too
     line.items += over.items
     time_now(model, line, 1, "frozen")
     assert "Enter begins" not in plain(briefing(model).draw(80, 24))

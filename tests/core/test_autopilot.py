@@ -5,10 +5,10 @@ Figures without another source are this project's own limits.
 
 import json
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.places import DATA
 from numpy.typing import NDArray
 
@@ -22,21 +22,15 @@ from trainer.units import FOOT, KNOT
 
 pytestmark = [pytest.mark.core, pytest.mark.long]
 
-Make = Callable[..., Boat]
 STEPS = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.05}
 DEGREE = math.radians(1.0)
 
 
-@pytest.fixture
-def started(make_boat: Make) -> Callable[..., Boat]:
-    """Return a function that starts a boat on autopilot, 100 m deep, course north."""
-
-    def start(knots: float, equations: str = "full", vessel: str = "bb2") -> Boat:
-        boat = make_boat(vessel, equations, "lagged", "adams2", STEPS[vessel])
-        boat.start(knots * KNOT, 100.0, 0.0)
-        return boat
-
-    return start
+def start(knots: float, equations: str = "full", vessel: str = "bb2") -> Boat:
+    """Return a boat started on autopilot, 100 m deep, course north."""
+    boat = make_boat(vessel, equations, "lagged", "adams2", STEPS[vessel])
+    boat.start(knots * KNOT, 100.0, 0.0)
+    return boat
 
 
 def sail(boat: Boat, seconds: float) -> dict[str, NDArray[np.float64]]:
@@ -66,10 +60,8 @@ def turn_by_hand(boat: Boat, degrees: float) -> None:
 
 
 @pytest.mark.parametrize("equations", ["full", "modified"])
-def test_depth_holds_in_a_15_degree_turn_at_10_knots(
-    started: Callable[..., Boat], equations: str
-) -> None:
-    boat = started(10.0, equations)
+def test_depth_holds_in_a_15_degree_turn_at_10_knots(equations: str) -> None:
+    boat = start(10.0, equations)
     turn_by_hand(boat, 15.0)
     run = sail(boat, 900.0)
 
@@ -77,9 +69,9 @@ def test_depth_holds_in_a_15_degree_turn_at_10_knots(
     assert np.abs(last(run["depth"])).max() < 0.5
 
 
-def test_the_turn_is_that_of_the_vessel_data(started: Callable[..., Boat]) -> None:
+def test_the_turn_is_that_of_the_vessel_data() -> None:
     # validation of the BB2 set: 15 deg rudder, 10 kn, revolutions constant, depth held
-    boat = started(10.0)
+    boat = start(10.0)
     turn_by_hand(boat, 15.0)
     heel = sail(boat, 900.0)["heel"]
     s = boat.state
@@ -93,11 +85,9 @@ def test_the_turn_is_that_of_the_vessel_data(started: Callable[..., Boat]) -> No
 
 @pytest.mark.parametrize("knots", [6.0, 10.0, 15.0, 20.0])
 @pytest.mark.parametrize("degrees", [10.0, 30.0])
-def test_depth_comes_back_in_every_turn(
-    started: Callable[..., Boat], knots: float, degrees: float
-) -> None:
+def test_depth_comes_back_in_every_turn(knots: float, degrees: float) -> None:
     # hard over, the X-tail leaves the stern planes only what they wrest from the rudder
-    boat = started(knots)
+    boat = start(knots)
     turn_by_hand(boat, degrees)
     run = sail(boat, 900.0)
 
@@ -106,11 +96,9 @@ def test_depth_comes_back_in_every_turn(
     assert np.abs(run["pitch"]).max() < 13.0
 
 
-def test_in_a_hard_turn_the_bow_planes_leave_the_tail_to_the_rudder(
-    started: Callable[..., Boat],
-) -> None:
+def test_in_a_hard_turn_the_bow_planes_leave_the_tail_to_the_rudder() -> None:
     # the stern planes, out of room on the X-tail, do not relieve the bow planes
-    boat = started(15.0)
+    boat = start(15.0)
     turn_by_hand(boat, 30.0)
     sail(boat, 600.0)
 
@@ -118,8 +106,8 @@ def test_in_a_hard_turn_the_bow_planes_leave_the_tail_to_the_rudder(
     assert abs(boat.state.delta_b) > 10.0 * DEGREE
 
 
-def test_lasting_angles_go_to_the_stern_planes(started: Callable[..., Boat]) -> None:
-    boat = started(12.0)
+def test_lasting_angles_go_to_the_stern_planes() -> None:
+    boat = start(12.0)
     turn_by_hand(boat, 10.0)
     sail(boat, 30.0)
     soon = abs(boat.state.delta_b)
@@ -130,9 +118,9 @@ def test_lasting_angles_go_to_the_stern_planes(started: Callable[..., Boat]) -> 
     assert abs(boat.state.delta_s) > 0.5 * DEGREE
 
 
-def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., Boat]) -> None:
+def test_the_reports_law_leaves_the_boat_12_metres_deep() -> None:
     # known of BB2 and this law: it has no integral (errata G4)
-    boat = started(10.0)
+    boat = start(10.0)
     turn_by_hand(boat, 15.0)
     boat.state.depth_law = REPORT_LAW
     run = sail(boat, 900.0)
@@ -147,9 +135,9 @@ def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., B
 @pytest.mark.parametrize("knots", [6.0, 8.0, 10.0, 15.0, 20.0])
 @pytest.mark.parametrize("change", [50.0, -50.0])
 def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
-    started: Callable[..., Boat], equations: str, knots: float, change: float
+    equations: str, knots: float, change: float
 ) -> None:
-    boat = started(knots, equations)
+    boat = start(knots, equations)
     boat.state.ordered_depth = 100.0 + change
     run = sail(boat, 4200.0 / knots)
     beyond = run["depth"] * math.copysign(1.0, change) - 50.0
@@ -162,9 +150,9 @@ def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
 @pytest.mark.parametrize("knots", [3.0, 4.0, 4.8, 10.0])
 @pytest.mark.parametrize("change", [2.0, -10.0])
 def test_small_depth_changes_arrive_below_the_critical_speed_too(
-    started: Callable[..., Boat], knots: float, change: float
+    knots: float, change: float
 ) -> None:
-    boat = started(knots)
+    boat = start(knots)
     boat.state.ordered_depth = 100.0 + change
     run = sail(boat, 600.0)
     gone = run["depth"] * math.copysign(1.0, change)
@@ -178,10 +166,8 @@ def test_small_depth_changes_arrive_below_the_critical_speed_too(
 
 
 @pytest.mark.parametrize("knots", [3.0, 4.8, 10.0, 20.0])
-def test_an_hour_from_trim_keeps_depth_and_course(
-    started: Callable[..., Boat], knots: float
-) -> None:
-    boat = started(knots, "modified")
+def test_an_hour_from_trim_keeps_depth_and_course(knots: float) -> None:
+    boat = start(knots, "modified")
     boat.state.trim_by_hand = 1.0
     run = sail(boat, 3600.0)
 
@@ -190,8 +176,8 @@ def test_an_hour_from_trim_keeps_depth_and_course(
     assert boat.state.u / KNOT == pytest.approx(knots, abs=0.01)
 
 
-def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boat]) -> None:
-    boat = started(8.0)
+def test_a_boat_heavier_than_its_trim_finds_a_new_one() -> None:
+    boat = start(8.0)
     boat.state.trim_by_hand = 1.0
     boat.state.water_auxiliary += 0.002 * boat.vessel.mass
     run = sail(boat, 900.0)
@@ -205,10 +191,8 @@ def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boa
 
 @pytest.mark.parametrize("knots", [5.0, 10.0, 20.0])
 @pytest.mark.parametrize("change", [5.0, 30.0, -90.0, 179.0])
-def test_a_course_change_neither_overshoots_nor_loses_depth(
-    started: Callable[..., Boat], knots: float, change: float
-) -> None:
-    boat = started(knots, "modified")
+def test_a_course_change_neither_overshoots_nor_loses_depth(knots: float, change: float) -> None:
+    boat = start(knots, "modified")
     boat.state.ordered_psi = change * DEGREE
     run = sail(boat, 5000.0 / knots)
     turned = run["course"] * math.copysign(1.0, change)
@@ -218,10 +202,8 @@ def test_a_course_change_neither_overshoots_nor_loses_depth(
     assert np.abs(run["depth"]).max() < 2.0
 
 
-def test_a_boat_shoved_off_course_returns_without_hard_rudder(
-    started: Callable[..., Boat],
-) -> None:
-    boat = started(10.0)
+def test_a_boat_shoved_off_course_returns_without_hard_rudder() -> None:
+    boat = start(10.0)
     boat.state.psi = -60.0 * DEGREE
     most = 0.0
     for _ in range(600):
@@ -236,10 +218,8 @@ def test_a_boat_shoved_off_course_returns_without_hard_rudder(
 
 
 @pytest.mark.parametrize("surface", ["rudder", "stern", "bow"])
-def test_taking_over_in_settled_flight_moves_no_surface(
-    started: Callable[..., Boat], surface: str
-) -> None:
-    boat = started(7.0)
+def test_taking_over_in_settled_flight_moves_no_surface(surface: str) -> None:
+    boat = start(7.0)
     letter = {"rudder": "r", "stern": "s", "bow": "b"}[surface]
     s = boat.state
     sail(boat, 20.0)
@@ -251,10 +231,8 @@ def test_taking_over_in_settled_flight_moves_no_surface(
         sail(boat, 20.0)
 
 
-def test_taking_over_in_a_dive_starts_from_the_present_angle(
-    started: Callable[..., Boat],
-) -> None:
-    boat = started(10.0)
+def test_taking_over_in_a_dive_starts_from_the_present_angle() -> None:
+    boat = start(10.0)
     s = boat.state
     s.stern_by_hand, s.ordered_s = 1.0, s.delta_s + 8.0 * DEGREE
     sail(boat, 20.0)
@@ -268,10 +246,8 @@ def test_taking_over_in_a_dive_starts_from_the_present_angle(
 
 
 @pytest.mark.parametrize("knots", [6.0, 10.0, 20.0])
-def test_stern_planes_stuck_for_10_seconds_are_recovered(
-    started: Callable[..., Boat], knots: float
-) -> None:
-    boat = started(knots)
+def test_stern_planes_stuck_for_10_seconds_are_recovered(knots: float) -> None:
+    boat = start(knots)
     s = boat.state
     s.stern_by_hand, s.ordered_s = 1.0, 15.0 * DEGREE
     sail(boat, 10.0)
@@ -290,10 +266,8 @@ def test_stern_planes_stuck_for_10_seconds_are_recovered(
         (20.0, "b"),
     ],
 )
-def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
-    started: Callable[..., Boat], knots: float, surface: str
-) -> None:
-    boat = started(knots)
+def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(knots: float, surface: str) -> None:
+    boat = start(knots)
     s = boat.state
     name = {"b": "bow", "s": "stern"}[surface]
     held = {"b": -30.0, "s": 10.0}[surface]
@@ -307,11 +281,9 @@ def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
     assert np.abs(last(back)).max() < 0.3
 
 
-def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
-    started: Callable[..., Boat],
-) -> None:
+def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up() -> None:
     # a hard turn at 8 kn is more than BB2's bow planes can hold up
-    boat = started(8.0, "modified")
+    boat = start(8.0, "modified")
     turn_by_hand(boat, 30.0)
     deep = sail(boat, 600.0)["depth"][-1]
     assert boat.state.delta_b == pytest.approx(30.0 * DEGREE)
@@ -323,8 +295,8 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
     assert np.abs(last(run["depth"])).max() < 0.3
 
 
-def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
-    boat = started(3.0)
+def test_an_impossible_depth_order_does_not_wind_it_up() -> None:
+    boat = start(3.0)
     # so light that its planes cannot take it down at this speed
     boat.state.water_auxiliary -= 0.002 * boat.vessel.mass
     boat.state.ordered_depth = 300.0
@@ -338,10 +310,8 @@ def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Bo
     assert np.abs(last(run["depth"])).max() < 0.3
 
 
-def test_bow_planes_hold_depth_alone_when_the_stern_planes_are_in_hand(
-    started: Callable[..., Boat],
-) -> None:
-    boat = started(8.0)
+def test_bow_planes_hold_depth_alone_when_the_stern_planes_are_in_hand() -> None:
+    boat = start(8.0)
     s = boat.state
     s.stern_by_hand, s.ordered_s = 1.0, s.delta_s + DEGREE
     run = sail(boat, 900.0)
@@ -351,10 +321,8 @@ def test_bow_planes_hold_depth_alone_when_the_stern_planes_are_in_hand(
     assert abs(s.delta_b) > 2.0 * DEGREE
 
 
-def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
-    started: Callable[..., Boat],
-) -> None:
-    boat = started(10.0)
+def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats() -> None:
+    boat = start(10.0)
     turn_by_hand(boat, 10.0)
     sail(boat, 60.0)
     psi, r = boat.state.psi, boat.state.r
@@ -368,8 +336,8 @@ def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
 # --- speed
 
 
-def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> None:
-    boat = started(10.0)
+def test_ordered_speeds_are_reached_and_kept() -> None:
+    boat = start(10.0)
     for knots in (6.0, 12.0, 18.0):
         boat.state.ordered_speed = knots * KNOT
         sail(boat, 600.0)
@@ -377,18 +345,16 @@ def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> No
         assert boat.state.speed_trim / KNOT == pytest.approx(0.0, abs=0.02), "nothing to learn"
 
 
-def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim(
-    started: Callable[..., Boat],
-) -> None:
-    boat = started(20.0)
+def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim() -> None:
+    boat = start(20.0)
     boat.state.ordered_speed = 3.0 * KNOT
     sail(boat, 1500.0)
 
     assert boat.state.u / KNOT == pytest.approx(3.0, abs=0.01)
 
 
-def test_a_wrong_speed_trim_is_unlearnt(started: Callable[..., Boat]) -> None:
-    boat = started(10.0)
+def test_a_wrong_speed_trim_is_unlearnt() -> None:
+    boat = start(10.0)
     boat.state.speed_trim += 0.4 * KNOT
     sail(boat, 60.0)
     after_a_minute = boat.state.u / KNOT
@@ -398,9 +364,9 @@ def test_a_wrong_speed_trim_is_unlearnt(started: Callable[..., Boat]) -> None:
     assert boat.state.u / KNOT == pytest.approx(10.0, abs=0.01)
 
 
-def test_speed_trim_does_not_wind_up_at_the_engines_limit(started: Callable[..., Boat]) -> None:
+def test_speed_trim_does_not_wind_up_at_the_engines_limit() -> None:
     # its own limit is 4.5 kn of command speed, and control surfaces drag
-    boat = started(4.5, "full", "remus100")
+    boat = start(4.5, "full", "remus100")
     sail(boat, 300.0)
     s = boat.state
 
@@ -408,8 +374,8 @@ def test_speed_trim_does_not_wind_up_at_the_engines_limit(started: Callable[...,
     assert s.ordered_speed + s.speed_trim < boat.vessel.u_c_ahead + 0.03
 
 
-def test_speed_trim_is_learnt_in_straight_flight_only(started: Callable[..., Boat]) -> None:
-    boat = started(10.0)
+def test_speed_trim_is_learnt_in_straight_flight_only() -> None:
+    boat = start(10.0)
     s = boat.state
     s.speed_trim += 0.1
     s.rudder_by_hand, s.ordered_r = 1.0, -15.0 * DEGREE
@@ -427,8 +393,8 @@ def test_speed_trim_is_learnt_in_straight_flight_only(started: Callable[..., Boa
 @pytest.mark.parametrize(
     ("vessel", "knots"), [("sdv-mk9", 1.5), ("sdv-mk9", 4.0), ("remus100", 3.0), ("remus100", 4.0)]
 )
-def test_the_small_boats_obey_too(started: Callable[..., Boat], vessel: str, knots: float) -> None:
-    boat = started(knots, "full", vessel)
+def test_the_small_boats_obey_too(vessel: str, knots: float) -> None:
+    boat = start(knots, "full", vessel)
     hold = sail(boat, 60.0)
     boat.state.ordered_depth = 110.0
     dive = sail(boat, 240.0)
@@ -448,8 +414,8 @@ def test_the_small_boats_obey_too(started: Callable[..., Boat], vessel: str, kno
     assert circle["course"][-1] > 150.0
 
 
-def test_a_boat_without_bow_planes_has_no_gains_for_them(started: Callable[..., Boat]) -> None:
-    table = started(3.0, "full", "remus100").file.autopilot
+def test_a_boat_without_bow_planes_has_no_gains_for_them() -> None:
+    table = start(3.0, "full", "remus100").file.autopilot
     assert table is not None
     for gain in ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief"):
         assert not any(getattr(table, f"bow_{gain}"))
@@ -502,8 +468,8 @@ def test_the_literal_law_is_literal_beyond_50_feet_too(
     assert report_law(state) / DEGREE == pytest.approx(degrees, abs=1e-9)
 
 
-def test_port_and_starboard_are_mirror_images_to_the_bit(started: Callable[..., Boat]) -> None:
-    one, other = started(10.0), started(10.0)
+def test_port_and_starboard_are_mirror_images_to_the_bit() -> None:
+    one, other = start(10.0), start(10.0)
     for boat, side in ((one, 1.0), (other, -1.0)):
         boat.vessel.K_star = boat.vessel.K_star_eta = 0.0  # the propeller is no mirror image
         for name in ("v", "phi", "delta_r"):

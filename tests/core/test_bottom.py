@@ -1,11 +1,11 @@
 """The ground: the forces on the keel, and the chart that is sounded under the hull."""
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -20,7 +20,6 @@ from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 TONNE = 9.80665e3  # [N]
-MakeBoat = Callable[..., Boat]
 
 
 def ground(**table: object) -> Bottom:
@@ -71,7 +70,7 @@ def lies(boat: Boat, depth: float, seconds: float = 400.0) -> tuple[float, float
     ],
 )
 def test_a_boat_20_t_heavy_sinks_onto_the_ground_and_lies_still(
-    make_boat: MakeBoat, step: float, integrator: str, most_t: float, most_m: float
+    step: float, integrator: str, most_t: float, most_m: float
 ) -> None:
     boat = make_boat(integrator=integrator, step=step)
     most, deepest = lies(boat, sinking(boat, 0.5, 0.5))
@@ -88,7 +87,7 @@ def test_a_boat_20_t_heavy_sinks_onto_the_ground_and_lies_still(
 
 @pytest.mark.core
 @pytest.mark.long
-def test_the_peak_load_is_the_same_by_runge_kutta_within_10_t(make_boat: MakeBoat) -> None:
+def test_the_peak_load_is_the_same_by_runge_kutta_within_10_t() -> None:
     peaks = []
     for integrator, rates in (("adams2", "lagged"), ("rk4", "exact")):
         boat = make_boat(integrator=integrator, rates=rates, step=0.25)
@@ -99,9 +98,7 @@ def test_the_peak_load_is_the_same_by_runge_kutta_within_10_t(make_boat: MakeBoa
 @pytest.mark.core
 @pytest.mark.long
 @pytest.mark.parametrize("step", [0.5, 1.0])
-def test_ten_knots_into_a_slope_of_one_in_ten_slides_up_and_stops(
-    make_boat: MakeBoat, step: float
-) -> None:
+def test_ten_knots_into_a_slope_of_one_in_ten_slides_up_and_stops(step: float) -> None:
     boat = make_boat(step=step)
     boat.start(10.0 * KNOT, 60.0, 0.0)
     by_hand(boat)
@@ -121,9 +118,7 @@ def test_ten_knots_into_a_slope_of_one_in_ten_slides_up_and_stops(
 
 @pytest.mark.core
 @pytest.mark.parametrize(("course", "moment"), [(0.0, 1.0), (math.pi, -1.0)])
-def test_ground_under_one_end_turns_the_boat_off_it(
-    make_boat: MakeBoat, course: float, moment: float
-) -> None:
+def test_ground_under_one_end_turns_the_boat_off_it(course: float, moment: float) -> None:
     """Ground that rises to the north lifts the end that is north."""
     boat = make_boat()
     boat.start(1.0, 60.0, course)
@@ -139,7 +134,7 @@ def test_ground_under_one_end_turns_the_boat_off_it(
 
 
 @pytest.mark.core
-def test_a_hull_in_a_current_is_rubbed_by_its_way_over_the_ground(make_boat: MakeBoat) -> None:
+def test_a_hull_in_a_current_is_rubbed_by_its_way_over_the_ground() -> None:
     boat = make_boat()
     pushes = []
     for east in (0.0, 1.0):
@@ -152,7 +147,7 @@ def test_a_hull_in_a_current_is_rubbed_by_its_way_over_the_ground(make_boat: Mak
 
 @pytest.mark.core
 @pytest.mark.long
-def test_mud_holds_a_boat_until_the_lift_breaks_it_out(make_boat: MakeBoat) -> None:
+def test_mud_holds_a_boat_until_the_lift_breaks_it_out() -> None:
     risen = {}
     for breakout in (5.0, 100.0):  # [t]
         boat = make_boat()
@@ -197,7 +192,7 @@ def on(grid: Grid, *, ends: bool = True) -> Bottom:
     ],
 )
 def test_a_chart_is_bilinear_and_goes_on_as_at_its_edge(
-    make_boat: MakeBoat, north: float, east: float, depth: float, slopes: tuple[float, float]
+    north: float, east: float, depth: float, slopes: tuple[float, float]
 ) -> None:
 
     boat = make_boat()
@@ -213,7 +208,7 @@ def test_a_chart_is_bilinear_and_goes_on_as_at_its_edge(
 
 
 @pytest.mark.core
-def test_no_depth_is_written_as_zero_which_would_be_no_ground(make_boat: MakeBoat) -> None:
+def test_no_depth_is_written_as_zero_which_would_be_no_ground() -> None:
 
     boat = make_boat()
     boat.start(1.0, 5.0, 0.0)
@@ -225,9 +220,7 @@ def test_no_depth_is_written_as_zero_which_would_be_no_ground(make_boat: MakeBoa
 
 
 @pytest.mark.core
-def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick(
-    make_boat: MakeBoat,
-) -> None:
+def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick() -> None:
     boat = make_boat()
     changes = {}
     for depth in (100.0, 400.0 + DISTANT_GROUND_M):
@@ -242,7 +235,7 @@ def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick(
 
 
 @pytest.mark.core
-def test_a_chart_is_sounded_alike_by_the_tick_and_by_itself(make_boat: MakeBoat) -> None:
+def test_a_chart_is_sounded_alike_by_the_tick_and_by_itself() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.3)
     part = Ground(boat, ground(depth_m=100, slope_percent=2, deepens_deg=40))
@@ -257,7 +250,7 @@ def test_a_chart_is_sounded_alike_by_the_tick_and_by_itself(make_boat: MakeBoat)
     assert twin.snapshot().tobytes() == boat.snapshot().tobytes()
 
 
-def test_level_ground_is_written_once_and_costs_no_sounding(make_boat: MakeBoat) -> None:
+def test_level_ground_is_written_once_and_costs_no_sounding() -> None:
     boat = make_boat()
     boat.start(1.0, 60.0, 0.0)
     Ground(boat, ground(depth_m=200))
@@ -281,7 +274,7 @@ def over(boat: Boat, depth: float) -> None:
     Ground(boat, ground(depth_m=depth))
 
 
-def test_the_sounder_reads_the_ground_less_the_boat_s_depth(make_boat: MakeBoat) -> None:
+def test_the_sounder_reads_the_ground_less_the_boat_s_depth() -> None:
     boat = make_boat()
     over(boat, 100.0)
     assert instrument_readings(boat).sounding == pytest.approx(40.0)
@@ -296,9 +289,7 @@ def test_the_sounder_reads_the_ground_less_the_boat_s_depth(make_boat: MakeBoat)
 
 
 @pytest.mark.parametrize("depth", [None, 60.0 + SOUNDER_RANGE + 1.0])
-def test_no_echo_comes_from_beyond_the_range_nor_without_ground(
-    make_boat: MakeBoat, depth: float | None
-) -> None:
+def test_no_echo_comes_from_beyond_the_range_nor_without_ground(depth: float | None) -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     if depth is None:
@@ -309,7 +300,7 @@ def test_no_echo_comes_from_beyond_the_range_nor_without_ground(
     assert instrument_readings(boat).sounding == 0.0
 
 
-def test_the_sounder_s_noise_is_its_own(make_boat: MakeBoat) -> None:
+def test_the_sounder_s_noise_is_its_own() -> None:
     boat = make_boat()
     over(boat, 100.0)
     for name in ("sounder-noisy", "log-noisy", "depth-gauge-noisy"):

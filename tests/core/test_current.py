@@ -1,24 +1,22 @@
 """Water that moves over ground: what it changes of a boat in it, and what it may not change."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, take_in_hand
+from helpers.orders import obey_all
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
 from trainer.config.sea import SeaFile, load_sea
 from trainer.config.words import EQUATION_SETS
 from trainer.core.current import carry_along
 from trainer.core.state import PAST_CYCLES, new_state
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 
 pytestmark = pytest.mark.core
-Make = Callable[..., Boat]
 CURRENT = (1.0, -2.0)  # [m/s]
 PLACE = ("x", "y", "xdot", "ydot", "sailed_x", "sailed_y", "water_north", "water_east")
 PAST = tuple(
@@ -28,14 +26,6 @@ PAST = tuple(
     for axis in (9, 10)
 )
 SHEAR = (-0.02, 0.01)  # [1/s]
-
-
-def give(boat: Boat, *lines: str) -> None:
-    """Give orders that are all obeyed."""
-    for text in lines:
-        order = parse(text)
-        assert isinstance(order, Order)
-        assert isinstance(obey_order(boat, order), str)
 
 
 def sea_of(name: str) -> SeaFile:
@@ -51,7 +41,7 @@ def turning(boat: Boat, sea: str, current: tuple[float, float]) -> Boat:
     boat.start(8.0 * KNOT, 25.0, 0.3, seed=3)
     boat.put_to_sea(sea_of(sea))
     boat.state.current[:2] = current
-    give(boat, "rudder right 15", "depth 40")
+    obey_all(boat, "rudder right 15", "depth 40")
     return boat
 
 
@@ -67,7 +57,7 @@ def sail(boat: Boat, ticks: int) -> None:
 @pytest.mark.parametrize("rates", ["lagged", "exact"])
 @pytest.mark.parametrize("equations", EQUATION_SETS)
 def test_a_uniform_current_changes_nothing_but_the_place(
-    make_boat: Make, equations: str, rates: str, integrator: str, sea: str
+    equations: str, rates: str, integrator: str, sea: str
 ) -> None:
     still, carried = (
         turning(make_boat("bb2", equations, rates, integrator, 0.5), sea, current)
@@ -91,7 +81,7 @@ def assert_carried(still: Boat, carried: Boat) -> None:
 
 
 @pytest.mark.parametrize("sea", ["sea-state-5", "cosines"])
-def test_waves_are_met_by_the_way_through_the_water(make_boat: Make, sea: str) -> None:
+def test_waves_are_met_by_the_way_through_the_water(sea: str) -> None:
     still, carried = (turning(make_boat(), sea, current) for current in ((0.0, 0.0), CURRENT))
     for boat in (still, carried):
         boat.state.z = 17.5
@@ -125,11 +115,11 @@ def over_ground(heel: float, pitch: float, heading: float) -> np.ndarray:
     return whole
 
 
-def dived(make_boat: Make, by_hand: Callable[[Boat], None], step: float) -> float:
+def dived(step: float) -> float:
     """Return the depth [m] after a dive of a minute in shear, surfaces fixed."""
     boat = make_boat("bb2", "full", "exact", "adams2", step)
     boat.start(8.0 * KNOT, 60.0, 0.3)
-    by_hand(boat)
+    take_in_hand(boat)
     boat.state.ordered_s = boat.state.delta_s = boat.state.delta_s - 0.05
     boat.state.current[2:] = SHEAR
     sail(boat, round(60.0 / step))
@@ -137,11 +127,9 @@ def dived(make_boat: Make, by_hand: Callable[[Boat], None], step: float) -> floa
 
 
 @pytest.mark.long
-def test_in_shear_the_method_keeps_its_second_order(
-    make_boat: Make, by_hand: Callable[[Boat], None]
-) -> None:
-    exact = dived(make_boat, by_hand, 1.0 / 64.0)
-    errors = [abs(dived(make_boat, by_hand, step) - exact) for step in (1.0, 0.5, 0.25)]
+def test_in_shear_the_method_keeps_its_second_order() -> None:
+    exact = dived(1.0 / 64.0)
+    errors = [abs(dived(step) - exact) for step in (1.0, 0.5, 0.25)]
     assert errors[0] < 0.05
     for rough, fine in pairwise(errors):
         assert 3.3 < rough / fine < 5.0

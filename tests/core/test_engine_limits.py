@@ -1,12 +1,11 @@
 """The engine turns what its torque and its power allow, and the crew is told at once."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
-from trainer.boat.boat import Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.pilot import PilotMonitor
 from trainer.core.envelope import AHEAD
@@ -24,9 +23,7 @@ def torque(n: float, u: float) -> float:
 
 
 @pytest.mark.parametrize("u", [0.0, 2.0, 5.0, 7.0, 8.0, 9.0, 10.0, 11.0])
-def test_revolutions_are_those_of_the_tighter_limit(
-    make_boat: Callable[..., Boat], u: float
-) -> None:
+def test_revolutions_are_those_of_the_tighter_limit(u: float) -> None:
     boat = make_boat("bb2", "full", "exact")
     n = float(most_revolutions(boat.records.vessel, AHEAD, u / 5.0))
     shares = torque(n, u) / TORQUE_N_M, 2.0 * math.pi * n * torque(n, u) / SHAFT_POWER_W
@@ -34,7 +31,7 @@ def test_revolutions_are_those_of_the_tighter_limit(
     assert shares.index(max(shares)) == (1 if u > 8.0 else 0)
 
 
-def test_twenty_knots_take_the_power_that_there_is(make_boat: Callable[..., Boat]) -> None:
+def test_twenty_knots_take_the_power_that_there_is() -> None:
     boat = make_boat("bb2", "full", "exact")
     boat.start(20.0 * KNOT, 300.0, 0.0)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
@@ -45,7 +42,7 @@ def test_twenty_knots_take_the_power_that_there_is(make_boat: Callable[..., Boat
     assert 2.0 * math.pi * n * torque(n, u) == pytest.approx(SHAFT_POWER_W, rel=2e-3)
 
 
-def test_a_limited_engine_is_told_as_soon_as_it_is_ordered(make_boat: Callable[..., Boat]) -> None:
+def test_a_limited_engine_is_told_as_soon_as_it_is_ordered() -> None:
     boat = make_boat("bb2", "modified", "lagged")
     boat.start(5.0 * KNOT, 300.0, 0.0)
     monitor = PilotMonitor.over(boat)
@@ -64,7 +61,7 @@ def test_a_limited_engine_is_told_as_soon_as_it_is_ordered(make_boat: Callable[.
         assert monitor.look(boat) == []
 
 
-def test_an_engine_that_has_room_is_not_told(make_boat: Callable[..., Boat]) -> None:
+def test_an_engine_that_has_room_is_not_told() -> None:
     boat = make_boat("bb2", "modified", "lagged")
     boat.start(5.0 * KNOT, 300.0, 0.0)
     monitor = PilotMonitor.over(boat)

@@ -1,10 +1,10 @@
 """The boat beyond the range of its coefficients: no force that feeds it, no jump, no bit inside."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
 from trainer.boat.envelope import dissipative_forces, is_clipped
@@ -46,7 +46,7 @@ def any_way(rng: np.random.Generator, boat: Boat) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("vessel", BOATS)
-def test_the_water_never_feeds_the_boat(make_boat: Callable[..., Boat], vessel: str) -> None:
+def test_the_water_never_feeds_the_boat(vessel: str) -> None:
     # the theorem: every part of the wide set, planes at any angle, less weight, trim and thrust
     boat, rng = make_boat(vessel, "full", "exact"), np.random.default_rng(3)
     c, s = boat.vessel, boat.state
@@ -71,7 +71,7 @@ def test_the_water_never_feeds_the_boat(make_boat: Callable[..., Boat], vessel: 
 
 
 @pytest.mark.laws
-def test_an_ideal_fluid_does_no_work_in_any_direction(make_boat: Callable[..., Boat]) -> None:
+def test_an_ideal_fluid_does_no_work_in_any_direction() -> None:
     boat, rng = make_boat("bb2", "full", "exact"), np.random.default_rng(5)
     for _ in range(100):
         put(boat, any_way(rng, boat))
@@ -82,9 +82,7 @@ def test_an_ideal_fluid_does_no_work_in_any_direction(make_boat: Callable[..., B
             assert abs(powers.sum()) < 1e-11 * abs(powers).sum()
 
 
-def test_the_three_shipped_files_feed_nothing_and_one_that_would_is_clipped(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_the_three_shipped_files_feed_nothing_and_one_that_would_is_clipped() -> None:
     for vessel in BOATS:
         boat = make_boat(vessel)
         assert not is_clipped(boat.file, boat.records.vessel)
@@ -98,7 +96,7 @@ def test_the_three_shipped_files_feed_nothing_and_one_that_would_is_clipped(
 @pytest.mark.parametrize("equations", ["full", "modified", "basic"])
 @pytest.mark.parametrize("vessel", BOATS)
 def test_inside_the_range_the_bits_are_those_of_the_equations_alone(
-    make_boat: Callable[..., Boat], vessel: str, equations: str
+    vessel: str, equations: str
 ) -> None:
     boat, rng = make_boat(vessel, equations), np.random.default_rng(1)
     records = boat.records
@@ -118,9 +116,7 @@ def test_inside_the_range_the_bits_are_those_of_the_equations_alone(
         assert found.tobytes() == s.rates.tobytes()
 
 
-def test_between_the_two_the_accelerations_are_blended_without_a_jump(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_between_the_two_the_accelerations_are_blended_without_a_jump() -> None:
     boat = make_boat("bb2", "full", "exact")
 
     def at(degrees: float) -> np.ndarray:
@@ -154,9 +150,7 @@ def test_between_the_two_the_accelerations_are_blended_without_a_jump(
         ({"w": 0.1}, OUTSIDE_RANGE),
     ],
 )
-def test_how_far_the_equations_hold_is_told(
-    make_boat: Callable[..., Boat], motion: dict[str, float], expected: int
-) -> None:
+def test_how_far_the_equations_hold_is_told(motion: dict[str, float], expected: int) -> None:
     boat = make_boat("bb2", "full", "exact")
     put(boat, motion)
     assert validity(boat.records.vessel, boat.records.state) == expected
@@ -203,9 +197,7 @@ def rotation(turn: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("integrator", ["adams2", "rk4", "euler", "adams3", "abm4"])
-def test_a_boat_that_turns_through_the_vertical_keeps_its_angles(
-    make_boat: Callable[..., Boat], integrator: str
-) -> None:
+def test_a_boat_that_turns_through_the_vertical_keeps_its_angles(integrator: str) -> None:
     boat = make_boat("bb2", "full", "exact", integrator, 0.1)
     put(boat, {"u": 5.0, "theta": 1.2, "q": 0.2})
     boat.state.history = 0.0

@@ -1,10 +1,10 @@
 """Order, start and limits of the integrators."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, take_in_hand
 
 from trainer.boat.assemble import read_integrator, set_integrator
 from trainer.boat.boat import Boat
@@ -42,7 +42,7 @@ def flown(boat: Boat) -> np.ndarray:
     return np.array(s.motion)
 
 
-def observed_order(make_boat: Callable[..., Boat], integrator: str, rates: str, h: float) -> float:
+def observed_order(integrator: str, rates: str, h: float) -> float:
     """Return the order by Richardson: differences of runs at h, h/2 and h/4."""
     coarse, middle, fine = (
         flown(make_boat("bb2", "full", rates, integrator, h / n)) for n in (1, 2, 4)
@@ -68,16 +68,12 @@ def observed_order(make_boat: Callable[..., Boat], integrator: str, rates: str, 
         ("adams2", "lagged", 1.0, 0.0125),  # errata C27: formally first order
     ],
 )
-def test_each_method_has_its_order(
-    make_boat: Callable[..., Boat], integrator: str, rates: str, order: float, h: float
-) -> None:
-    assert observed_order(make_boat, integrator, rates, h) == pytest.approx(order, abs=0.2)
+def test_each_method_has_its_order(integrator: str, rates: str, order: float, h: float) -> None:
+    assert observed_order(integrator, rates, h) == pytest.approx(order, abs=0.2)
 
 
 @pytest.mark.long
-def test_lagged_rates_cost_no_more_than_adams_itself_at_half_a_second(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_lagged_rates_cost_no_more_than_adams_itself_at_half_a_second() -> None:
     true = flown(make_boat("bb2", "full", "exact", "rk4", 0.05))
     exact = flown(make_boat("bb2", "full", "exact", "adams2", 0.5))
     lagged = flown(make_boat("bb2", "full", "lagged", "adams2", 0.5))
@@ -176,7 +172,7 @@ def test_a_pair_is_given_by_its_coefficients() -> None:
 
 
 @pytest.mark.long
-def test_variable_runge_kutta_keeps_its_tolerance(make_boat: Callable[..., Boat]) -> None:
+def test_variable_runge_kutta_keeps_its_tolerance() -> None:
     true = flown(make_boat("bb2", "full", "exact", "rk4", 0.01))
     free = flown(make_boat("bb2", "full", "exact", "rkv", 2.0))
 
@@ -186,14 +182,12 @@ def test_variable_runge_kutta_keeps_its_tolerance(make_boat: Callable[..., Boat]
 
 @pytest.mark.long
 @pytest.mark.parametrize("step", [0.5, 1.0])
-def test_adams_gives_the_same_turn_at_half_a_second_and_one(
-    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None], step: float
-) -> None:
+def test_adams_gives_the_same_turn_at_half_a_second_and_one(step: float) -> None:
     turns = []
     for integrator, rates, h in (("rk4", "exact", 0.1), ("adams2", "lagged", step)):
         boat = make_boat("bb2", "full", rates, integrator, h)
         boat.start(10 * 1852 / 3600, 60.0, 0.0)
-        by_hand(boat)
+        take_in_hand(boat)
         boat.state.ordered_r = -math.radians(15.0)
         for _ in range(round(900 / h)):
             boat.tick()
@@ -203,7 +197,7 @@ def test_adams_gives_the_same_turn_at_half_a_second_and_one(
     assert turns[1] == pytest.approx(turns[0], rel=1e-3)
 
 
-def test_history_fills_from_the_present_after_a_jump(make_boat: Callable[..., Boat]) -> None:
+def test_history_fills_from_the_present_after_a_jump() -> None:
     boat = make_boat("bb2", "full")
     boat.start(5.0, 60.0, 0.0)
     boat.state.udot = 99.0

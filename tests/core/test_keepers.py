@@ -4,14 +4,14 @@ Figures are those of docs/autopilot.md with room for another seed.
 """
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
+from helpers.orders import answer_of, obey_all
 from numpy.typing import NDArray
 
-from trainer.boat import helm
 from trainer.boat.boat import Boat
 from trainer.boat.pilot import PilotMonitor
 from trainer.config.sea import parse_sea
@@ -19,35 +19,28 @@ from trainer.config.vessel import parse_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, ASCENT_RISING, NO_ASCENT
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
 from trainer.core.sea.forces import suction
-from trainer.io.orders.grammar import BadOrder, Refused, parse
 from trainer.units import KNOT
 
 pytestmark = [pytest.mark.core, pytest.mark.long]
 
 DEGREE = math.radians(1.0)
-Start = Callable[..., Boat]
 
 
-@pytest.fixture
-def started(make_boat: Callable[..., Boat]) -> Start:
-    """Return a function that starts BB2 on autopilot, course north, in a sea from ahead or so."""
-
-    def start(
-        knots: float,
-        depth: float,
-        state: int = 0,
-        origin: float = 0.0,
-        seed: int = 1,
-        generator: str = "cosines",
-    ) -> Boat:
-        boat = make_boat("bb2", "modified", "lagged", "adams2", 0.5)
-        text = f"[sea]\nsea_state = {state}\ndirection_deg = {origin}\n"
-        text += f'generator = "{generator}"\n'
-        boat.sea = parse_sea(text + 'suction = "on"\n', Path("this.toml"))
-        boat.start(knots * KNOT, depth, 0.0, seed)
-        return boat
-
-    return start
+def start(
+    knots: float,
+    depth: float,
+    state: int = 0,
+    origin: float = 0.0,
+    seed: int = 1,
+    generator: str = "cosines",
+) -> Boat:
+    """Return BB2 started on autopilot, course north, in a sea from ahead or so."""
+    boat = make_boat("bb2", "modified", "lagged", "adams2", 0.5)
+    text = f"[sea]\nsea_state = {state}\ndirection_deg = {origin}\n"
+    text += f'generator = "{generator}"\n'
+    boat.sea = parse_sea(text + 'suction = "on"\n', Path("this.toml"))
+    boat.start(knots * KNOT, depth, 0.0, seed)
+    return boat
 
 
 def sail(boat: Boat, seconds: float, *names: str) -> NDArray[np.float64]:
@@ -69,26 +62,17 @@ def said(boat: Boat, seconds: float) -> list[str]:
     return news
 
 
-def order(boat: Boat, text: str) -> str:
-    """Return the answer to an order."""
-    asked = parse(text)
-    assert asked is not None
-    assert not isinstance(asked, BadOrder), asked
-    reply = helm.obey_order(boat, asked)
-    return reply.reason if isinstance(reply, Refused) else reply
-
-
 # --- speed
 
 
 @pytest.mark.parametrize("origin", [0.0, 90.0, 180.0])
 @pytest.mark.parametrize(("knots", "state"), [(4.0, 4), (5.0, 5), (8.0, 6), (10.0, 6)])
 def test_the_mean_speed_is_the_ordered_one_in_any_sea(
-    started: Start, knots: float, state: int, origin: float
+    knots: float, state: int, origin: float
 ) -> None:
     means = []
     for seed in (7, 8, 9):
-        boat = started(knots, 20.0, state, origin, seed=seed)
+        boat = start(knots, 20.0, state, origin, seed=seed)
         sail(boat, 1200.0, "u")
         means.append(sail(boat, 1200.0, "u").mean() / KNOT)
 
@@ -97,9 +81,9 @@ def test_the_mean_speed_is_the_ordered_one_in_any_sea(
 
 @pytest.mark.parametrize(("before", "after", "settled"), [(5, 10, 260.0), (10, 5, 430.0)])
 def test_a_step_of_speed_settles_without_overshoot(
-    started: Start, before: float, after: float, settled: float
+    before: float, after: float, settled: float
 ) -> None:
-    boat = started(before, 100.0)
+    boat = start(before, 100.0)
     boat.state.ordered_speed = after * KNOT
     speeds = sail(boat, 1800.0, "u")[:, 0] / KNOT
     off = np.nonzero(np.abs(speeds - after) > 0.1)[0][-1] * boat.method.step
@@ -108,8 +92,8 @@ def test_a_step_of_speed_settles_without_overshoot(
     assert min(before, after) - 0.05 < speeds.min() < speeds.max() < max(before, after) + 0.05
 
 
-def test_an_order_that_the_engine_cannot_reach_is_called_out_once(started: Start) -> None:
-    boat = started(5.0, 100.0)
+def test_an_order_that_the_engine_cannot_reach_is_called_out_once() -> None:
+    boat = start(5.0, 100.0)
     boat.vessel.u_c_ahead = 6.0 * KNOT
     boat.state.ordered_speed = 8.0 * KNOT
 
@@ -119,8 +103,8 @@ def test_an_order_that_the_engine_cannot_reach_is_called_out_once(started: Start
     assert "the ordered speed is not reached" in news[0]
 
 
-def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed(started: Start) -> None:
-    boat = started(4.0, 30.0, 6, 180.0)
+def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed() -> None:
+    boat = start(4.0, 30.0, 6, 180.0)
     boat.state.blow[:3] = 2.0
     sail(boat, 120.0, "z")
     boat.state.blow[:] = 0.0
@@ -132,7 +116,7 @@ def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed(started: St
 
 def casualty(boat: Boat, text: str) -> None:
     """Let something break or mend at once."""
-    answer = order(boat, text)
+    answer = answer_of(boat, text)
     assert "no " not in answer, answer
 
 
@@ -151,14 +135,14 @@ def wrapped(away: NDArray[np.float64], watched: str) -> NDArray[np.float64]:
     ],
 )
 def test_a_keeper_held_at_its_end_for_ten_minutes_lets_go(
-    started: Start, broken: str, watched: str, scale: float, least: float, most: float
+    broken: str, watched: str, scale: float, least: float, most: float
 ) -> None:
-    boat = started(8.0, 100.0)
+    boat = start(8.0, 100.0)
     goal = float(boat.state[watched])
     casualty(boat, f"casualty {broken}")
     away = wrapped((sail(boat, 600.0, watched)[-1, 0] - goal) / scale, watched)
     casualty(boat, f"clear {broken.split(maxsplit=1)[0]}")
-    order(boat, "course 000")
+    obey_all(boat, "course 000")
     back = wrapped((sail(boat, 1800.0, watched)[:, 0] - goal) / scale, watched)
 
     assert abs(away) >= least
@@ -174,10 +158,10 @@ def test_a_keeper_held_at_its_end_for_ten_minutes_lets_go(
     [(10.0, 200.0, 110.0), (15.0, 200.0, 100.0), (5.0, 200.0, 115.0), (10.0, 60.0, 45.0)],
 )
 def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
-    started: Start, knots: float, depth: float, up: float
+    knots: float, depth: float, up: float
 ) -> None:
-    boat = started(knots, depth)
-    order(boat, "emergency blow")
+    boat = start(knots, depth)
+    obey_all(boat, "emergency blow")
     rows = sail(boat, 240.0, "z", "theta", "ascent", "blow_aft")
 
     assert np.nonzero(rows[:, 0] < 6.0)[0][0] * boat.method.step < up
@@ -189,14 +173,13 @@ def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
     assert boat.state.ordered_depth == 0.0
 
 
-def test_a_blow_broken_off_is_handed_back_without_a_jump(started: Start) -> None:
-    boat = started(10.0, 100.0)
-    order(boat, "emergency blow")
+def test_a_blow_broken_off_is_handed_back_without_a_jump() -> None:
+    boat = start(10.0, 100.0)
+    obey_all(boat, "emergency blow")
     sail(boat, 8.0, "z")
-    order(boat, "blow stop")
-    order(boat, "vent all open")
+    obey_all(boat, "blow stop", "vent all open")
     ascent = sail(boat, 40.0, "ascent")[:, 0]
-    order(boat, "vent all shut")
+    obey_all(boat, "vent all shut")
     while boat.state.ascent == ASCENT_RISING and boat.time < 300.0:
         planes = boat.numbers(("command_s", "command_b"))
         assert boat.tick() == 0
@@ -208,15 +191,14 @@ def test_a_blow_broken_off_is_handed_back_without_a_jump(started: Start) -> None
     assert np.abs(after[:, 0] - boat.state.ordered_depth).max() < 2.0
 
 
-def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
-    boat = started(10.0, 60.0)
-    order(boat, "emergency blow")
+def test_afloat_no_depth_is_kept_until_one_is_ordered() -> None:
+    boat = start(10.0, 60.0)
+    obey_all(boat, "emergency blow")
     news = said(boat, 150.0)
-    order(boat, "blow stop")
+    obey_all(boat, "blow stop")
     news += said(boat, 300.0)
     resting = float(boat.state.z), float(boat.state.ascent)
-    order(boat, "dive")
-    order(boat, "depth 40")
+    obey_all(boat, "dive", "depth 40")
     sail(boat, 900.0, "z")
 
     assert any("emergency ascent" in text for text in news)
@@ -227,15 +209,14 @@ def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
     assert boat.state.z == pytest.approx(40.0, abs=1.0)
 
 
-def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level(started: Start) -> None:
-    boat = started(5.0, 60.0)
+def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level() -> None:
+    boat = start(5.0, 60.0)
     s = boat.state
     s.blow[:3] = 1.0  # as a panel or a program does, without an order
     before = sail(boat, 10.0, "ascent")[:, 0]
     s.ordered_depth = 0.0
     rising = sail(boat, 40.0, "ascent")[:, 0]
-    order(boat, "blow stop")
-    order(boat, "vent all open")
+    obey_all(boat, "blow stop", "vent all open")
     while s.ascent == ASCENT_RISING and boat.time < 600.0:
         assert boat.tick() == 0
     kept = float(s.ordered_depth)
@@ -248,10 +229,9 @@ def test_main_ballast_blown_to_keep_depth_0_brings_the_boat_up_level(started: St
     assert s.ordered_depth == kept
 
 
-def test_with_the_planes_in_hand_a_blow_is_the_crews(started: Start) -> None:
-    boat = started(10.0, 60.0)
-    order(boat, "planes manual")
-    order(boat, "emergency blow")
+def test_with_the_planes_in_hand_a_blow_is_the_crews() -> None:
+    boat = start(10.0, 60.0)
+    obey_all(boat, "planes manual", "emergency blow")
     rows = sail(boat, 20.0, "ascent", "blow_aft", "delta_s")
 
     assert set(rows[:, 0]) == {NO_ASCENT}
@@ -295,9 +275,9 @@ def test_a_low_pass_halves_about_its_corner_and_begins_at_rest() -> None:
     [(4.0, 5, 0.0, 1.0, 14.0), (5.0, 5, 0.0, 0.6, 10.0), (8.0, 6, 180.0, 2.0, 16.0)],
 )
 def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
-    started: Start, knots: float, state: int, origin: float, rms: float, planes: float
+    knots: float, state: int, origin: float, rms: float, planes: float
 ) -> None:
-    boat = started(knots, 17.5, state, origin, seed=3)
+    boat = start(knots, 17.5, state, origin, seed=3)
     sail(boat, 600.0, "z")
     rows = sail(boat, 3000.0, "z", "theta", "command_s", "command_b", "wave_share")
 
@@ -308,11 +288,9 @@ def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
 
 
 @pytest.mark.parametrize(("state", "most"), [(5, 0.7), (6, 1.9)])
-def test_depth_is_kept_at_5_knots_in_a_sea_of_the_filter(
-    started: Start, state: int, most: float
-) -> None:
+def test_depth_is_kept_at_5_knots_in_a_sea_of_the_filter(state: int, most: float) -> None:
     for seed in (11, 12, 13):
-        boat = started(5.0, 17.5, state, seed=seed, generator="filter")
+        boat = start(5.0, 17.5, state, seed=seed, generator="filter")
         sail(boat, 600.0, "z")
         depths = sail(boat, 3000.0, "z")[:, 0]
 
@@ -320,12 +298,10 @@ def test_depth_is_kept_at_5_knots_in_a_sea_of_the_filter(
 
 
 @pytest.mark.parametrize(("knots", "state", "origin"), [(5.0, 5, 180.0), (8.0, 6, 0.0)])
-def test_the_time_between_waves_is_counted(
-    started: Start, knots: float, state: int, origin: float
-) -> None:
+def test_the_time_between_waves_is_counted(knots: float, state: int, origin: float) -> None:
     counted = []
     for seed in (3, 4, 5):
-        boat = started(knots, 17.5, state, origin, seed=seed)
+        boat = start(knots, 17.5, state, origin, seed=seed)
         counted.append(2.0 * math.pi / sail(boat, 1800.0, "wave_period")[600:, 0].mean())
     peak = float(boat.state.sea_omega)
     met = peak + peak * peak / 9.81 * knots * KNOT * math.cos(math.radians(origin))
@@ -333,17 +309,17 @@ def test_the_time_between_waves_is_counted(
     assert np.mean(counted) == pytest.approx(met, rel=0.1)
 
 
-def test_in_a_calm_and_in_small_waves_the_law_stays_as_it_is(started: Start) -> None:
-    assert sail(started(5.0, 18.0), 120.0, "wave_share", "wave_count").max() == 0.0
-    assert sail(started(5.0, 60.0, 3), 400.0, "wave_share").max() == 0.0
+def test_in_a_calm_and_in_small_waves_the_law_stays_as_it_is() -> None:
+    assert sail(start(5.0, 18.0), 120.0, "wave_share", "wave_count").max() == 0.0
+    assert sail(start(5.0, 60.0, 3), 400.0, "wave_share").max() == 0.0
 
 
 # --- trim
 
 
 @pytest.mark.parametrize("knots", [4.0, 5.0, 6.0, 8.0, 12.0])
-def test_automatic_trim_takes_pitch_and_planes_to_nothing(started: Start, knots: float) -> None:
-    boat = started(knots, 18.0)
+def test_automatic_trim_takes_pitch_and_planes_to_nothing(knots: float) -> None:
+    boat = start(knots, 18.0)
     water = float(boat.state.water.sum())
     rows = sail(boat, 3600.0, "z", "theta", "delta_s", "delta_b")
     s = boat.state
@@ -354,9 +330,9 @@ def test_automatic_trim_takes_pitch_and_planes_to_nothing(started: Start, knots:
     assert s.water_taken == pytest.approx(float(s.water.sum()) - water, abs=1e-6)
 
 
-def test_trim_by_hand_moves_no_water_and_pitch_stays_steady(started: Start) -> None:
-    boat = started(5.0, 18.0)
-    assert order(boat, "trim manual") == "trim by hand"
+def test_trim_by_hand_moves_no_water_and_pitch_stays_steady() -> None:
+    boat = start(5.0, 18.0)
+    assert answer_of(boat, "trim manual") == "trim by hand"
     water = boat.state.water.copy()
     pitch = sail(boat, 3600.0, "theta")[:, 0]
 
@@ -364,11 +340,11 @@ def test_trim_by_hand_moves_no_water_and_pitch_stays_steady(started: Start) -> N
     assert abs(pitch[-1] - pitch[1200]) < 0.05 * DEGREE
 
 
-def test_a_pump_that_the_crew_uses_is_not_taken_from_it(started: Start) -> None:
-    boat = started(5.0, 18.0)
+def test_a_pump_that_the_crew_uses_is_not_taken_from_it() -> None:
+    boat = start(5.0, 18.0)
     sail(boat, 120.0, "z")
     assert boat.state.trim_flood != 0.0
-    order(boat, "pump auxiliary 5")
+    obey_all(boat, "pump auxiliary 5")
     before = float(boat.state.water_auxiliary)
     sail(boat, 10.0, "z")
 
@@ -376,8 +352,8 @@ def test_a_pump_that_the_crew_uses_is_not_taken_from_it(started: Start) -> None:
     assert pumped == pytest.approx(5000.0 + float(boat.state.move_auxiliary), abs=1e-6)
 
 
-def test_automatic_trim_does_not_outdo_a_failed_pump(started: Start) -> None:
-    boat = started(5.0, 18.0)
+def test_automatic_trim_does_not_outdo_a_failed_pump() -> None:
+    boat = start(5.0, 18.0)
     boat.state.pump_fault[:] = 1.0
     water = boat.state.water.copy()
     sail(boat, 600.0, "z")
@@ -388,13 +364,13 @@ def test_automatic_trim_does_not_outdo_a_failed_pump(started: Start) -> None:
 # --- astern
 
 
-def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back(started: Start) -> None:
-    boat = started(10.0, 60.0)
-    order(boat, "rudder left 15")
+def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back() -> None:
+    boat = start(10.0, 60.0)
+    obey_all(boat, "rudder left 15")
     sail(boat, 30.0)
     begun = boat.state.psi
 
-    order(boat, "rudder auto")
+    obey_all(boat, "rudder auto")
     heading = sail(boat, 300.0, "psi")[:, 0]
 
     assert begun < -30.0 * DEGREE
@@ -402,14 +378,13 @@ def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back(started: St
     assert heading[-1] == pytest.approx(0.0, abs=DEGREE)
 
 
-def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up(started: Start) -> None:
-    boat = started(10.0, 60.0)
-    order(boat, "stern dive 20")
-    order(boat, "bow dive 20")
+def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up() -> None:
+    boat = start(10.0, 60.0)
+    obey_all(boat, "stern dive 20", "bow dive 20")
     sail(boat, 30.0)
     begun = boat.state.z
 
-    order(boat, "planes auto")
+    obey_all(boat, "planes auto")
     depth = sail(boat, 400.0, "z")[:, 0]
 
     assert begun > 75.0
@@ -417,9 +392,9 @@ def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up(started: Start) -> None
     assert depth[-1] == pytest.approx(60.0, abs=1.0)
 
 
-def test_going_astern_course_and_depth_are_kept_as_they_can_be(started: Start) -> None:
-    boat = started(10.0, 100.0)
-    order(boat, "turns -6")
+def test_going_astern_course_and_depth_are_kept_as_they_can_be() -> None:
+    boat = start(10.0, 100.0)
+    obey_all(boat, "turns -6")
     news = said(boat, 480.0)
     boat.state.psi += 3.0 * DEGREE
     rows = sail(boat, 300.0, "psi", "z", "u")
@@ -430,8 +405,8 @@ def test_going_astern_course_and_depth_are_kept_as_they_can_be(started: Start) -
     assert len([text for text in news if "astern" in text]) == 1
 
 
-def test_slow_astern_the_planes_lie_amidships(started: Start) -> None:
-    boat = started(4.0, 100.0)
+def test_slow_astern_the_planes_lie_amidships() -> None:
+    boat = start(4.0, 100.0)
     boat.state.u = -2.0 * KNOT
     rows = sail(boat, 10.0, "command_s", "command_b")
 
@@ -441,9 +416,9 @@ def test_slow_astern_the_planes_lie_amidships(started: Start) -> None:
 # --- hovering
 
 
-def at_rest(started: Start, depth: float, state: int, seed: int) -> Boat:
+def at_rest(depth: float, state: int, seed: int) -> Boat:
     """Return a boat that lies stopped and balanced under waves, moving as they move it."""
-    boat = started(4.0, depth, state, 0.0, seed)
+    boat = start(4.0, depth, state, 0.0, seed)
     s = boat.state
     s.motion[:9] = s.rates[:] = s.surface[:] = 0.0
     s.u_c = s.command_u_c = s.telegraph_answer = s.telegraph_order = s.ordered_u_c = 0.0
@@ -468,10 +443,10 @@ def at_rest(started: Start, depth: float, state: int, seed: int) -> Boat:
 @pytest.mark.parametrize(("depth", "state", "within"), [(18.0, 4, 5.0), (30.0, 5, 5.0)])
 @pytest.mark.parametrize("seed", [202, 203, 204])
 def test_hovering_holds_its_depth_under_waves(
-    started: Start, depth: float, state: int, within: float, seed: int
+    depth: float, state: int, within: float, seed: int
 ) -> None:
-    boat = at_rest(started, depth, state, seed)
-    assert "hovering" in order(boat, "hover on")
+    boat = at_rest(depth, state, seed)
+    assert "hovering" in answer_of(boat, "hover on")
     rows = sail(boat, 3600.0, "z", "hover", "command_s", "command_b")
 
     assert rows[:, 1].min() == 1.0
@@ -479,23 +454,23 @@ def test_hovering_holds_its_depth_under_waves(
     assert np.abs(rows[:, 2:]).max() == 0.0, "the planes have no part in it"
 
 
-def test_hovering_is_refused_where_the_pump_cannot_hold(started: Start) -> None:
-    boat = started(4.0, 18.0, 5)
+def test_hovering_is_refused_where_the_pump_cannot_hold() -> None:
+    boat = start(4.0, 18.0, 5)
 
-    answer = order(boat, "hover on")
+    answer = answer_of(boat, "hover on")
 
     assert answer.startswith("the pump cannot hold 18 m here")
     assert answer.endswith(", or make 3 knots")
     assert boat.state.hover == 0.0
     depth = float(answer.rpartition("go to ")[2].split()[0])
     boat.state.z = depth
-    assert "until then the planes keep the depth" in order(boat, "hover on"), "at 4 knots"
-    assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
+    assert "until then the planes keep the depth" in answer_of(boat, "hover on"), "at 4 knots"
+    assert "cannot hold 18 m" in answer_of(boat, "depth 18"), "nor is the boat sent there hovering"
 
 
-def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
-    boat = at_rest(started, 30.0, 5, 201)
-    order(boat, "hover on")
+def test_hovering_that_is_lost_is_given_up_and_told() -> None:
+    boat = at_rest(30.0, 5, 201)
+    obey_all(boat, "hover on")
     boat.state.speed_by_hand = 0.0
     boat.state.ordered_speed = 0.0
     boat.state.water_auxiliary -= 6000.0
@@ -506,17 +481,17 @@ def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
     assert boat.state.ordered_speed == pytest.approx(4.0 * KNOT)
 
 
-def test_a_sea_without_suction_is_told_where_one_hovers(started: Start) -> None:
-    boat = started(4.0, 30.0, 4)
+def test_a_sea_without_suction_is_told_where_one_hovers() -> None:
+    boat = start(4.0, 30.0, 4)
     boat.state.u, boat.state.sea_suction = 0.5, 0.0
 
-    assert "no suction" in order(boat, "hover on")
+    assert "no suction" in answer_of(boat, "hover on")
 
 
 # --- tanks too small for automatic trim
 
 
-def test_a_trim_tank_too_small_is_named_in_its_file(make_boat: Callable[..., Boat]) -> None:
+def test_a_trim_tank_too_small_is_named_in_its_file() -> None:
     text = make_boat("bb2").file.text
     start = text.index('name = "trim_forward"')
     key = text.index("capacity_m3", start)
@@ -528,8 +503,8 @@ def test_a_trim_tank_too_small_is_named_in_its_file(make_boat: Callable[..., Boa
     assert "automatic trim wants 0.43 m3 or more" in remark
 
 
-def test_automatic_trim_tells_when_a_tank_has_no_more_to_give(started: Start) -> None:
-    boat = started(6.0, 18.0)
+def test_automatic_trim_tells_when_a_tank_has_no_more_to_give() -> None:
+    boat = start(6.0, 18.0)
     boat.vessel.capacity[6] = boat.state.water_auxiliary  # full, and more is wanted
     news = said(boat, 300.0)
 

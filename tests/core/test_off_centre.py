@@ -2,12 +2,12 @@
 
 import shutil
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from c_twin.compiler import SAME_BITS, build
+from helpers.boats import make_boat
 from helpers.lanes import sample_cases
 
 from trainer.analysis.bench.standard_hour import digest
@@ -150,7 +150,7 @@ def test_the_image_of_a_boat_off_centre_moves_as_its_image(equations: str, way: 
     assert image == pytest.approx(mirror * ours, rel=1e-13)
 
 
-def test_a_tank_beside_the_middle_plane_heels_the_compact_boat(make_boat: Callable) -> None:  # type: ignore[type-arg]
+def test_a_tank_beside_the_middle_plane_heels_the_compact_boat() -> None:
     boat = make_boat("bb2", "modified")
     boat.start(5.0, 60.0, 0.0)
     assert not compact_set.off_centre(boat.records.compact, boat.records.state)

@@ -1,10 +1,10 @@
 """The laws that the equations of motion must obey whatever the coefficients."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, start_bb2, take_in_hand
 
 from trainer.boat.boat import Boat
 from trainer.core import full, rates
@@ -40,7 +40,7 @@ def energy(boat: Boat) -> float:
 
 @pytest.mark.long
 @pytest.mark.parametrize("off_centre", [False, True])
-def test_an_ideal_fluid_takes_no_energy(make_boat: Callable[..., Boat], off_centre: bool) -> None:  # noqa: FBT001
+def test_an_ideal_fluid_takes_no_energy(off_centre: bool) -> None:  # noqa: FBT001
     # model document, section 2, property 3: any centre of gravity and inertia
     boat = make_boat(IDEAL, "full", "exact", "rk4", 0.01)
     s, c = boat.state, boat.vessel
@@ -73,9 +73,7 @@ def asymmetric(boat: Boat) -> None:
 @pytest.mark.laws
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize("way", ["exact", "lagged"])
-def test_port_mirrors_starboard_to_the_bit(
-    make_boat: Callable[..., Boat], equations: str, way: str
-) -> None:
+def test_port_mirrors_starboard_to_the_bit(equations: str, way: str) -> None:
     boats = [make_boat("bb2", equations, way) for _ in range(2)]
     for boat in boats:
         asymmetric(boat)
@@ -96,12 +94,9 @@ def test_port_mirrors_starboard_to_the_bit(
 
 @pytest.mark.long
 @pytest.mark.parametrize("equations", ["full", "modified", "basic", "longitudinal"])
-def test_straight_trimmed_flight_stays_straight_for_an_hour(
-    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None], equations: str
-) -> None:
-    boat = make_boat("bb2", equations)
-    boat.start(10 * KNOT, 60.0, 0.0)
-    by_hand(boat)
+def test_straight_trimmed_flight_stays_straight_for_an_hour(equations: str) -> None:
+    boat = start_bb2(equations)
+    take_in_hand(boat)
 
     for _ in range(7200):
         boat.tick()
@@ -117,14 +112,12 @@ def test_straight_trimmed_flight_stays_straight_for_an_hour(
 
 
 @pytest.mark.laws
-def test_longitudinal_motion_never_excites_lateral_motion(
-    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
-) -> None:
+def test_longitudinal_motion_never_excites_lateral_motion() -> None:
     boat = make_boat("sdv-mk9", "full", "exact", "rk4", 0.1)
     c = boat.vessel
     c.I_xy = c.I_yz = 0.0
     boat.start(1.5, 20.0, 0.0)
-    by_hand(boat)
+    take_in_hand(boat)
     boat.state.ordered_s = 0.05
 
     for _ in range(300):
@@ -136,7 +129,7 @@ def test_longitudinal_motion_never_excites_lateral_motion(
 
 
 @pytest.mark.laws
-def test_a_neutral_boat_at_rest_stays_at_rest(make_boat: Callable[..., Boat]) -> None:
+def test_a_neutral_boat_at_rest_stays_at_rest() -> None:
     boat = make_boat("sdv-mk9", "full", "exact")
     s = boat.state
     s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
@@ -151,9 +144,7 @@ def test_a_neutral_boat_at_rest_stays_at_rest(make_boat: Callable[..., Boat]) ->
 
 @pytest.mark.laws
 @pytest.mark.parametrize("speed", [8.0, 2.0, -2.0])
-def test_without_thrust_drag_opposes_the_motion_ahead_and_astern(
-    make_boat: Callable[..., Boat], speed: float
-) -> None:
+def test_without_thrust_drag_opposes_the_motion_ahead_and_astern(speed: float) -> None:
     boat = make_boat("bb2", "full")
     boat.state.u = speed
 
@@ -163,14 +154,12 @@ def test_without_thrust_drag_opposes_the_motion_ahead_and_astern(
 
 
 @pytest.mark.laws
-def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside(
-    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
-) -> None:
+def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside() -> None:
     # 1.88 m/s by the drag of pure heave; gliding astern takes some of it. The equations of 1969,
     # which are out of their range here, give 1.9 m/s
     boat = make_boat("bb2", "full")
     s = boat.state
-    by_hand(boat)
+    take_in_hand(boat)
     boat.vessel.fitted = 0.0  # nothing but the weight is to change
     s.weight -= 50e3 * 9.81
     s.z = 1000.0
@@ -183,7 +172,7 @@ def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside(
 
 
 @pytest.mark.laws
-def test_steep_pitch_leaves_the_rates_finite(make_boat: Callable[..., Boat]) -> None:
+def test_steep_pitch_leaves_the_rates_finite() -> None:
     boat = make_boat("bb2", "full")
     s = boat.state
     s.u, s.theta, s.q, s.r, s.phi = 5.0, math.pi / 2, 0.1, 0.1, 0.2

@@ -6,12 +6,11 @@ from typing import Final
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
 from trainer.core.ballast.ballast import balance, flow_through_holes, is_quiet
 from trainer.core.ballast.tanks import TANKS_END
 from trainer.core.elementary import cosine, sine
@@ -32,7 +31,7 @@ FLIGHT_TICKS: Final = 240
 def boat_at(depth: float, sea: str = "calm", way: tuple[str, str, str] = WAYS[0]) -> Boat:
     """Return a boat under way at a depth [m] in a sea."""
     equations, rates, integrator = way
-    boat = Boat(load_vessel("bb2"), Method(equations, rates, "exact", integrator, 0.5))
+    boat = make_boat("bb2", equations, rates, integrator)
     boat.start(5.0 * KNOT, depth, 0.3, 7)
     boat.put_to_sea(load_sea(sea))
     return boat

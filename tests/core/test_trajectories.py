@@ -1,13 +1,12 @@
 """Whole runs of an independent implementation, replayed control by control."""
 
 import json
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.places import DATA
 
-from trainer.boat.boat import Boat
 from trainer.core.integrators import advance
 
 pytestmark = pytest.mark.core
@@ -20,7 +19,6 @@ SCALE = np.array([FOOT] * 3 + [1.0] * 6 + [FOOT] * 3)
 
 @pytest.mark.parametrize("run", RUNS["trajectories"], ids=lambda run: run["title"][:2].strip())
 def test_recorded_controls_give_the_recorded_trajectory(
-    make_boat: Callable[..., Boat],
     run: dict,  # type: ignore[type-arg]
 ) -> None:
     rates = "lagged" if run["lagged"] else "exact"

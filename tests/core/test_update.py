@@ -3,12 +3,12 @@
 import math
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat, start_bb2
 from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
@@ -25,10 +25,9 @@ DEGREE = math.pi / 180.0
 EQUATIONS = ("full", "modified", "basic", "longitudinal")
 
 
-def under_way(make_boat: Callable[..., Boat], *method: object) -> Boat:
+def under_way(*method: str) -> Boat:
     """Return a BB2 in the middle of a turn and a dive."""
-    boat = make_boat("bb2", *method)
-    boat.start(10.0 * KNOT, 60.0, 0.0)
+    boat = start_bb2(*method)
     s = boat.state
     s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = 1.0
     s.ordered_r, s.ordered_s = 0.2, 0.05
@@ -47,9 +46,9 @@ def under_way(make_boat: Callable[..., Boat], *method: object) -> Boat:
     [("v", 1e200, "udot"), ("x", math.inf, "x"), ("psi", math.nan, "xdot"), ("q", -1e160, "udot")],
 )
 def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
-    make_boat: Callable[..., Boat], place: str, value: float, named: str
+    place: str, value: float, named: str
 ) -> None:
-    boat = under_way(make_boat)
+    boat = under_way()
     boat.state[place] = value
     before = boat.records.state.tobytes()
 
@@ -62,10 +61,8 @@ def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
 
 
 @pytest.mark.core
-def test_a_tick_that_fails_in_a_sea_leaves_the_waves_as_they_were(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = under_way(make_boat)
+def test_a_tick_that_fails_in_a_sea_leaves_the_waves_as_they_were() -> None:
+    boat = under_way()
     boat.put_to_sea(load_sea("sea-state-5"))
     for _ in range(4):
         assert boat.tick() == 0
@@ -78,10 +75,8 @@ def test_a_tick_that_fails_in_a_sea_leaves_the_waves_as_they_were(
 
 
 @pytest.mark.core
-def test_a_tick_after_a_failed_one_is_as_if_it_had_never_been_tried(
-    make_boat: Callable[..., Boat],
-) -> None:
-    tried, untried = under_way(make_boat), under_way(make_boat)
+def test_a_tick_after_a_failed_one_is_as_if_it_had_never_been_tried() -> None:
+    tried, untried = under_way(), under_way()
     good = tried.snapshot()
     tried.state.v = 1e200
     with np.errstate(all="ignore"):
@@ -103,10 +98,8 @@ def test_a_snapshot_is_at_most_four_kibibytes() -> None:
 @pytest.mark.core
 @pytest.mark.parametrize("equations", EQUATIONS)
 @pytest.mark.parametrize("integrator", ["adams2", "adams3", "abm4", "rk4", "rkv"])
-def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
-    make_boat: Callable[..., Boat], equations: str, integrator: str
-) -> None:
-    boat = under_way(make_boat, equations, "lagged", integrator)
+def test_a_turn_goes_on_from_a_snapshot_to_the_bit(equations: str, integrator: str) -> None:
+    boat = under_way(equations, "lagged", integrator)
     snapshot = boat.snapshot()
     ends = []
     for _ in range(2):
@@ -115,7 +108,7 @@ def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
             assert boat.tick() == 0
         ends.append(boat.records.state.tobytes())
 
-    other = under_way(make_boat, equations, "lagged", integrator)  # nothing hides elsewhere
+    other = under_way(equations, "lagged", integrator)  # nothing hides elsewhere
     other.restore(snapshot)
     for _ in range(20):
         assert other.tick() == 0
@@ -191,8 +184,8 @@ def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     assert [number for name, number in counts if name == "wasteful"] == ["1000"] * 24
 
 
-def test_a_tick_leaves_nothing_behind_in_the_interpreter(make_boat: Callable[..., Boat]) -> None:
-    boat = under_way(make_boat)
+def test_a_tick_leaves_nothing_behind_in_the_interpreter() -> None:
+    boat = under_way()
     blocks = []
     for _ in range(3):
         for _ in range(1000):
@@ -217,9 +210,7 @@ def standing(boat: Boat) -> list[float]:
 
 @pytest.mark.laws
 @pytest.mark.core
-def test_surfaces_move_at_7_1_degrees_a_second_and_stop_at_30(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_surfaces_move_at_7_1_degrees_a_second_and_stop_at_30() -> None:
     boat = make_boat("bb2")
     told(boat, -90.0, 0.0, 90.0)
     seen = []
@@ -233,9 +224,7 @@ def test_surfaces_move_at_7_1_degrees_a_second_and_stop_at_30(
 
 
 @pytest.mark.core
-def test_a_lagging_surface_covers_its_share_of_the_way_each_tick(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_lagging_surface_covers_its_share_of_the_way_each_tick() -> None:
     # time constant 0.1 s, step 0.1 s: 1 - 1/e of the way, slower than its rate of 20 deg/s
     boat = make_boat("sdv-mk9")
     told(boat, 3.0, -3.0)
@@ -257,7 +246,7 @@ def test_a_lagging_surface_covers_its_share_of_the_way_each_tick(
     ],
 )
 def test_rudder_and_stern_planes_of_an_x_tail_share_30_degrees(
-    make_boat: Callable[..., Boat], rudder: float, stern: float, reached: tuple[float, float]
+    rudder: float, stern: float, reached: tuple[float, float]
 ) -> None:
     boat = make_boat("bb2")
     told(boat, rudder, stern)
@@ -269,9 +258,7 @@ def test_rudder_and_stern_planes_of_an_x_tail_share_30_degrees(
 
 
 @pytest.mark.core
-def test_rudder_and_stern_planes_of_a_cruciform_tail_each_have_all_of_their_travel(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_rudder_and_stern_planes_of_a_cruciform_tail_each_have_all_of_their_travel() -> None:
     boat = make_boat("sdv-mk9")
     told(boat, 90.0, -90.0)
     for _ in range(200):
@@ -283,9 +270,7 @@ def test_rudder_and_stern_planes_of_a_cruciform_tail_each_have_all_of_their_trav
 
 
 @pytest.mark.core
-def test_revolutions_wait_three_seconds_and_then_close_in_with_six(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_revolutions_wait_three_seconds_and_then_close_in_with_six() -> None:
     boat = make_boat("bb2")
     s = boat.state
     s.speed_by_hand = 1.0
@@ -302,9 +287,7 @@ def test_revolutions_wait_three_seconds_and_then_close_in_with_six(
 
 
 @pytest.mark.core
-def test_a_second_bell_before_the_first_is_answered_starts_the_wait_again(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_second_bell_before_the_first_is_answered_starts_the_wait_again() -> None:
     boat = make_boat("bb2")
     s = boat.state
     s.speed_by_hand = 1.0
@@ -336,9 +319,7 @@ def test_a_second_bell_before_the_first_is_answered_starts_the_wait_again(
         (-1.0, -3.0, 3),
     ],
 )
-def test_the_row_of_thrust_is_that_of_its_eta(
-    make_boat: Callable[..., Boat], u: float, u_c: float, row: int
-) -> None:
+def test_the_row_of_thrust_is_that_of_its_eta(u: float, u_c: float, row: int) -> None:
     # model document, section 2, Propulsion: by comparison, without dividing
     boat = make_boat("bb2")
     c, s = boat.vessel, boat.state

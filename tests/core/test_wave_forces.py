@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.places import DATA
 from numba import njit
 
@@ -129,7 +130,7 @@ def exact(vessel: Record, k: float, chi: float, depth: float) -> np.ndarray:
 
 @pytest.mark.parametrize("k", [1e-9, 0.003, 0.02, 0.0428, 0.12, 0.3])
 @pytest.mark.parametrize("chi", [0.0, 0.7, 1.57, 2.5, np.pi, -2.0])
-def test_one_wave_pushes_on_each_strip_of_bb2(make_boat: Any, k: float, chi: float) -> None:
+def test_one_wave_pushes_on_each_strip_of_bb2(k: float, chi: float) -> None:
     vessel = make_boat("bb2").records.vessel
     state = one_wave(15.0, chi, sea_omega=np.sqrt(G * k))
     expected = exact(vessel, k, chi, 15.0)
@@ -139,7 +140,7 @@ def test_one_wave_pushes_on_each_strip_of_bb2(make_boat: Any, k: float, chi: flo
     assert np.all(abs(force_of(state, vessel) - expected) < TABLE * whole)
 
 
-def test_a_boat_that_the_water_takes_along_is_rolled_by_its_weight_alone(make_boat: Any) -> None:
+def test_a_boat_that_the_water_takes_along_is_rolled_by_its_weight_alone() -> None:
     vessel = make_boat("bb2").records.vessel
     c = vessel[0]
     state = one_wave(15.0, 0.5 * np.pi, sea_omega=np.sqrt(G * 1e-6))
@@ -259,7 +260,7 @@ def test_suction_on_a_circular_cylinder_is_ogilvie_s() -> None:
     )
 
 
-def test_the_hull_s_lift_feels_the_water_s_own_vertical_speed(make_boat: Any) -> None:
+def test_the_hull_s_lift_feels_the_water_s_own_vertical_speed() -> None:
     vessel = make_boat("bb2").records.vessel
     c = vessel[0]
     omega = np.sqrt(G * K_WAVE)
@@ -397,7 +398,7 @@ def test_the_filter_s_mean_suction_is_the_spectrum_s(depth: float) -> None:
 # The calm surface
 
 
-def test_the_calm_surface_lifts_bb2_at_periscope_depth_and_not_deep(make_boat: Any) -> None:
+def test_the_calm_surface_lifts_bb2_at_periscope_depth_and_not_deep() -> None:
     boat = make_boat()
     s = boat.state
     forces = {}
@@ -439,7 +440,7 @@ def test_tables_of_the_calm_surface_are_bilinear_and_end_at_their_edges() -> Non
     assert lift(3.0, 29.999) == pytest.approx(0.0, abs=1e-3)
 
 
-def test_the_sail_shows_before_the_deck(make_boat: Any) -> None:
+def test_the_sail_shows_before_the_deck() -> None:
     boat = make_boat()
     s, records = boat.state, boat.records
     s.z = 11.3724

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
+from helpers.orders import read_order
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import shipped_names
@@ -127,8 +128,7 @@ def explored(name: str, run: Rehearsal) -> RunExplorer:
 def planted(name: str, seconds: float, text: str, without: str = "") -> Rehearsal:
     """Return the reference crew's run with one order more, and perhaps one less."""
     plan = plan_of(name)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     given = [each for each in by_crew(name).trajectory.orders if each.text != without]
     orders: dict[int, list[Any]] = {}
     more = [journalled(9000, round(2 * seconds), "panel", text, "")] if text else []
@@ -287,8 +287,7 @@ def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
 def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
     """Return a run in which nobody gives any order but one."""
     plan = plan_of(name)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     alone = journalled(9000, round(2 * seconds), "panel", text, "")
     orders: dict[int, list[Any]] = {}
     for entry in (*fly_rehearsal(plan).trajectory.orders, alone):
@@ -415,8 +414,7 @@ def test_nine_of_ten_planted_orders_are_named() -> None:
 def is_named(name: str, right: str, wrong: str | None, late: float) -> bool:
     """Return whether the debrief of a crew's fault has its order at its moment, within 5 s."""
     plan = plan_of(name)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     given = by_crew(name).trajectory.orders
     own = (each for each in given if each.text == right)
     due = next(each for each in own if each.giver.kind is GiverKind.REFERENCE)
@@ -456,14 +454,12 @@ def test_a_run_of_another_core_has_no_curve() -> None:
 
 def test_a_mute_crew_gives_nothing_and_knows_what_is_overdue() -> None:
     plan = plan_of("backing")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     mute = MuteCrew(boat, plan.crew)
     for tick in range(160):
         due = [each.order for each in plan.schedule if 2 * each.seconds == tick]
         for order in due:
-            planned = parse(order.text)
-            assert isinstance(planned, Order)
+            read_order(order.text)
         before = boat.records.state.tobytes()
         mute.follow(due)
         assert boat.records.state.tobytes() == before
@@ -483,8 +479,7 @@ def test_orders_are_the_same_that_say_the_same_to_the_same_control() -> None:
 
 def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
     plan = plan_of("crossing-traffic")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     mute = MuteCrew(boat, plan.crew)
     for _ in range(60):
         mute.follow(())

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from click.testing import CliRunner
+from helpers.typed import type_command
 
 from trainer.cli.main import cli
 from trainer.debrief.page import read_dossier, render
@@ -49,8 +49,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> str:
     exercise.write_text(LANE)
     orders.write_text("2 scope raise\n30 scope lower\n60 scope raise\n")
     words = ["run", str(exercise), "--orders", str(orders), "--record", str(record)]
-    done = CliRunner().invoke(cli, [*words, "--headless", "--speed", "max"])
-    assert done.exit_code == 0, done.output
+    type_command(cli, *words, "--headless", "--speed", "max")
     return render(read_dossier(record, None))
 
 

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from helpers.recorded import record
+from helpers.typed import type_command
 
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
@@ -96,8 +96,7 @@ def test_a_form_to_print_has_all_that_is_judged_and_a_place_to_sign(
 ) -> None:
     page = tmp_path / "form.html"
     options = ["--peer"] if kind == "peer" else []
-    result = CliRunner().invoke(cli, ["exercise", "form", EXERCISE, *options, "-o", str(page)])
-    assert result.exit_code == 0, result.output
+    type_command(cli, "exercise", "form", EXERCISE, *options, "-o", page)
     text = page.read_text(encoding="utf-8")
     plan = plan_run(RunOptions(exercise=EXERCISE))
     assert all(f"<td>{name}</td>" in text for name in judged_names(plan))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.altered import alter
 from helpers.recorded import record
 
 from trainer.analysis.recording_export import read_recording
@@ -61,9 +62,7 @@ def lengthened(folder: Path, name: str, insert: str, count: int) -> Path:
     """Return a copy of the recording with so many rows more."""
     path = folder / f"{name}.trainer"
     shutil.copy(folder / "good.trainer", path)
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute(COUNTING.format(count) + insert)
-        connection.commit()
+    alter(path, COUNTING.format(count) + insert)
     return path
 
 
@@ -153,9 +152,7 @@ def test_a_name_is_forgotten_in_a_recording_that_is_too_long_to_be_read(
     folder: Path, run: Run
 ) -> None:
     path = lengthened(folder, "long", CHAINED, 40)
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute("INSERT INTO header VALUES ('trainees', '[\"Ann\"]')")
-        connection.commit()
+    alter(path, "INSERT INTO header VALUES ('trainees', '[\"Ann\"]')")
     code, text, _ = run("recordings", path, "--forget", "Ann")
     assert (code, text) == (0, f"{path}: the name is removed\n")
     left = [each for each in folder.iterdir() if b"Ann" in each.read_bytes()]

@@ -3,13 +3,13 @@
 import contextlib
 import json
 import shutil
-import sqlite3
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import platformdirs
 import pytest
+from helpers.altered import alter
 from helpers.recorded import record
 
 from trainer.cli.main import main
@@ -239,9 +239,8 @@ def test_a_terminal_gets_a_list_of_its_own_width(
 
 
 def test_a_list_sends_no_control_characters(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with contextlib.closing(sqlite3.connect(kept)) as file, file:
-        names = json.dumps(["\x07\x1b[31mred"])
-        file.execute("UPDATE header SET value = ? WHERE key = 'trainees'", (names,))
+    names = json.dumps(["\x07\x1b[31mred"])
+    alter(kept, "UPDATE header SET value = ? WHERE key = 'trainees'", names)
     print_list([kept.parent], as_json=False)
     told = capsys.readouterr().out
     assert "\x07" not in told

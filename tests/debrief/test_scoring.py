@@ -6,20 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 from helpers.givers import journalled
-from helpers.key_tables import TABLES
 from helpers.nursery import Done, run_trainer
-from helpers.places import ROOT
 
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.config.score_rules import ScoreRule
-from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
-from trainer.debrief.scoring import (  # type: ignore[attr-defined]
-    SCORE_MEASURES,
+from trainer.debrief.scoring import (
     formula_of,
     marks_of,
     score_rules,
@@ -34,11 +29,7 @@ SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 MARKS = {"full": 0, "zero": 10}
 
 
-def boat_of(vessel: str = "bb2") -> Boat:
-    return Boat(load_vessel(vessel), Method("modified", "lagged", "exact", "adams2", 0.5))
-
-
-BB2 = boat_of()
+BB2 = make_boat("bb2", "modified")
 
 
 def trajectory(
@@ -253,7 +244,7 @@ def test_a_frozen_depth_is_not_held_against_the_crew() -> None:
 
 @pytest.mark.parametrize("measure", ["beyond-test-depth", "time-beyond-test-depth"])
 def test_a_boat_without_test_depth_is_not_judged_by_it(measure: str) -> None:
-    boat = boat_of()
+    boat = make_boat("bb2", "modified")
     hull = replace(boat.file.hull, test_depth_m=None)
     boat.file = replace(boat.file, hull=hull)
     found = take_measure(replace(trajectory(z=[500.0]), boat=boat), rule(measure=measure))
@@ -293,7 +284,7 @@ def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:
 def test_a_boat_without_the_part_is_not_judged_by_it() -> None:
     went = trajectory()
     lone = Trajectory(
-        boat_of("remus100"),
+        make_boat("remus100", "modified"),
         went.limits,
         (),
         went.ticks,
@@ -404,12 +395,6 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
     assert formula_of(rule(measure="rms", quantity="course")) == (
         "root of the mean of (course - what is ordered)^2, a term for each tick"
     )
-
-
-def test_the_page_has_the_table_of_every_measure() -> None:
-    page = (ROOT / "docs" / "measures.md").read_text(encoding="utf-8")
-    assert TABLES["measures"]() in page
-    assert len(SCORE_MEASURES) == 24
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))

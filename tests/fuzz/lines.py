@@ -7,13 +7,12 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
+from helpers.boats import make_boat
 from numpy.typing import NDArray
 
 from fuzz.fuzz import Target, text_of
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.config.vessel import load_vessel
 from trainer.console.charts import Quantity
 from trainer.console.client import Item
 from trainer.console.model import SessionModel
@@ -145,7 +144,7 @@ class Wire:
 @functools.cache
 def boat() -> tuple[Boat, NDArray[np.void]]:
     """Return a boat with everything fitted, and how it starts."""
-    made = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    made = make_boat("bb2", "modified")
     made.start(8 * KNOT, 40.0, 0.0)
     return made, made.snapshot()
 

@@ -9,9 +9,9 @@ from typing import Final
 
 import pytest
 
+from helpers.boats import make_boat
+from helpers.line import Line, fields_of
 from helpers.sessions import session_over
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
@@ -19,9 +19,7 @@ from trainer.config.derived import Loss, compile_condition
 from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
 from trainer.config.files import Position
 from trainer.config.outcome import Outcome
-from trainer.config.vessel import load_vessel
 from trainer.config.world import WorldTables
-from trainer.io.lines import OverlongLine
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
@@ -41,30 +39,6 @@ MARKS: Final = Judgement(Outcome.NOT_REACHED, 42.0, ("depth: 42",))
 PLACE: Final = Position("exercise.toml", "lost")
 
 
-class Typist:
-    """A line on which a test types, as a program or as a person."""
-
-    trouble = ""
-    dropped = 0
-    room = True
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.ended = False
-        self.typed: list[str | OverlongLine] = []
-        self.sent: list[str] = []
-
-    def take(self, most: int) -> list[str | OverlongLine]:
-        taken, self.typed = self.typed[:most], self.typed[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        del patience
-
-
 class Crewed:
     """A session of BB2 with an instructor and whoever comes, at full speed, heard at will."""
 
@@ -80,7 +54,7 @@ class Crewed:
         hand: frozenset[str] = frozenset(),
         plan: Plan | None = None,  # of an exercise
     ) -> None:
-        self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+        self.boat = make_boat("bb2", "modified")
         if plan:
             plan.start(self.boat)
             schedule = plan.schedule
@@ -135,25 +109,25 @@ class Crewed:
         page = str(path.with_suffix(f".branch{branch}.html"))
         return WrittenDebrief(page, [(2.0, "0:02: much was lost.")])
 
-    def comes(self, role: str) -> Typist:
+    def comes(self, role: str) -> Line:
         """Let a station come that says who it is."""
-        line = Typist(f"line {len(self.session.event_log.stations) + 1}")
+        line = Line(f"line {len(self.session.event_log.stations) + 1}")
         self.attach(line, role)
         return line
 
-    def attach(self, line: Typist, role: str) -> None:
+    def attach(self, line: Line, role: str) -> None:
         """Let a station come at a line."""
         station = Station(line, Access(), self.sending, self.session.event_log.log)
         self.session.event_log.stations.append(station)
         self.say(line, f"role {role}")
 
-    def leaves(self, line: Typist) -> None:
+    def leaves(self, line: Line) -> None:
         line.ended = True
         self.session.attendance.listen()
 
-    def say(self, line: Typist, words: str) -> tuple[str, str]:
+    def say(self, line: Line, words: str) -> tuple[str, str]:
         """Give an order as a program; return ok or no, and the answer."""
-        line.typed = [order_sentence(words, "7")]
+        line.waiting = [order_sentence(words, "7")]
         before = len(line.sent)
         self.session.attendance.listen()
         told = [parse_sentence(each) for each in line.sent[before:]]
@@ -167,7 +141,7 @@ class Crewed:
         assert kind == "ok", text
         return text
 
-    def refused(self, words: str, by: Typist | None = None) -> str:
+    def refused(self, words: str, by: Line | None = None) -> str:
         kind, text = self.say(by or self.instructor, words)
         assert kind == "no", text
         return text
@@ -189,25 +163,18 @@ class Crewed:
             self.wake.clear()
         raise AssertionError
 
-    def facts(self, line: Typist, what: str) -> list[str]:
-        found = [parse_sentence(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRF" and each.fields[2] == what
-        ]
+    def facts(self, line: Line, what: str) -> list[str]:
+        return [told[3] for told in fields_of(line.sent, "TRF") if told[2] == what]
 
-    def events(self, line: Typist, kind: str) -> list[str]:
-        found = [parse_sentence(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRE" and each.fields[2] == kind
-        ]
+    def events(self, line: Line, kind: str) -> list[str]:
+        return [told[3] for told in fields_of(line.sent, "TRE") if told[2] == kind]
+
+
+Begin = Callable[..., Crewed]
 
 
 @pytest.fixture
-def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
+def crewed(tmp_path: Path) -> Iterator[Begin]:
     begun: list[Crewed] = []
 
     def begin(**settings: object) -> Crewed:

@@ -12,8 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from click.testing import CliRunner
-
+from helpers.typed import type_command
 from trainer.cli.main import cli
 from trainer.identify.record.study import observe_record, plain_study
 from trainer.units import KNOT
@@ -28,8 +27,7 @@ EVERY = 10
 def rows(folder: Path) -> Iterator[str]:
     """Yield the lines of the record, flown in a folder."""
     for command in COMMANDS:
-        result = CliRunner().invoke(cli, command.format(folder).split())
-        assert result.exit_code == 0, result.output
+        type_command(cli, *command.format(folder).split())
     study = plain_study(folder / "trial.trainer")
     study = replace(study, heading=replace(study.heading, every=EVERY))
     record = observe_record(study)

@@ -2,9 +2,6 @@
 
 from typing import Final
 
-from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
-from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
 
 OPTIONS: Final = RunOptions(vessel="bb2")
@@ -34,11 +31,3 @@ ORDERS: Final[list[tuple[int, str, dict[str, float]]]] = [
     (1150, "rudder auto", {"rudder_by_hand": 0}),
 ]
 TICKS: Final = 1200
-
-
-def obey(boat: Boat, text: str) -> None:
-    """Give a boat of the trainer an order."""
-    order = parse(text)
-    assert isinstance(order, Order), text
-    answer = obey_order(boat, order)
-    assert not isinstance(answer, Refused), answer

@@ -1,11 +1,13 @@
 """A line of a station, typed by a test."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from trainer.io.lines import OverlongLine
+from trainer.io.orders.sentences import parse_sentence
 
 
-@dataclass
+@dataclass(eq=False)  # a line is itself, whatever it has been sent
 class Line:
     """A line typed by the test, which keeps all that it is sent."""
 
@@ -27,3 +29,9 @@ class Line:
     def close(self, patience: float) -> None:
         assert patience >= 0.0
         self.ended = True
+
+
+def fields_of(lines: Iterable[str], kind: str) -> list[tuple[str, ...]]:
+    """Return the fields of each sentence of a kind among the lines that a program was sent."""
+    found = map(parse_sentence, lines)
+    return [each.fields for each in found if each and each.kind == kind]

@@ -7,19 +7,17 @@ from typing import Any
 import numpy as np
 
 from helpers.givers import giver_at
-from trainer.boat.boat import Boat
+from helpers.orders import read_order
+from helpers.sessions import begin_run
 from trainer.boat.helm import obey_order
-from trainer.config.files import remembering
 from trainer.debrief.rehearsal import due_orders, last_tick
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
 from trainer.session.crew import CrewTalk
-from trainer.session.header import header_of
 from trainer.session.manning import HandWork
 from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 
 PANEL = "planes at a panel"
 
@@ -34,11 +32,8 @@ def record(
     """Fly an exercise with orders by their times [s] into a recording, and return its path."""
     given = frozenset(options) - {"trainee", "width"}
     chosen = RunOptions(exercise=exercise, given=given, **options)
-    with remembering() as texts:
-        plan = plan_run(chosen)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    header, state = header_of(chosen, texts, boat), boat.records.state.tobytes()
+    plan, boat, header = begin_run(chosen)
+    state = boat.records.state.tobytes()
     recording = Recording.create(path, header, state)
     timed = crew.items() if isinstance(crew, Mapping) else crew
     given_at = [(round(second / plan.method.step), text) for second, text in timed]
@@ -65,8 +60,7 @@ def record(
             for place in due.get(tick, ()):
                 give(SCHEDULE_GIVER, plan.schedule[place].order, place)
             for text in (text for when, text in given_at if when == tick):
-                order = parse(text)
-                assert isinstance(order, Order), order
+                order = read_order(text)
                 give(giver_at(who), order, None)
                 if order.name == "mark":
                     recording.event(tick, "mark", who, order.subject, giver_at(who).role)

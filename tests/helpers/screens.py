@@ -48,6 +48,26 @@ def names(channel: str) -> str:
     return sentences.names(channel, [(each.name, each.unit) for each in CHANNELS[channel].fields])
 
 
+class ScriptedLine:
+    """A line that says what a test has it say, and keeps what is ordered."""
+
+    def __init__(self, *facts: tuple[str, str, str]) -> None:
+        self.items: list[Item] = [RoleTaken()]
+        for seconds, what, subject in facts:
+            sentence = parse_sentence(sentences.fact(1, float(seconds), what, subject))
+            assert sentence
+            self.items.append(sentence)
+        self.orders: list[str] = []
+
+    def order(self, words: str) -> str:
+        self.orders.append(words)
+        return str(len(self.orders))
+
+    def take(self) -> list[Item]:
+        taken, self.items = self.items, []
+        return taken
+
+
 @dataclass
 class Tape:
     """A session that says what it is told to, and takes every order but those of ``refuses``."""

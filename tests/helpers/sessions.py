@@ -2,22 +2,39 @@
 
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import ConditionalCasualty
+from trainer.config.files import remembering
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
 from trainer.session.crew import CrewTalk
+from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.manning import HandWork
+from trainer.session.options import RunOptions
 from trainer.session.parts import Monitors
+from trainer.session.plan import Plan, plan_run
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.subscriptions import Sender
 from trainer.session.time.timekeeping import Timekeeping
+
+TROUBLED_SEA = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, things that break, and everything automatic."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+"""  # the head of an exercise; casualties are added
 
 
 def session_over(
@@ -44,3 +61,23 @@ def session_over(
         introduction,
         ColumnFile(*rows),
     )
+
+
+def start_plan(plan: Plan) -> Boat:
+    """Return the boat of a plan at its start."""
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    return boat
+
+
+def start_exercise(path: Path) -> Boat:
+    """Return the boat of an exercise at its start."""
+    return start_plan(plan_run(RunOptions(exercise=str(path))))
+
+
+def begin_run(options: RunOptions) -> tuple[Plan, Boat, dict[str, str]]:
+    """Return the plan of the options, its boat started, and the header of its recording."""
+    with remembering() as texts:
+        plan = plan_run(options)
+    boat = start_plan(plan)
+    return plan, boat, header_of(options, texts, boat)

@@ -3,8 +3,9 @@
 import json
 from typing import Any
 
-from click.testing import CliRunner, Result
+from click.testing import Result
 
+from helpers.typed import type_command
 from trainer.cli.identify import identify
 
 
@@ -19,11 +20,7 @@ def columns(**named: str) -> str:
 
 def answered(*arguments: object, code: int = 0) -> Result:
     """Return what `trainer identify` with these words did; it must end with that exit code."""
-    result = CliRunner().invoke(identify, [str(one) for one in arguments])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output[:500]
-    return result
+    return type_command(identify, *arguments, code=code)
 
 
 def identified(*arguments: object) -> Any:

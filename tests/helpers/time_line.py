@@ -1,16 +1,14 @@
 """The instructor's page and its time line, worked by the mouse; a session flown to a moment."""
 
 import re
-from collections.abc import Callable
 from functools import partial
 
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
+from helpers.browser import Look
 from helpers.pages import Served
 from helpers.waiting import PATIENCE, await_that
-
-Look = Callable[..., Page]
 
 
 def settled(session: Served, look: Look, size: str = "desk", **how: object) -> Page:

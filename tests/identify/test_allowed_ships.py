@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.studies import columns
+from helpers.typed import type_command
 
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
@@ -73,9 +74,7 @@ def fitted(path: Any) -> Any:
 
 
 def told(path: Any, *options: Any) -> Any:
-    result = CliRunner().invoke(identify, [str(path), *options])
-    assert result.exit_code == 0, result.output
-    return result.stdout
+    return type_command(identify, path, *options).stdout
 
 
 def test_intervals_of_what_is_linear_are_those_of_the_delta_method() -> Any:

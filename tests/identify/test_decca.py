@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from helpers.decca_run import CASES, CHAIN, TRACK, write_run
+from helpers.typed import type_command
 
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
@@ -221,8 +221,6 @@ def test_a_study_without_width_or_with_one_slave_is_refused(tmp_path: Path) -> N
 
 def test_the_command_tells_how_many_rows_have_a_fix(tmp_path: Path) -> None:
     run(tmp_path)
-    arguments = [str(tmp_path / "run.toml"), "--csv", str(tmp_path / "sway.csv")]
-    result = CliRunner().invoke(decca, arguments)
-    assert result.exit_code == 0
+    result = type_command(decca, tmp_path / "run.toml", "--csv", tmp_path / "sway.csv")
     assert "121 of 121 rows have a fix; not smoothed" in result.stdout
     assert (tmp_path / "sway.csv").read_text().startswith("t,east,north,psi,r,v,u")

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from helpers.lanes import sample_cases
 from helpers.places import ROOT
 from helpers.rolling import PROGRAM, ROWS, SYSTEM, K, W, Z, sampled, write_record, write_study
 from helpers.studies import identified, numbers
+from helpers.typed import type_command
 from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
@@ -147,14 +147,11 @@ def test_two_inputs_and_none(tmp_path: Path) -> None:
 def test_its_page_plot_series_and_check(tmp_path: Path) -> None:
     study = write_study(tmp_path)
     other = write_record(tmp_path / "other.csv", 2, (-3.0, 1.0))
-    found = CliRunner().invoke(
+    found = type_command(
         identify,
-        [
-            *map(str, (study, "--check", other, "--csv", tmp_path / "x.csv")),
-            *map(str, ("--html", tmp_path / "x.html", "--matrices")),
-        ],
+        *(study, "--check", other, "--csv", tmp_path / "x.csv"),
+        *("--html", tmp_path / "x.html", "--matrices"),
     )
-    assert found.exit_code == 0, found.output
     for part in ("model own", "fin to roll", "The system is stable", "% variance", "Phi"):
         assert part in found.stdout
     assert max(map(len, found.stdout.splitlines())) <= 79

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
-from helpers.places import ROOT
 from helpers.studies import columns
 
 from trainer.config.files import ConfigError
@@ -270,13 +268,6 @@ def test_an_output_without_any_value_is_refused(tmp_path: Path) -> None:
     columns["rot"] = np.full(120, math.nan)
     with pytest.raises(ConfigError, match="rot: has no value at all"):
         observed(tmp_path, columns)
-
-
-@pytest.mark.parametrize("name", ["identification", "decca", "derivatives", "nomoto", "systems"])
-def test_every_key_is_documented_as_it_is_read(name: str) -> None:
-    page = ROOT / "docs" / "identification-keys.md"
-    text = page.read_text(encoding="utf-8")
-    assert TABLES[name]() in text, f"renew: python -m helpers.key_tables {name}"
 
 
 def test_examination_needs_a_rudder(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.studies import columns
+from helpers.typed import type_command
 
 from trainer.cli.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
@@ -114,9 +115,7 @@ def described(fitted: Any) -> Any:
 
 
 def told(path: Path, *options: Any) -> Any:
-    result = CliRunner().invoke(identify, [str(path), *map(str, options)])
-    assert result.exit_code == 0, result.output
-    return result.stdout
+    return type_command(identify, path, *options).stdout
 
 
 @pytest.mark.parametrize("noise", ["covariance", "innovations", "output-error"])

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.analysis.programs.characteristic import horizontal_system
 from trainer.cli.guide import manoeuvre
@@ -31,10 +31,7 @@ BENT = 0.1  # [-] of a linear figure
 
 
 def run(command: Any, *arguments: Any) -> Any:
-    result = CliRunner().invoke(command, [str(one) for one in arguments])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result.stdout
+    return type_command(command, *arguments).stdout
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
-from helpers.places import ROOT
 from helpers.ships import (
     COEFFICIENTS,
     CONSTANTS,
@@ -303,12 +301,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         inside.append(np.abs(away) < 1.96 * one.deviations[[*range(p), *range(-4, 0)]])
     # 94.3 % over 200 records; neighbours are correlated, so 30 records scatter by 1.5 %
     assert 0.89 < np.mean(inside) < 0.99
-
-
-def test_the_page_tells_the_keys_of_a_ship_file() -> None:
-    page = ROOT / "docs" / "identification-keys.md"
-
-    assert TABLES["nonlinear-ships"]() in page.read_text(encoding="utf-8")
 
 
 def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:

@@ -10,6 +10,7 @@ import pytest
 from cases.selftest import published_orders, published_ship, published_zeros
 from click.testing import CliRunner
 from helpers.studies import columns
+from helpers.typed import type_command
 
 from trainer.cli.identify import identify, prbs
 from trainer.config.files import ConfigError
@@ -72,11 +73,7 @@ def trial(folder: Any, seed: Any = 1, outlier: Any = 0.0, sea: Any = 0.0) -> Any
 
 def run(command: Any, *arguments: Any, code: Any = 0) -> Any:
     """Return what a command prints; it must end with that exit code."""
-    result = CliRunner().invoke(command, [str(one) for one in arguments])
-    if result.exception and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output[:500]
-    return result.stdout
+    return type_command(command, *arguments, code=code).stdout
 
 
 @pytest.fixture(scope="module")

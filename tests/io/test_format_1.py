@@ -6,6 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from helpers.altered import alter
 
 from trainer.io.recording import file, format_1
 from trainer.io.recording.facts import (
@@ -154,8 +155,7 @@ def test_a_text_that_is_none_is_damage_to_whoever_goes_on_or_reads_and_changes_n
 
 
 def test_a_remark_that_is_no_text_is_damage_to_whoever_forgets_a_name(old: Path) -> None:
-    with closing(sqlite3.connect(old, isolation_level=None)) as connection:
-        connection.execute("UPDATE events SET text = x'6d61726b20'")  # "mark "
+    alter(old, "UPDATE events SET text = x'6d61726b20'")  # "mark "
     with pytest.raises(file.RecordingError, match="is damaged: a text"):
         file.erase_header(old, {}, str.upper)
 
@@ -171,8 +171,7 @@ def test_a_remark_that_is_no_text_is_damage_to_whoever_forgets_a_name(old: Path)
 )
 def test_a_fact_of_no_kind_is_damage(old: Path, change: str) -> None:
     Recording.reopen(old).close()
-    with closing(sqlite3.connect(old, isolation_level=None)) as connection:
-        connection.execute(change)
+    alter(old, change)
     with (
         pytest.raises(file.RecordingError, match="is damaged"),
         closing(Recording.look(old)) as read,

@@ -5,8 +5,6 @@ import re
 from collections.abc import Iterable
 
 import pytest
-from helpers.document_tables import obeyed_by, orders_page
-from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -395,13 +393,6 @@ def test_what_people_say_first_is_no_order_and_leads_to_one() -> None:
         assert isinstance(found, BadOrder), found
         meant = "right rudder 10" if said == "right" else MEANT_ORDERS[said]  # a phrase is nearer
         assert found.reason == f'"{said}" is no order; did you mean {meant}?'
-
-
-def test_the_page_of_orders_is_that_of_the_table() -> None:
-    path = ROOT / "docs" / "orders.md"
-    made = orders_page(obeyed_by())
-
-    assert path.read_text(encoding="utf-8") == made
 
 
 @pytest.mark.parametrize("topic", ["", SESSION_TOPIC])

@@ -2,8 +2,9 @@
 
 import pytest
 from helpers.document_tables import as_tokens, phrase_table
+from helpers.orders import read_order
 
-from trainer.io.orders.grammar import BadOrder, Order, parse, to_the_crew
+from trainer.io.orders.grammar import BadOrder, parse, to_the_crew
 from trainer.io.orders.phrases import (
     ANY_DIGIT,
     COMPILED_PHRASES,
@@ -140,24 +141,18 @@ WRONG = [
 ]
 
 
-def order(line: str) -> Order:
-    found = parse(line)
-    assert isinstance(found, Order), found
-    return found
-
-
 @pytest.mark.parametrize(("said", "text"), SAID)
 def test_a_phrase_works_its_control_whoever_says_it(said: str, text: str) -> None:
-    assert order(said).text == text
-    assert to_the_crew(order(said)).text == text
+    assert read_order(said).text == text
+    assert to_the_crew(read_order(said)).text == text
 
 
 @pytest.mark.parametrize(("said", "works", "orders"), BOTH)
 def test_a_phrase_that_says_where_to_go_is_an_order_to_the_crew_from_who_may_give_one(
     said: str, works: str, orders: str
 ) -> None:
-    assert order(said).text == works
-    assert to_the_crew(order(said)).text == orders
+    assert read_order(said).text == works
+    assert to_the_crew(read_order(said)).text == orders
 
 
 @pytest.mark.parametrize(("said", "hint"), WRONG)

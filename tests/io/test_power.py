@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from helpers.altered import is_whole
 from helpers.crewed import Crewed
 from helpers.givers import HELM
 from helpers.waiting import PATIENCE, eventually
@@ -229,8 +230,7 @@ def names_in(path: Path) -> set[str]:
         again.latest()
     numbers = [each.id for each in orders]
     assert sorted(set(numbers)) == list(range(1, max(numbers, default=0) + 1))
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    assert is_whole(path)
     return {*(each.text for each in orders), *marks, *kept, *(each.why for each in branches)}
 
 

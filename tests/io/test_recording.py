@@ -3,7 +3,6 @@
 import contextlib
 import csv
 import functools
-import json
 import os
 import random
 import re
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.altered import alter, locked
 from helpers.givers import HELM, giver_at
 from helpers.lanes import sample_cases
 from helpers.waiting import await_that, eventually
@@ -65,12 +65,6 @@ def path(tmp_path: Path) -> Path:
 def files(path: Path) -> set[str]:
     """Return the names in the folder of a recording, as endings of its own."""
     return {each.name.removeprefix(path.name) for each in path.parent.iterdir()}
-
-
-def whole(path: Path) -> bool:
-    """Return whether SQLite finds nothing wrong with a file."""
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        return connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
 
 
 # What is written is read back
@@ -325,112 +319,7 @@ def test_a_branch_taken_over_in_a_replay_of_its_forebear_begins_there() -> None:
         assert [recording.state_at(3, tick) for tick in (0, 1, 2)] == [b"0", b"1", None]
 
 
-def test_both_branches_stay_in_the_file(path: Path) -> None:
-    with closing(begin(path)) as recording:
-        recording.state(1, b"as it was")
-        recording.fork(Moment(1, 0, state_of(0), 0, 0), "reset, by the instructor")
-        recording.state(1, b"as it might have been")
-    with closing(Recording.look(path)) as recording:
-        assert recording.branch == 2
-        assert recording.branches()[1].why == "reset, by the instructor"
-        assert recording.state_at(1, 1) == b"as it was"
-        assert recording.state_at(2, 1) == b"as it might have been"
-
-
-# Kills
-
-KILLED = """
-import json, os, random, signal, sys, time
-from pathlib import Path
-from trainer.io.recording import checkpoint, recording
-from trainer.io.recording.format_1 import giver_of
-from trainer.io.recording.recording import Moment, Recording
-
-HELM = giver_of("helm")
-checkpoint.MIN_CHECKPOINT_BYTES, checkpoint.LOOK_PERIOD_S, recording.BATCH_ROWS = 100_000, 0.002, 20
-
-def fly(path, pipe):
-    recording = Recording.create(path, {"vessel": "v" * 20_000}, b"0" * 1944)
-    tick = 0
-    while True:
-        number = recording.order(tick, HELM, f"order at {tick}")
-        if not recording.trouble:  # else it would be answered as not recorded
-            os.write(pipe, f"{number}\\n".encode())
-        recording.answered(number, "yes", True)
-        for _ in range(number % 7):
-            tick += 1
-            recording.state(tick, f"{tick:06}".encode() * 324)
-            recording.timing(tick, 1, 2)
-        if number % 50 == 0:
-            recording.snapshot("kept", Moment(recording.branch, tick, b"kept", number, 0))
-            recording.fork(recording.moment(recording.branch, tick // 2), "backtrack")
-            tick //= 2
-
-dice, folder = random.Random(int(sys.argv[3])), Path(sys.argv[1])
-for kill in range(int(sys.argv[2])):
-    path = folder / f"{kill}.recording"
-    heard, told = os.pipe()
-    child = os.fork()
-    if not child:
-        fly(path, told)
-    os.close(told)
-    begun = os.read(heard, 1) if kill % 2 else b""  # or killed while the file is made
-    time.sleep(dice.uniform(0.0, 0.1))  # any instant
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(heard) as lines:
-        told = (begun.decode() + lines.read()).count("\\n")
-    print(json.dumps([path.name, told]), flush=True)
-"""
-
-
-def survives(path: Path, told: int) -> None:
-    """Go on with a recording whose program was killed after it had told of so many orders."""
-    with closing(Recording.reopen(path)) as recording:
-        orders = recording.orders(recording.branch)
-        latest = recording.latest()
-        with contextlib.closing(sqlite3.connect(path)) as connection:
-            written = connection.execute("SELECT id, tick, text FROM orders ORDER BY id").fetchall()
-        assert len(written) >= told
-        assert [number for number, _, _ in written] == list(range(1, len(written) + 1))
-        assert all(text == f"order at {tick}" for _, tick, text in written)
-        assert all(order.tick <= latest.tick for order in orders)
-        for flown in recording.flown(recording.branch):
-            assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
-        assert recording.order(latest.tick, giver_at("instructor"), "go on") == len(written) + 1
-    assert whole(path)
-
-
-def kill_often(folder: Path, kills: int) -> None:
-    command = [sys.executable, "-c", KILLED, str(folder), str(kills), "4"]
-    ran = subprocess.run(command, check=True, capture_output=True, text=True)
-    found = [json.loads(line) for line in ran.stdout.splitlines()]
-    assert len(found) == kills
-
-    begun = 0
-    for name, told in found:
-        path = folder / name
-        if not path.exists():
-            assert told == 0  # killed before it was made
-            continue
-        with closing(Recording.look(path)) as recording:
-            assert recording.header() == {"vessel": "v" * 20_000}
-        survives(path, told)
-        begun += told > 0
-    assert begun >= kills // 2
-
-
-@pytest.mark.process
-@posix
-def test_a_kill_at_any_instant_loses_no_order(tmp_path: Path) -> None:
-    kill_often(tmp_path, 6)
-
-
-@posix
-@pytest.mark.long
-@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
-def test_many_kills_at_any_instant_lose_no_order(tmp_path: Path) -> None:
-    kill_often(tmp_path, int(os.environ["TRAINER_KILLS"]))
+# What a killed program leaves
 
 
 def left_behind(path: Path) -> None:
@@ -775,14 +664,12 @@ def test_a_recording_that_ends_on_a_full_disk_is_whole_as_far_as_it_goes(path: P
 def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) -> None:
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             began = time.monotonic()
             fly(recording, 11, 100)
             recording.event(100, "mark", "helm", "here")
             assert time.monotonic() - began < 10 * recording_module.CALLER_WAIT_S
             assert "locked" in recording.trouble
-            other.execute("COMMIT")
         assert eventually(lambda: not recording.trouble)
         assert recording.missing == ""
         assert [each.text for each in recording.events()] == ["here"]
@@ -793,11 +680,9 @@ def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) ->
 def test_a_moment_that_could_not_be_kept_at_once_is_not_kept_later(path: Path) -> None:
     with closing(begin(path)) as recording:
         recording.snapshot("a", Moment(1, 0, state_of(0), 0, 0))
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             recording.snapshot("b", Moment(1, 0, state_of(0), 0, 0))
             assert "locked" in recording.trouble
-            other.execute("COMMIT")
         recording.event(1, "mark", "helm", "here")
         assert eventually(lambda: not recording.trouble)
         assert [each.text for each in recording.events()] == ["here"]
@@ -815,12 +700,10 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
     monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
-        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
-            other.execute("BEGIN EXCLUSIVE")
+        with locked(path):
             fly(recording, 11, 60)
             assert recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack") == 2
             fly(recording, 21, 40)
-            other.execute("COMMIT")
         assert eventually(lambda: recording.reachable)
         with monkeypatch.context() as unread:
             unread.setattr(recording, "last_tick", unreadable)
@@ -871,15 +754,12 @@ def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path) -> None
 
 
 def foreign(path: Path) -> None:
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute("CREATE TABLE accounts (name)")
-        connection.commit()
+    alter(path, "CREATE TABLE accounts (name)")
 
 
 def newer(path: Path) -> None:
     begin(path).close()
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        connection.execute(f"PRAGMA user_version = {FILE_FORMAT + 1}")
+    alter(path, f"PRAGMA user_version = {FILE_FORMAT + 1}")
 
 
 def truncated(path: Path) -> None:
@@ -1156,19 +1036,6 @@ def test_parquet_has_the_same_rows_with_their_types(
     assert events[0]["who"] == "planes"
 
 
-def test_parquet_without_pyarrow_says_how_to_get_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with (
-        closing(begin(None)) as recording,
-        pytest.raises(RecordingError, match=r"pip install 'submarine-trainer\[parquet\]'"),
-    ):
-        export_parquet(recording, LAYOUT, tmp_path / "out.parquet")
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_an_export_to_a_full_disk_says_so(tmp_path: Path) -> None:
     (tmp_path / "out.csv").symlink_to("/dev/full")
@@ -1214,34 +1081,6 @@ def test_spoilt_files_are_refused_without_a_traceback(path: Path) -> None:
         with contextlib.suppress(RecordingError), closing(Recording.look(path)) as recording:
             list(recording.flown(1))
             recording.header()
-
-
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        ("UPDATE branches SET tick = 'x'", "of another kind"),
-        ("UPDATE states SET state = 'text'", "of another kind"),
-        ("UPDATE orders SET who = x'00'", "of another kind"),
-        ("UPDATE branches SET parent = 1", "begins in a later one"),
-        ("UPDATE header SET value = x'00'", "of another kind"),
-    ],
-)
-def test_a_value_of_another_kind_is_told_as_damage(path: Path, change: str, told: str) -> None:
-    with closing(begin(path)) as recording:
-        fill(recording)
-    with contextlib.closing(sqlite3.connect(path)) as connection, connection:
-        connection.execute(change)
-
-    with pytest.raises(RecordingError, match=told):
-        read_all(path)
-
-
-def read_all(path: Path) -> None:
-    """Read what a recording has of its first branch."""
-    with closing(Recording.look(path)) as looked:
-        looked.header()
-        looked.orders(1)
-        list(looked.flown(1))
 
 
 # Files of anybody's making
@@ -1307,6 +1146,11 @@ HOSTILE = {
     "an acceptance of two": "UPDATE orders SET accepted = 2",
     "no branch": "DELETE FROM branches",
     "a state of a megabyte": "UPDATE states SET state = zeroblob(1000000)",
+    "a time of another kind": "UPDATE branches SET tick = 'x'",
+    "a state of another kind": "UPDATE states SET state = 'text'",
+    "a giver of another kind": "UPDATE orders SET who = x'00'",
+    "a header of another kind": "UPDATE header SET value = x'00'",
+    "a parent that comes later": "UPDATE branches SET parent = 1",
     "a time beyond all": "UPDATE ledger SET work_ns = -9223372036854775808",
 }
 

@@ -1,18 +1,14 @@
 """The orders that are ahead: planned, told to the instructor alone, come, taken away."""
 
-from collections.abc import Callable
-
 import pytest
-from helpers.crewed import PLACE, Crewed, Typist
+from helpers.crewed import PLACE, Begin, Crewed
+from helpers.line import Line, fields_of
 
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.core.casualties import KINDS
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
-from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.roles import ROLES
-
-Begin = Callable[..., Crewed]
 
 
 def broken(ship: Crewed) -> list[str]:
@@ -20,10 +16,9 @@ def broken(ship: Crewed) -> list[str]:
     return [KINDS[int(code) - 1] for code in ship.boat.state.casualty if code]
 
 
-def planned(ship: Crewed, line: Typist | None = None) -> list[str]:
+def planned(ship: Crewed, line: Line | None = None) -> list[str]:
     """Return the list of what is ahead as a program has it now."""
-    facts = [parse_sentence(each) for each in (line or ship.instructor).sent]
-    told = [each.fields[2:4] for each in facts if each and each.kind == "TRF"]
+    told = [fields[2:4] for fields in fields_of((line or ship.instructor).sent, "TRF")]
     begins = max(at for at, (what, _) in enumerate(told) if what == "plans")
     count = int(told[begins][1])
     return [subject for what, subject in told[begins + 1 :] if what == "planned"][:count]

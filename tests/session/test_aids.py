@@ -1,14 +1,15 @@
 """The ghost and the predictor: where they are allowed, what they show, and to whom."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line, fields_of
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
 from trainer.config.exercise import AIDS, load_exercise, parse_exercise
 from trainer.config.files import ConfigError
@@ -31,11 +32,9 @@ def planned(exercise: str, *aids: str) -> Plan:
     return replace(plan, aids=aids)
 
 
-def shown(line: Typist, channel: str) -> Sequence[str]:
+def shown(line: Line, channel: str) -> Sequence[str]:
     """Return the fields that a station was sent of a channel last."""
-    told = [parse_sentence(each) for each in line.sent]
-    rows = [each.fields for each in told if each and each.kind == "TRS"]
-    return [fields for fields in rows if fields[0] == channel][-1][3:]
+    return [fields for fields in fields_of(line.sent, "TRS") if fields[0] == channel][-1][3:]
 
 
 def switch_on(ship: Crewed, words: str) -> None:
@@ -47,7 +46,7 @@ def switch_on(ship: Crewed, words: str) -> None:
 
 
 @pytest.fixture
-def allowing(crewed: Callable[..., Crewed]) -> Crewed:
+def allowing(crewed: Begin) -> Crewed:
     """Return a depth change that allows both aids."""
     return crewed(plan=planned("first-depth-change", *AIDS), seconds=None)
 
@@ -84,9 +83,7 @@ def test_no_role_sees_anything_of_an_aid_that_is_off(allowing: Crewed, role: str
     assert not any((*shown(line, "ghost"), *shown(line, "predictor")))
 
 
-def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change", "ghost"), seconds=None)
     trainee = ship.comes("trainee")
     assert ship.refused("predictor 60 s").startswith("this exercise does not allow it")
@@ -96,9 +93,7 @@ def test_an_exercise_that_does_not_allow_an_aid_shows_none_to_anybody(
     assert ship.session.shown.aids.predictor is None
 
 
-def test_a_free_run_has_the_predictor_and_is_told_that_it_has_no_ghost(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_free_run_has_the_predictor_and_is_told_that_it_has_no_ghost(crewed: Begin) -> None:
     ship = crewed(plan=plan_run(RunOptions()), seconds=None)
     assert ship.refused("ghost on").startswith("this free run has no reference crew")
     switch_on(ship, "predictor 60 s")
@@ -243,8 +238,7 @@ def test_a_wrong_list_of_aids_is_told(more: str, why: str) -> None:
 
 def test_a_second_boat_begins_with_the_bits_of_the_first() -> None:
     plan = planned("periscope-sea-3")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     assert plan.launch_boat().snapshot().tobytes() == boat.snapshot().tobytes()
 
 

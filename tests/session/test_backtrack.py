@@ -10,20 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sessions import session_over
+from helpers.sessions import TROUBLED_SEA, begin_run, session_over, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from trainer.boat.boat import Boat
 from trainer.boat.casualties import active_casualties
-from trainer.config.files import remembering
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.tables import MOTION_COLUMNS, NoFile
-from trainer.session.header import header_of, layout_of
+from trainer.session.header import layout_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
 from trainer.session.stations.roles import Access
@@ -37,17 +34,7 @@ STEP = 0.5  # [s]
 LAST = 160  # tick
 STOP = 100  # tick at which the exercise freezes time
 # A sea, a current, noisy gauges, a ramp, a flooding, a trigger, tanks at work, the autopilot.
-EXERCISE = """
-schema = "exercise/1"
-name = "All at once"
-briefing = "A sea, things that break, and everything automatic."
-sea = "sea-state-5"
-seed = 23
-
-[initial]
-depth_m = 40
-speed_kn = 8
-
+EXERCISE = f"""{TROUBLED_SEA}
 [current]
 table = [[0, 90, 2], [100, 120, 1]]
 
@@ -136,10 +123,7 @@ class Ship:
         options = RunOptions(
             exercise=str(exercise), equations="full", given=frozenset(("equations",))
         )
-        with remembering() as texts:
-            self.plan = plan_run(options)
-        self.boat = self.new_boat()
-        header = header_of(options, texts, self.boat)
+        self.plan, self.boat, header = begin_run(options)
         self.recording = Recording.create(None, header, self.state)
         self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
@@ -154,11 +138,6 @@ class Ship:
         self.session.event_log.stations.append(
             Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]
         )
-
-    def new_boat(self) -> Boat:
-        boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(boat)
-        return boat
 
     def sail(self, typed: Lines) -> None:
         """Run the session, frozen at first, on what is typed; then quit."""
@@ -252,25 +231,35 @@ def test_without_a_recording_the_current_that_was_ordered_comes_back_too(
         assert ship.state == plain[LAST]
 
 
-def test_a_past_that_cannot_be_read_leaves_the_boat_where_she_is(
-    ship: Ship, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("broken", "jumps", "told"),
+    [
+        ("moment", ["backtrack 10 s"], "locked by another program"),
+        ("fork", ["restore here", "branch 1"], "a disk that does not answer"),
+    ],
+    ids=["a past that cannot be read", "a branch that cannot begin"],
+)
+def test_what_the_recording_refuses_leaves_the_boat_where_she_is(
+    ship: Ship, monkeypatch: pytest.MonkeyPatch, broken: str, jumps: list[str], told: str
 ) -> None:
-    def unreadable(*_: object) -> None:
-        raise RecordingError("locked by another program")
+    def refuse(*_: object) -> None:
+        raise RecordingError(told)
 
     def back() -> Lines:
         yield from onward(ship, 60)
         yield "snapshot here"
         yield from onward(ship, 100)
-        with monkeypatch.context() as broken:
-            broken.setattr(ship.recording, "moment", unreadable)
-            before = ship.state
-            yield "backtrack 10 s"
-            assert ship.state == before
+        for words in jumps:
+            with monkeypatch.context() as patch:
+                patch.setattr(ship.recording, broken, refuse)
+                before = ship.state, ship.history.after, ship.history.entry
+                yield words
+                assert (ship.state, ship.history.after, ship.history.entry) == before
         yield from onward(ship, LAST)
 
     ship.sail(back())
-    assert "locked by another program" in ship.said("locked")
+    assert told in ship.said(told)
+    assert len(ship.flown()) == LAST + 1
 
 
 def test_orders_that_cannot_be_read_back_keep_no_boat_from_a_moment_of_this_run(
@@ -291,29 +280,6 @@ def test_orders_that_cannot_be_read_back_keep_no_boat_from_a_moment_of_this_run(
         yield from onward(ship, LAST)
 
     ship.sail(back())
-
-
-def test_a_branch_that_cannot_begin_leaves_the_boat_where_she_is(
-    ship: Ship, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def unreadable(*_: object) -> None:
-        raise RecordingError("a disk that does not answer")
-
-    def back() -> Lines:
-        yield from onward(ship, 60)
-        yield "snapshot here"
-        yield from onward(ship, 100)
-        for words in ("restore here", "branch 1"):
-            with monkeypatch.context() as broken:
-                broken.setattr(ship.recording, "fork", unreadable)
-                before = ship.state, ship.history.after, ship.history.entry
-                yield words
-                assert (ship.state, ship.history.after, ship.history.entry) == before
-        yield from onward(ship, LAST)
-
-    ship.sail(back())
-    assert "does not answer" in ship.said("disk")
-    assert len(ship.flown()) == LAST + 1
 
 
 # The ways; each comes to the last tick in the end
@@ -691,7 +657,7 @@ def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
         places = [each.entry for each in ship.recording.orders(ship.recording.branch)]
         assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
         end = ship.history.flown.end().state if ship.history.flown.replaying else ship.state
-        boat = ship.new_boat()
+        boat = start_plan(ship.plan)
         header = ship.recording.header()
         history = bring_up(ship.recording, ship.plan, boat, layout_of(header))
         assert boat.records.state.tobytes() == end

@@ -2,22 +2,20 @@
 
 import functools
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
-from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS, fact_table
-from helpers.line import Line
-from helpers.places import ROOT
-from helpers.sessions import session_over
+from helpers.boats import make_boat
+from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
+from helpers.line import Line, fields_of
+from helpers.orders import read_order
+from helpers.sessions import session_over, start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.help import help_text
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
@@ -46,8 +44,7 @@ class Attended:
     """The session of a plan, with a line of a program for each role that comes by itself."""
 
     def __init__(self, plan: Plan, options: RunOptions, roles: tuple[str, ...]) -> None:
-        self.boat = Boat(plan.file, plan.method)
-        plan.start(self.boat)
+        self.boat = start_plan(plan)
         self.plan = plan
         told = briefing_of(plan, options)
         time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
@@ -85,14 +82,11 @@ class Attended:
 
     def facts(self, role: str, what: str) -> list[tuple[str, str]]:
         """Return the keys and values of a kind of fact that a line was told."""
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
-        told = [each.fields for each in found if each and each.kind == "TRF"]
-        return [tuple(each[3].split("=", 1)) for each in told if each[2] == what]  # type: ignore[misc]
+        return [tuple(each.split("=", 1)) for each in self.facts_of(role, what)]  # type: ignore[misc]
 
     def facts_of(self, role: str, what: str) -> list[str]:
         """Return the subjects of a kind of fact that a line was told."""
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
-        return [e.fields[3] for e in found if e and e.kind == "TRF" and e.fields[2] == what]
+        return [each[3] for each in fields_of(self.lines[role].sent, "TRF") if each[2] == what]
 
     def answer(self, role: str, words: str) -> str:
         """Ask something on one line; return the answer."""
@@ -100,8 +94,7 @@ class Attended:
         before = len(line.sent)
         line.waiting.append(sentences.order_sentence(words))
         self.session.attendance.listen()
-        found = [sentences.parse_sentence(each) for each in line.sent[before:]]
-        return next(each.fields[1] for each in found if each and each.kind == "TRA")
+        return fields_of(line.sent[before:], "TRA")[0][1]
 
 
 def attended(name: str, *roles: str) -> Attended:
@@ -240,7 +233,7 @@ def test_an_older_exercise_that_hides_something_is_briefed_to_the_instructor_alo
     assert not {"title", "line"} & {key for key, _ in shown.facts(ROLES["helm"], 0.0)}
 
 
-def test_without_an_exercise_nothing_is_told_of_one(make_boat: Callable[..., Boat]) -> None:
+def test_without_an_exercise_nothing_is_told_of_one() -> None:
     options = RunOptions()
     here = Attended(plan_run(options), options, ("helm",))
     here.enter()
@@ -260,13 +253,6 @@ def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
     here = Attended(plan_run(options), options, ("observer",))
     here.enter()
     assert dict(here.facts("observer", "range"))["test-depth"]
-
-
-def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-
-    for table in (fact_table("range", RANGE_KEYS), fact_table("exercise", EXERCISE_KEYS)):
-        assert table in page, f"docs/station-tables.md lacks this, from briefing.py:\n{table}"
 
 
 # Alerts
@@ -332,8 +318,7 @@ def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple
     offered = hint(ROLES[role], frozenset(hand))
     assert len(offered) <= 79
     for words in filter(None, offered.partition(": ")[2].split("   ")):
-        order = parse(words)
-        assert isinstance(order, Order), words
+        order = read_order(words)
         assert order.name in ROLES[role].commands, words
 
 

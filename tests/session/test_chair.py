@@ -1,35 +1,33 @@
 """A lone person changes his chair, both ways; nobody else does, and the marks tell of it."""
 
 import re
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
+from helpers.orders import read_order
 
 from trainer.console.exercise import marks_in_words
 from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
 from trainer.debrief.episodes import aids_used
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.briefing import hint
 from trainer.session.stations.roles import CREW_ROLES, ROLES, Access
 from trainer.session.stations.station import Station
 
-Crew = Callable[..., Crewed]
 
-
-def alone(ship: Crewed, role: str = "", door: Access | None = None) -> Typist:
+def alone(ship: Crewed, role: str = "", door: Access | None = None) -> Line:
     """Let the instructor go, and somebody come alone, as a program that hears facts."""
     ship.leaves(ship.instructor)
     return joins(ship, role, door or Access(here=lambda: True))
 
 
-def joins(ship: Crewed, role: str, door: Access) -> Typist:
-    line = Typist(f"line {len(ship.session.event_log.stations) + 1}")
+def joins(ship: Crewed, role: str, door: Access) -> Line:
+    line = Line(f"line {len(ship.session.event_log.stations) + 1}")
     station = Station(line, door, ship.sending, ship.session.event_log.log)
     ship.session.event_log.stations.append(station)
     if role:
@@ -37,11 +35,11 @@ def joins(ship: Crewed, role: str, door: Access) -> Typist:
     return line
 
 
-def role_of(ship: Crewed, line: Typist) -> str:
+def role_of(ship: Crewed, line: Line) -> str:
     return next(each.role.name for each in ship.session.event_log.stations if each.line is line)
 
 
-def test_who_is_alone_takes_every_chair_and_goes_back(crewed: Crew) -> None:
+def test_who_is_alone_takes_every_chair_and_goes_back(crewed: Begin) -> None:
     ship = crewed()
     line = alone(ship, "trainee")
     for role in ("instructor", "trainee", *CREW_ROLES, "observer", "trainee"):
@@ -51,7 +49,7 @@ def test_who_is_alone_takes_every_chair_and_goes_back(crewed: Crew) -> None:
     assert ship.refused("role trainee", line) == "you are a trainee already"
 
 
-def test_what_is_hidden_stays_behind_with_the_instructors_chair(crewed: Crew) -> None:
+def test_what_is_hidden_stays_behind_with_the_instructors_chair(crewed: Begin) -> None:
     ship = crewed()
     line = alone(ship, "trainee")
     assert ship.say(line, "subscribe motion")[0] == "no"
@@ -68,7 +66,7 @@ def test_what_is_hidden_stays_behind_with_the_instructors_chair(crewed: Crew) ->
     assert ship.say(line, "casualty stern-stuck")[0] == "no"
 
 
-def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Crew) -> None:
+def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Begin) -> None:
     ship = crewed()
     line = alone(ship, "trainee")
     ship.fly(4)
@@ -90,7 +88,7 @@ def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Crew) -
     ],
 )
 def test_a_line_keeps_its_role_that_may_not_change_it(
-    crewed: Crew, door: Access, role: str, why: str
+    crewed: Begin, door: Access, role: str, why: str
 ) -> None:
     ship = crewed()
     line = alone(ship, role, door)
@@ -100,7 +98,7 @@ def test_a_line_keeps_its_role_that_may_not_change_it(
 
 
 def test_the_runs_own_console_changes_its_chair_and_nobody_does_beside_another(
-    crewed: Crew,
+    crewed: Begin,
 ) -> None:
     ship = crewed()
     line = alone(ship, "", Access("instructor", own=True))
@@ -121,7 +119,7 @@ def aids_of(path: Path, branch: int, ship: Crewed) -> tuple[str, ...]:
     return aids_used(trajectory)
 
 
-def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed: Crew) -> None:
+def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     line = alone(ship, "trainee")
     ship.fly(400)
@@ -161,10 +159,9 @@ def test_marks_tell_since_when_or_until_when_somebody_saw_what_is_hidden(crewed:
 @pytest.mark.parametrize("hand", [(), ("rudder", "planes", "speed", "ballast")])
 @pytest.mark.parametrize("role", ["", *sorted(set(ROLES) - {"visitor"})])
 def test_advice_that_a_line_is_given_is_obeyed_there(
-    crewed: Crew, role: str, hand: tuple[str, ...]
+    crewed: Begin, role: str, hand: tuple[str, ...]
 ) -> None:
-    order = parse("tell trim the boat")
-    assert isinstance(order, Order)
+    order = read_order("tell trim the boat")
     ship = crewed(seconds=None, hand=frozenset(hand), schedule=[ScheduledOrder(0.5, order, 1)])
     line = alone(ship, role)
     ship.fly(4)
@@ -175,7 +172,7 @@ def test_advice_that_a_line_is_given_is_obeyed_there(
         assert ship.say(line, each)[0] == "ok", each
 
 
-def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Crew) -> None:
+def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Begin) -> None:
     words = [each for text in TRAINEE_HELP for each in re.findall("`([^`]+)`", text)]
     assert "role instructor" in words
     ship = crewed(seconds=None)
@@ -184,7 +181,7 @@ def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Crew) -> No
         assert ship.say(line, each)[0] == "ok", each
 
 
-def test_advice_of_the_instructors_help_is_obeyed_in_that_chair(crewed: Crew) -> None:
+def test_advice_of_the_instructors_help_is_obeyed_in_that_chair(crewed: Begin) -> None:
     words = [each for text in INSTRUCTOR_HELP for each in re.findall("`([^`]+)`", text)]
     assert words == ["role trainee", "role instructor"]
     line = alone(ship := crewed(seconds=None), "instructor")
@@ -203,7 +200,7 @@ REFUSED_IN_A_CHAIR = [
 
 @pytest.mark.parametrize(("role", "order"), REFUSED_IN_A_CHAIR)
 def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
-    crewed: Crew, role: str, order: str
+    crewed: Begin, role: str, order: str
 ) -> None:
     ship = crewed(seconds=None)
     line = alone(ship, role)
@@ -215,7 +212,7 @@ def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
 
 
 @pytest.mark.parametrize("door", [Access(), Access("helm", here=lambda: True)])
-def test_a_line_that_keeps_its_role_is_told_of_no_other_chair(crewed: Crew, door: Access) -> None:
+def test_a_line_that_keeps_its_role_is_told_of_no_other_chair(crewed: Begin, door: Access) -> None:
     ship = crewed(seconds=None)
     line = alone(ship, "helm", door)
     assert ship.refused("freeze", line) == '"freeze" is the instructor\'s; you have the helm'

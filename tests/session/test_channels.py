@@ -1,11 +1,10 @@
 """What the channels show: the gauges to the stations, the truth to the instructor."""
 
 import math
-from collections.abc import Callable
 
 import pytest
-from helpers.document_tables import channel_tables
-from helpers.places import ROOT
+from helpers.boats import make_boat
+from helpers.orders import obey_all, read_order
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,7 +14,6 @@ from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.helm import obey_order
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.state import STATE
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.display import (
@@ -51,20 +49,15 @@ SHOWN = (
 GAUGES = ("casualty", "casualty_amount")
 
 
-@pytest.fixture(scope="module")
-def bb2(make_boat: Callable[..., Boat]) -> Boat:
-    """Return one BB2 for all tests; ``boat`` starts it afresh."""
-    return make_boat("bb2")
-
-
 @pytest.fixture
-def boat(bb2: Boat) -> Boat:
+def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
-    bb2.start(10.0 * KNOT, 60.0, math.pi / 2.0)
-    bb2.state.ordered_psi = 2.0
+    boat = make_boat("bb2")
+    boat.start(10.0 * KNOT, 60.0, math.pi / 2.0)
+    boat.state.ordered_psi = 2.0
     for _ in range(120):
-        assert bb2.tick() == 0
-    return bb2
+        assert boat.tick() == 0
+    return boat
 
 
 def lookout(boat: Boat) -> StateReader:
@@ -182,7 +175,7 @@ def places(boat: Boat, name: str) -> range:
 
 
 @pytest.fixture(scope="module")
-def stuck(make_boat: Callable[..., Boat]) -> tuple[Boat, list[str]]:
+def stuck() -> tuple[Boat, list[str]]:
     """Return a BB2 of which all gauges are stuck, and what stations get of it."""
     boat = make_boat("bb2")
     boat.start(10.0 * KNOT, 60.0, 1.0)
@@ -301,9 +294,7 @@ def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> 
     assert (valves["blow_aft"], valves["negative_flood"]) == ("emergency", "open")
 
 
-def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them() -> None:
     boat = make_boat("remus100", step=0.1)
     boat.start(3.0 * KNOT, 10.0, 0.0)
     frame = frame_of(boat)
@@ -409,8 +400,7 @@ def test_the_line_of_state_shows_what_the_crew_is_ordered(boat: Boat) -> None:
     *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
     assert ">60.0" in line
     for words in ("order depth 75", "order course right 045", "planes manual", "rudder left 5"):
-        order = parse(words)
-        assert isinstance(order, Order)
+        order = read_order(words)
         assert isinstance(obey_order(boat, order), str)
     boat.tick()
     *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
@@ -546,10 +536,7 @@ def test_a_stations_status_is_its_own_instruments(boat: Boat) -> None:
 
 def ordered(boat: Boat, *lines: str) -> dict[str, str]:
     """Give orders to the crew, fly on for 2 s; return what its panel shows."""
-    for line in lines:
-        order = parse(line)
-        assert isinstance(order, Order), line
-        assert isinstance(obey_order(boat, order), str), line
+    obey_all(boat, *lines)
     boat.state.tick += 4.0
     return values(frame_of(boat), "orders")
 
@@ -617,9 +604,3 @@ def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
 def test_the_panels_cover_what_the_observer_sees() -> None:
     assert set(PANEL_NAMES) <= set(OBSERVER.channels)
     assert set(PANEL_NAMES) <= set(CHANNELS)
-
-
-def test_the_page_has_the_tables_of_the_channels() -> None:
-    page = (ROOT / "docs" / "channels.md").read_text(encoding="utf-8")
-
-    assert channel_tables() in page, "renew: python -m helpers.document_tables channels"

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.crewed import PLACE, Crewed, Typist
+from helpers.crewed import PLACE, Begin, Crewed
+from helpers.line import Line, fields_of
 
 from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
@@ -32,7 +33,7 @@ from trainer.session.stations.roles import ROLES
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))
-def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed], name: str) -> None:
+def test_what_loses_a_shipped_exercise_is_watched(crewed: Begin, name: str) -> None:
     exercise = load_exercise(name)
     ship = crewed()
     boat, ending = ship.boat, ship.conduct.ending
@@ -51,9 +52,7 @@ def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed],
 
 
 @pytest.mark.parametrize("quantity", ALL_QUANTITIES)
-def test_any_quantity_of_a_condition_can_lose_an_exercise(
-    crewed: Callable[..., Crewed], quantity: str
-) -> None:
+def test_any_quantity_of_a_condition_can_lose_an_exercise(crewed: Begin, quantity: str) -> None:
     boat = crewed().boat
     boat.state.z = 2.0  # the sail shows
     boat.state.bottom[0] = 50.0
@@ -69,9 +68,7 @@ def test_any_quantity_of_a_condition_can_lose_an_exercise(
         assert is_met(Condition(quantity, sense, strict, threshold, "", PLACE), boat) is met
 
 
-def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
 
@@ -86,9 +83,7 @@ def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(
     assert "the exercise is over" in ship.refused("step 3")
 
 
-def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ballast, diving = ship.comes("ballast"), ship.comes("diving")
     ship.fly(20)
@@ -108,9 +103,7 @@ def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(
     assert ship.say(ballast, "emergency blow")[0] == "ok"
 
 
-def test_marks_go_to_the_instructor_first_and_to_all_when_released(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_marks_go_to_the_instructor_first_and_to_all_when_released(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
     assert "not over" in ship.refused("release marks")
@@ -135,9 +128,7 @@ def test_marks_go_to_the_instructor_first_and_to_all_when_released(
     assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
 
 
-def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     assert ship.facts(ship.comes("helm"), "exercise-over") == []
     ship.fly(20)
@@ -156,9 +147,7 @@ def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(
     assert ship.facts(ship.comes("helm"), "exercise-over") == []
 
 
-def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(crewed: Begin) -> None:
     ship = crewed(lost=["depth > 61"], seconds=60.0)
     helm = ship.comes("helm")
     ship.order("depth 200")
@@ -180,7 +169,7 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
         assert other.conduct.ending.why == "turned over"
 
 
-def test_a_hull_that_collapses_loses_the_exercise(crewed: Callable[..., Crewed]) -> None:
+def test_a_hull_that_collapses_loses_the_exercise(crewed: Begin) -> None:
     ship = crewed(seconds=60.0)
     ship.fly(2)
     ship.boat.state.z = 500.0
@@ -193,9 +182,7 @@ def test_a_hull_that_collapses_loses_the_exercise(crewed: Callable[..., Crewed])
     assert ship.order("run") == "running"
 
 
-def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm = ship.comes("helm")
     ship.fly(4)
@@ -208,9 +195,7 @@ def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(
     assert "again" in ship.refused("end exercise")
 
 
-def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.order("snapshot beginning")
     ship.fly(20)
@@ -237,7 +222,7 @@ def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
 
 @pytest.mark.parametrize("lost", [False, True])
 def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
-    crewed: Callable[..., Crewed],
+    crewed: Begin,
     lost: bool,  # noqa: FBT001
 ) -> None:
     ship = crewed(lost=["depth > 1"] * lost, seconds=None if lost else 5.0)
@@ -257,7 +242,7 @@ def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
 
 
 def test_a_replay_that_begins_at_the_very_end_of_an_exercise_comes_to_its_own_end(
-    crewed: Callable[..., Crewed],
+    crewed: Begin,
 ) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
@@ -270,14 +255,12 @@ def test_a_replay_that_begins_at_the_very_end_of_an_exercise_comes_to_its_own_en
     assert not ship.conduct.ending.over
 
 
-def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
     assert ship.judged.wait(60.0)
     ship.session.control.ended = False
-    ship.instructor.typed = ["again"]
+    ship.instructor.waiting = ["again"]
     for station in ship.session.event_log.stations:
         for asked in station.take(1):
             ship.session.dispatch.hear(asked)  # before what is done beside is taken
@@ -287,9 +270,7 @@ def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
     assert ship.facts(ship.instructor, "marks") == []
 
 
-def test_a_debrief_is_written_beside_the_session_which_says_where(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_debrief_is_written_beside_the_session_which_says_where(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.session.time.pacer.run()
     assert "freeze" in ship.refused("debrief")
@@ -304,7 +285,7 @@ def test_a_debrief_is_written_beside_the_session_which_says_where(
     assert "2,0:02: much was lost." in ship.facts(ship.instructor, "reason")
 
 
-def test_who_trains_alone_has_a_debrief_written_at_the_end(crewed: Callable[..., Crewed]) -> None:
+def test_who_trains_alone_has_a_debrief_written_at_the_end(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     ship.say(ship.instructor, "detach")
@@ -333,7 +314,7 @@ def hold_debrief(ship: Crewed) -> threading.Event:
     return may_write
 
 
-def test_what_a_run_cost_stays_when_its_marks_are_released(crewed: Callable[..., Crewed]) -> None:
+def test_what_a_run_cost_stays_when_its_marks_are_released(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
     ship.settle(lambda: ship.facts(ship.instructor, "marks"))
@@ -344,9 +325,7 @@ def test_what_a_run_cost_stays_when_its_marks_are_released(crewed: Callable[...,
     assert ship.facts(ship.instructor, "reason")[-1] == "2,0:02: much was lost."
 
 
-def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     may_write = hold_debrief(ship)
     ship.fly(20)
@@ -359,9 +338,7 @@ def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(
     assert "much was lost" not in str(ship.facts(ship.instructor, "reason"))
 
 
-def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(crewed: Begin) -> None:
     """Twenty at once took 425 MB, and answers came after seconds."""
     ship = crewed(seconds=5.0)
     may_write = hold_debrief(ship)
@@ -378,7 +355,7 @@ def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(
 
 @pytest.mark.process
 def test_one_debrief_is_a_process_whose_failure_is_told_in_a_line(
-    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
+    crewed: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(RuntimeError, match=r"no\.trainer.*No such file"):  # of the process
         debriefing().write(Path("no.trainer"), 1, threading.Event(), lambda _: None)
@@ -429,7 +406,7 @@ def is_told(ship: Crewed, news: str) -> bool:
     return news in ship.events(ship.instructor, "exercise")
 
 
-def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Crewed]) -> None:
+def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
 
     def fail(path: Path, branch: int) -> Judgement:
@@ -441,9 +418,7 @@ def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Cr
     assert "no marks yet" in ship.refused("release marks")
 
 
-def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
     assert "quit, then trainer run backing" in ship.refused("next backing")
@@ -466,7 +441,7 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
 
 
 def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
-    crewed: Callable[..., Crewed], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    crewed: Begin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     run = ProgressRun("a", 1, "backing", "t", "2026", 60.0, Outcome.LOST, 12.0)
@@ -507,7 +482,7 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
 # Nothing is lost
 
 
-def test_branches_are_listed_and_any_is_gone_back_to(crewed: Callable[..., Crewed]) -> None:
+def test_branches_are_listed_and_any_is_gone_back_to(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(6)
     ship.order("freeze")
@@ -536,9 +511,7 @@ def test_branches_are_listed_and_any_is_gone_back_to(crewed: Callable[..., Crewe
     assert ship.boat.ticks == 2
 
 
-def test_what_happened_on_a_branch_left_behind_is_not_counted(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_happened_on_a_branch_left_behind_is_not_counted(crewed: Begin) -> None:
     ship = crewed(seconds=None)
 
     def counted() -> dict[str, list[float]]:
@@ -560,14 +533,12 @@ def test_what_happened_on_a_branch_left_behind_is_not_counted(
     assert counted() == {"broached": [1.0, 2.0], "test depth passed": [1.5]}
 
 
-def test_a_branch_that_is_not_there_is_named_with_what_there_is(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_branch_that_is_not_there_is_named_with_what_there_is(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     assert ship.refused("branch 99") == "no branch 99: there is 1 to 1; branches lists them"
 
 
-def test_quit_asks_once_more_while_others_are_attached(crewed: Callable[..., Crewed]) -> None:
+def test_quit_asks_once_more_while_others_are_attached(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm, ballast = ship.comes("helm"), ship.comes("ballast")
 
@@ -592,7 +563,7 @@ def test_quit_asks_once_more_while_others_are_attached(crewed: Callable[..., Cre
 # Who is there
 
 
-def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Callable[..., Crewed]) -> None:
+def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm, planes = ship.comes("helm"), ship.comes("planes")
     ship.comes("observer")
@@ -614,16 +585,14 @@ def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Callable[..., C
     assert ship.say(helm, "ready") == ("ok", "ready; everybody is")
 
 
-def test_who_came_first_has_command_whoever_orders_first(crewed: Callable[..., Crewed]) -> None:
+def test_who_came_first_has_command_whoever_orders_first(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     second = ship.comes("instructor")
     assert ship.refused("run", second) == "line 1 has command: take command asks for it"
     assert ship.order("freeze").startswith("frozen")
 
 
-def test_one_instructor_has_command_and_the_others_watch_and_mark(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_one_instructor_has_command_and_the_others_watch_and_mark(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("freeze")
     second = ship.comes("instructor")
@@ -658,9 +627,7 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(
     assert ship.say(second, "run") == ("ok", "running")
 
 
-def test_command_that_the_session_s_only_instructor_has_cannot_be_given(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_command_that_the_session_s_only_instructor_has_cannot_be_given(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     assert ship.refused("give command") == "there is no other instructor"
     assert ship.refused("keep command") == "nobody has asked for command"
@@ -670,7 +637,7 @@ def test_command_that_the_session_s_only_instructor_has_cannot_be_given(
 # What a channel has shown
 
 
-def past(ship: Crewed, line: Typist, channel: str) -> list[tuple[str, ...]]:
+def past(ship: Crewed, line: Line, channel: str) -> list[tuple[str, ...]]:
     """Return the rows of a channel between the marks of its past."""
     sent = [parse_sentence(each) for each in line.sent]
     marks = [
@@ -683,9 +650,7 @@ def past(ship: Crewed, line: Typist, channel: str) -> list[tuple[str, ...]]:
     return [each.fields for each in between if each.fields[0] == channel]
 
 
-def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     watch = ship.comes("observer")
     ship.say(watch, "subscribe gauges")
@@ -695,11 +660,7 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
     ship.fly(400)
     ship.order("freeze")
     ship.recording.flush()
-    live = {
-        each.fields[1]: each.fields
-        for each in map(parse_sentence, watch.sent)
-        if each and each.kind == "TRS"
-    }
+    live = {fields[1]: fields for fields in fields_of(watch.sent, "TRS")}
     late = ship.comes("helm")
     ship.say(late, "subscribe gauges")
     rows = len([each for each in late.sent if each.startswith("$TRS")])
@@ -715,44 +676,41 @@ def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
     assert len(after) == rows + len(found) + 1  # the live ones go on
 
 
-class Narrow(Typist):
+class Narrow(Line):
     """A line that loses what is sent while it has no room, as a slow one does."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name)
-        self.taken = 0  # lines before it is full
+    taken = 0  # lines before it is full
 
-    @property
-    def room(self) -> bool:  # type: ignore[override]
-        return len(self.sent) < self.taken
+    def make_room(self, lines: int) -> None:
+        """Have room for so many lines."""
+        self.taken, self.room = len(self.sent) + lines, True
 
     def send(self, line: str) -> None:
         if line.startswith("$TRS") and not self.room:
             self.dropped += 1
         super().send(line)
+        self.room = len(self.sent) < self.taken
 
 
-def test_a_slow_line_loses_nothing_of_the_past(crewed: Callable[..., Crewed]) -> None:
+def test_a_slow_line_loses_nothing_of_the_past(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(200)
     ship.order("freeze")
     ship.recording.flush()
-    late = Narrow("a slow line")
+    late = Narrow("a slow line", room=False)
     ship.attach(late, "helm")
 
     assert ship.say(late, "history gauges 60 min")[0] == "ok"
     time.sleep(0.1)  # in which the thread that sends would send
     assert not [each for each in late.sent if each.startswith("$TRS")]
     while "end,gauges" not in ship.facts(late, "past"):
-        late.taken = len(late.sent) + 10
+        late.make_room(10)
         ship.settle(lambda: not late.room or "end,gauges" in ship.facts(late, "past"))
     assert [row[1] for row in past(ship, late, "gauges")] == [str(tick) for tick in range(201)]
     assert late.dropped == 0
 
 
-def test_the_past_is_that_of_the_role_and_of_the_present_branch(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_the_past_is_that_of_the_role_and_of_the_present_branch(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(20)
     ship.order("mark on the old branch")
@@ -784,9 +742,7 @@ def test_the_past_is_that_of_the_role_and_of_the_present_branch(
     assert [row[1] for row in past(ship, other, "motion")] == [str(tick) for tick in range(17)]
 
 
-def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("casualty rudder-stuck")
     ship.order("reset")
@@ -799,9 +755,7 @@ def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(
     assert ship.facts(other, "mark") == ["on the second way"]
 
 
-def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(20)
     ship.order("mark on the first branch")
@@ -817,9 +771,7 @@ def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(
     assert ship.facts(late, "mark") == ["on the first branch", "on the third"]
 
 
-def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(20)
     ship.order("mark too late")
@@ -834,7 +786,7 @@ def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(
     assert ship.facts(late, "mark") == ["in time"]
 
 
-def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[..., Crewed]) -> None:
+def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.conduct.past.kept = None
     ship.fly(100)
@@ -847,9 +799,7 @@ def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[...,
 
 
 @pytest.mark.parametrize("role", sorted(set(ROLES) - {"instructor"}))
-def test_the_past_of_the_truth_is_the_instructor_s_alone(
-    crewed: Callable[..., Crewed], role: str
-) -> None:
+def test_the_past_of_the_truth_is_the_instructor_s_alone(crewed: Begin, role: str) -> None:
     ship = crewed(seconds=None)
     line = ship.comes(role)
     for channel in ("motion", "sea", "casualties", "ledger"):
@@ -888,7 +838,7 @@ def test_an_alarm_wakes_once_at_the_earliest_time_asked_for() -> None:
 
 
 def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the_end_too(
-    crewed: Callable[..., Crewed],
+    crewed: Begin,
 ) -> None:
     ship = crewed(seconds=5.0)
     ship.conduct.company.visitors = True
@@ -908,7 +858,7 @@ def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the
     assert ship.facts(visitor, "exercise-over") == ["ended"]
 
 
-def test_a_visitor_does_not_begin_the_run_of_a_crew_again(crewed: Callable[..., Crewed]) -> None:
+def test_a_visitor_does_not_begin_the_run_of_a_crew_again(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     visitor, helm = ship.comes("visitor"), ship.comes("helm")
     ship.fly(4)
@@ -923,7 +873,7 @@ def test_a_visitor_does_not_begin_the_run_of_a_crew_again(crewed: Callable[..., 
     assert ship.order("restart").startswith("from the start, running")
 
 
-def test_a_station_is_called_by_a_name_of_its_own(crewed: Callable[..., Crewed]) -> None:
+def test_a_station_is_called_by_a_name_of_its_own(crewed: Begin) -> None:
     ship = crewed()
     wall = ship.comes("observer")
     assert ship.say(wall, "name wall") == ("ok", "this line is called wall")
@@ -934,19 +884,17 @@ def test_a_station_is_called_by_a_name_of_its_own(crewed: Callable[..., Crewed])
     assert any(f"observer at {wall.name}, called wall: " in line for line in ship.said)
 
 
-def test_nobody_asks_whether_a_visitor_is_ready(crewed: Callable[..., Crewed]) -> None:
+def test_nobody_asks_whether_a_visitor_is_ready(crewed: Begin) -> None:
     ship = crewed()
     ship.comes("visitor")
     ship.order("run")
     assert not [text for text in ship.events(ship.instructor, "station") if "not ready" in text]
 
 
-def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(crewed: Begin) -> None:
     ship = crewed()
     visitor = ship.comes("visitor")
-    visitor.typed = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
+    visitor.waiting = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
     begun = time.monotonic()
     for _ in range(20):
         ship.session.attendance.listen()

@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from helpers.places import environment
+from helpers.sessions import TROUBLED_SEA
 from helpers.waiting import PATIENCE, once_it_can
 
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -28,17 +29,7 @@ SECONDS = 900  # [s] of the exercise
 MAX = ("--headless", "--speed", "max")
 
 # Everything at work: a sea, tanks, casualties at set times and by a trigger, the autopilot.
-TROUBLED = """
-schema = "exercise/1"
-name = "All at once"
-briefing = "A sea, things that break, and everything automatic."
-sea = "sea-state-5"
-seed = 23
-
-[initial]
-depth_m = 40
-speed_kn = 8
-
+TROUBLED = f"""{TROUBLED_SEA}
 [[casualties]]
 when = "depth > 42"
 name = "rudder-slow"

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.boats import start_bb2
 from helpers.givers import giver_at
-from helpers.line import Line
+from helpers.line import Line, fields_of
 from helpers.sessions import session_over
 
 from trainer.boat.boat import Boat
@@ -65,15 +66,13 @@ class Crew:
     def program(self, role: str, words: str) -> str:
         """Say something as a program does; return the answer."""
         self.say(role, sentences.order_sentence(words))
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
-        return next(each.fields[1] for each in reversed(found) if each and each.kind == "TRA")
+        return fields_of(self.lines[role].sent, "TRA")[-1][1]
 
     def facts(self, role: str) -> list[str]:
         """Return the facts that a program has been told, but who spoke, and forget them."""
-        found = [sentences.parse_sentence(line) for line in self.lines[role].sent]
+        told = fields_of(self.lines[role].sent, "TRF")
         self.lines[role].sent.clear()
-        facts = [each.fields[2:] for each in found if each and each.kind == "TRF"]
-        return [f"{what}: {subject}" for what, subject in facts if what != "said"]
+        return [f"{what}: {subject}" for _, _, what, subject in told if what != "said"]
 
     def fly(self, seconds: float) -> "Crew":
         for _ in range(round(seconds / 0.5)):
@@ -87,13 +86,12 @@ class Crew:
 
 
 @pytest.fixture
-def crew(make_boat: Callable[..., Boat]) -> Iterator[Callable[..., Crew]]:
+def crew() -> Iterator[Callable[..., Crew]]:
     """Return a function that makes a session of BB2 at 10 kn, 60 m, course 000."""
     made: list[Recording] = []
 
     def make(schedule: str = "", path: Path | None = None, **more: object) -> Crew:
-        boat = make_boat("bb2")
-        boat.start(10.0 * KNOT, 60.0, 0.0)
+        boat = start_bb2()
         made.append(Recording.create(path, {}, boat.records.state.tobytes()))
         return Crew(boat, made[-1], schedule, **more)
 

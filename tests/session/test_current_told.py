@@ -1,13 +1,15 @@
 """The current as it is told at the stations, to programs and in a debrief, and taken over from."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
+from helpers.orders import read_order
+from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
@@ -23,7 +25,6 @@ from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.exercise import is_met
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
@@ -82,7 +83,7 @@ def plan(tmp_path: Path) -> Plan:
 # What is shown
 
 
-def test_programs_are_told_set_drift_and_both_ways(make_boat: Callable[..., Boat]) -> None:
+def test_programs_are_told_set_drift_and_both_ways() -> None:
     seen = read_fields(carried(make_boat()), DEFAULT_CHART, START)
     vtg, vdr, vbw = choose_instruments(("VDR", "VBW", "VTG"))
     assert vtg.sentence(seen).startswith("$INVTG,50.58,T,,M,11.47,N,")
@@ -95,9 +96,7 @@ def test_what_a_trainee_is_to_find_is_sent_only_where_it_is_named() -> None:
     assert {"VDR", "VBW"}.isdisjoint(USUAL_NAMES)
 
 
-def test_the_instructor_alone_sees_the_current_and_the_way_over_the_ground(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_the_instructor_alone_sees_the_current_and_the_way_over_the_ground() -> None:
     boat = make_boat()
     shown = CHANNELS["current"].values(carried(boat))
     assert shown == ["90.0", "2.00", "50.6", "11.47"]
@@ -108,7 +107,7 @@ def test_the_instructor_alone_sees_the_current_and_the_way_over_the_ground(
     assert [name for name, role in ROLES.items() if "current" in role.channels] == ["instructor"]
 
 
-def test_the_set_shown_is_that_of_the_water_at_the_boat(make_boat: Callable[..., Boat]) -> None:
+def test_the_set_shown_is_that_of_the_water_at_the_boat() -> None:
     boat = make_boat()
     carried(boat)
     boat.state.current[:] = 2.0 * KNOT, 0.0, -4.0 * KNOT / 60.0, 0.0  # 2 kn north above, south here
@@ -116,8 +115,7 @@ def test_the_set_shown_is_that_of_the_water_at_the_boat(make_boat: Callable[...,
 
 
 def test_the_status_has_a_line_of_it_where_there_is_any(plan: Plan) -> None:
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     (line,) = current_lines(frame_of(boat), boat)
     assert line == "current towards 030 at 2.00 kn; over ground 004.9 at 11.78 kn"
     boat.world = World()
@@ -125,8 +123,7 @@ def test_the_status_has_a_line_of_it_where_there_is_any(plan: Plan) -> None:
 
 
 def test_only_the_instructor_orders_it() -> None:
-    order = parse("current set 090 drift 2")
-    assert isinstance(order, Order)
+    order = read_order("current set 090 drift 2")
     assert refusal(ROLES["instructor"], order) is None
     whose = {refusal(role, order) for name, role in ROLES.items() if name != "instructor"}
     assert all(each and "is the instructor's" in each.reason for each in whose)
@@ -135,7 +132,7 @@ def test_only_the_instructor_orders_it() -> None:
 # What is judged
 
 
-def test_speed_over_the_ground_is_a_quantity_and_a_limit(make_boat: Callable[..., Boat]) -> None:
+def test_speed_over_the_ground_is_a_quantity_and_a_limit() -> None:
     boat = make_boat()
     carried(boat)
     for text, holds in (
@@ -173,7 +170,7 @@ def test_no_casualty_and_no_reference_crew_can_wait_for_what_no_gauge_shows() ->
             parse_exercise(f"{EXERCISE}\n{row}\n", Path("my.toml"))
 
 
-def test_a_boat_carried_along_is_not_chased_by_the_waves(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_carried_along_is_not_chased_by_the_waves() -> None:
     boat = make_boat()
     boat.start(3.0 * KNOT, 17.5, math.pi)  # with waves from the north
     boat.put_to_sea(load_sea("sea-state-5"))

@@ -5,24 +5,16 @@ from collections.abc import Callable
 from contextlib import closing
 
 import pytest
-from helpers.crewed import Crewed
-from helpers.document_tables import order_table
+from helpers.crewed import Begin, Crewed
+from helpers.orders import read_order
 from helpers.places import ROOT
 
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED_WORDS
 from trainer.session import dispatch
 from trainer.session.dispatch import ORDER_GATES, ORDERS, Gate, Obeyer, refusal
 from trainer.session.stations import roles
 from trainer.session.stations.station import Station
-
-
-def understood(words: str) -> Order:
-    """Return the order that words are."""
-    order = parse(words)
-    assert isinstance(order, Order)
-    return order
 
 
 def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
@@ -32,10 +24,8 @@ def test_every_order_word_has_one_rule_and_every_rule_an_order_word() -> None:
 
 
 @pytest.mark.parametrize("words", ["mark", "status", "who", "end exercise", "again"])
-def test_a_schedule_goes_on_past_what_has_no_place_in_it(
-    crewed: Callable[..., Crewed], words: str
-) -> None:
-    orders = [understood(text) for text in (words, "rudder right 10")]
+def test_a_schedule_goes_on_past_what_has_no_place_in_it(crewed: Begin, words: str) -> None:
+    orders = [read_order(text) for text in (words, "rudder right 10")]
     ship = crewed(seconds=5, schedule=[ScheduledOrder(1.0, order, 1) for order in orders])
     ship.fly(10)
     assert ship.session.dispatch.refused == [
@@ -49,9 +39,7 @@ def test_no_schedule_is_read_that_holds_what_nobody_may_schedule() -> None:
     assert set(ORDERS) - passed_on <= UNSCHEDULED_WORDS <= set(ORDERS)
 
 
-def test_whatever_is_not_passed_on_has_somebody_who_answers_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_whatever_is_not_passed_on_has_somebody_who_answers_it(crewed: Begin) -> None:
     duties = crewed().session.dispatch.duties
     answered = {word for word, rule in ORDERS.items() if not rule.passed_on}
     assert answered - set(duties) == {w for w, rule in ORDERS.items() if rule.obeyer is Obeyer.LINE}
@@ -65,27 +53,25 @@ def test_what_moves_the_boat_or_is_said_on_board_is_journalled() -> None:
     }
 
 
-def test_the_page_on_stations_has_the_table_of_order_words() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-    assert order_table() in page, f"docs/station-tables.md lacks this:\n{order_table()}"
-
-
 def shut(ship: Crewed, words: str, station: Station) -> list[Gate]:
     """Return all gates that are shut to an order."""
-    order = understood(words)
+    order = read_order(words)
     return [gate for gate in ORDER_GATES if gate(order, station, ship.session)]
+
+
+Prepared = tuple[str, Station, Callable[[], object]]  # words, who gives them, what comes before
 
 
 @pytest.mark.parametrize("gate", ORDER_GATES, ids=lambda gate: gate.__name__)
 def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
-    gate: Gate, crewed: Callable[..., Crewed]
+    gate: Gate, crewed: Begin
 ) -> None:
     ship = crewed(seconds=None, hand=frozenset({"planes"}))
     roles = ("pilot", "instructor", "visitor", "trainee")
     helm, second, visitor, trainee = (ship.comes(role) for role in roles)
     at = {each.line: each for each in ship.session.event_log.stations}
     ship.order("status")  # the first instructor has command
-    prepared: dict[str, tuple[str, Station, Callable[[], object]]] = {
+    prepared: dict[str, Prepared] = {
         "command_gate": ("run", at[second], lambda: None),
         "quit_gate": ("quit", at[ship.instructor], lambda: None),
         "visitor_gate": ("restart", at[visitor], lambda: None),
@@ -108,24 +94,22 @@ def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
     assert shut(ship, "status", station) == []
 
 
-def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Callable[..., Crewed]) -> None:
+def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     second = ship.comes("instructor")
     ship.order("end exercise")
     station = next(each for each in ship.session.event_log.stations if each.line is second)
 
-    answers = [gate(understood("run"), station, ship.session) for gate in ORDER_GATES]
+    answers = [gate(read_order("run"), station, ship.session) for gate in ORDER_GATES]
     reasons = list(filter(None, answers))
     assert len(reasons) == 2
-    found = refusal(understood("run"), station, ship.session)
+    found = refusal(read_order("run"), station, ship.session)
     assert found is not None
     assert found == reasons[0]
     assert "has command" in found.reason
 
 
-def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
     over = ship.conduct.ending.over
@@ -135,7 +119,7 @@ def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(
 
 
 def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_goes_on(
-    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch
+    crewed: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ship = crewed(seconds=None)
     ship.fly(10)
@@ -153,7 +137,7 @@ def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_
     assert ship.boat.ticks == 20
 
 
-def test_a_session_has_few_attributes_and_few_lines(crewed: Callable[..., Crewed]) -> None:
+def test_a_session_has_few_attributes_and_few_lines(crewed: Begin) -> None:
     source = (ROOT / "trainer" / "session" / "session.py").read_text(encoding="utf-8")
     assert len(source.splitlines()) <= 280
     assert len(vars(crewed().session)) <= 20

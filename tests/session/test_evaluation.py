@@ -1,11 +1,11 @@
 """What a careful crew could still earn, told to the instructor while the run goes on."""
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
-from helpers.crewed import Crewed, crewed
+from helpers.crewed import Begin, Crewed
 
 from trainer.session import evaluation as module
 from trainer.session.evaluation import Question
@@ -13,9 +13,7 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.roles import ROLES
 
-__all__ = ["crewed"]
 ANSWER = {"marks": 82.0, "so_far": 14.0, "won": True, "lost": False}
-Begin = Callable[..., Crewed]
 
 
 class Answering:
@@ -127,7 +125,7 @@ def test_what_if_says_what_an_order_would_bring_and_changes_nothing(ship: Crewed
     Answering.answer = {**ANSWER, "marks": 64.0, "with": 82.0, "refused": ""}
     before = ship.boat.records.state.tobytes()
     sent = len(ship.instructor.sent)
-    ship.instructor.typed = ["what if stern planes dive 10"]
+    ship.instructor.waiting = ["what if stern planes dive 10"]
     answer = "with `stern planes dive 10`: 82, without: 64 (from 00:00:10)"
     ship.settle(lambda: answer in ship.instructor.sent[sent:])
     assert ship.boat.records.state.tobytes() == before
@@ -135,7 +133,7 @@ def test_what_if_says_what_an_order_would_bring_and_changes_nothing(ship: Crewed
     kept = [each.text for each in ship.recording.events() if each.kind == "exercise"]
     assert f"what if: {answer}" in kept
     Answering.answer = {**ANSWER, "refused": "no such depth"}
-    ship.instructor.typed = ["what if depth 900"]
+    ship.instructor.waiting = ["what if depth 900"]
     ship.settle(lambda: any("depth 900 m: no such depth" in each for each in ship.instructor.sent))
     assert "only of orders that move the boat" in ship.refused("what if freeze")
     assert "no order" in ship.refused("what if banana")

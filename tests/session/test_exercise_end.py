@@ -105,8 +105,11 @@ def until(caller: Caller, text: str) -> str:
     return found[0]
 
 
+Serve = Callable[..., Served]
+
+
 @pytest.fixture
-def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
+def serve(tmp_path: Path) -> Iterator[Serve]:
     begun: list[Served] = []
 
     def begin(*words: str) -> Served:
@@ -126,7 +129,7 @@ def exercise(tmp_path: Path) -> Path:
 
 
 def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
-    serve: Callable[..., Served], exercise: Path
+    serve: Serve, exercise: Path
 ) -> None:
     served = serve("serve", str(exercise), "--listen", "none", "--speed", "50", "--frozen")
     instructor, helm = served.caller("instructor"), served.caller("helm")
@@ -177,7 +180,7 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     ],
 )
 def test_a_duration_of_the_command_line_ends_the_session_as_ever(
-    serve: Callable[..., Served], exercise: Path, words: tuple[str, ...]
+    serve: Serve, exercise: Path, words: tuple[str, ...]
 ) -> None:
     given = ["--duration", "4"] if words[0] == "serve" and "max" not in words else []
     speed = [] if "max" in words else ["--speed", "50"]
@@ -186,9 +189,7 @@ def test_a_duration_of_the_command_line_ends_the_session_as_ever(
     assert served.process.returncode == 0
 
 
-def test_an_exercise_whose_end_nobody_awaits_ends_its_session(
-    serve: Callable[..., Served], exercise: Path
-) -> None:
+def test_an_exercise_whose_end_nobody_awaits_ends_its_session(serve: Serve, exercise: Path) -> None:
     served = serve("run", str(exercise), "--teletype", "--speed", "50", "--socket", "none")
     told = served.account()
     assert served.process.returncode == 0
@@ -242,7 +243,7 @@ def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[
 
 
 def test_what_is_resumed_at_its_exercise_s_end_is_over(
-    serve: Callable[..., Served], exercise: Path, tmp_path: Path
+    serve: Serve, exercise: Path, tmp_path: Path
 ) -> None:
     kept = tmp_path / "kept.trainer"
     orders = tmp_path / "orders.txt"

@@ -1,12 +1,13 @@
 """Aground: what is called, what the exercise does, how it is judged, and its replay."""
 
 import math
-from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Crewed
+from helpers.boats import make_boat
+from helpers.crewed import Begin
+from helpers.sessions import begin_run
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -16,12 +17,12 @@ from trainer.boat.world.bottom import Ground, keel_of
 from trainer.boat.world.world import World
 from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.exercise import ExerciseLimits
-from trainer.config.files import Position, remembering
+from trainer.config.files import Position
 from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.session.header import differences, header_of, plan_of
+from trainer.session.header import differences, plan_of
 from trainer.session.jump import jump_to
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments
 from trainer.session.options import RunOptions
@@ -30,8 +31,6 @@ from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
-
-MakeBoat = Callable[..., Boat]
 
 
 def ground(**table: object) -> Bottom:
@@ -67,7 +66,7 @@ def calls(boat: Boat, seconds: float) -> list[str]:
 # Calls
 
 
-def test_a_boat_that_sinks_onto_the_ground_is_aground_once(make_boat: MakeBoat) -> None:
+def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.2)
     (told,) = calls(boat, 120.0)
@@ -76,9 +75,7 @@ def test_a_boat_that_sinks_onto_the_ground_is_aground_once(make_boat: MakeBoat) 
 
 
 @pytest.mark.parametrize(("seconds", "news"), [(10.0, 0), (40.0, 1)])
-def test_touching_again_is_news_after_half_a_minute(
-    make_boat: MakeBoat, seconds: float, news: int
-) -> None:
+def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -> None:
     boat = make_boat()
     boat.start(1.0, 60.0, 0.0)
     put_on(boat, ground(depth_m=100))
@@ -92,7 +89,7 @@ def test_touching_again_is_news_after_half_a_minute(
     assert len(told) == 1 + news
 
 
-def test_a_fast_one_is_hard_aground(make_boat: MakeBoat) -> None:
+def test_a_fast_one_is_hard_aground() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.8)
     (told,) = calls(boat, 60.0)
@@ -114,7 +111,7 @@ def test_hard_is_fast_into_the_ground_or_way_over_rock(
     assert touch.is_hard(kind) is hard
 
 
-def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(make_boat: MakeBoat) -> None:
+def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
     boat = make_boat()
     sinking(boat, 0.5, 0.05, 10.0, bottoming=True)
     told = calls(boat, 120.0)
@@ -123,7 +120,7 @@ def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(make_boat: MakeBoat) 
     assert told[1] == "lies on the ground: 9 t on the ground, screw stopped"
 
 
-def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(make_boat: MakeBoat) -> None:
+def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong() -> None:
     boat = make_boat()
     sinking(boat, 2.0, 0.3, 10.0, bottoming=True)
     (told,) = calls(boat, 400.0)
@@ -135,7 +132,7 @@ def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(make_boat: M
     assert light.startswith("does not lie on the ground within 5 min: 2 t")
 
 
-def test_off_the_chart_is_called_once_each_time(make_boat: MakeBoat, tmp_path: Path) -> None:
+def test_off_the_chart_is_called_once_each_time(tmp_path: Path) -> None:
     path = tmp_path / "a.asc"
     head = "ncols 2\nnrows 2\nxllcenter -50\nyllcenter -50\ncellsize 100\n"
     path.write_text(head + "300 300 310 320")
@@ -146,7 +143,7 @@ def test_off_the_chart_is_called_once_each_time(make_boat: MakeBoat, tmp_path: P
     assert calls(boat, 60.0) == ["BEYOND THE CHART: the ground is taken as at its edge"]
 
 
-def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
+def test_clearance_is_the_keel_s_and_a_limit() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     assert clearance(boat) == math.inf
@@ -167,9 +164,7 @@ def test_clearance_is_the_keel_s_and_a_limit(make_boat: MakeBoat) -> None:
 
 
 @pytest.mark.parametrize(("how", "over"), [("free", False), ("freeze", False), ("end", True)])
-def test_grounding_does_what_the_exercise_says(
-    crewed: Callable[..., Crewed], how: str, *, over: bool
-) -> None:
+def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over: bool) -> None:
     ship = crewed(seconds=600.0)
     sinking(ship.boat, 1.0, 0.3, grounding=how)
     ship.conduct.hull.ground = GroundMonitor(ship.boat)
@@ -181,9 +176,7 @@ def test_grounding_does_what_the_exercise_says(
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
 
 
-def test_a_grounding_is_called_again_after_a_jump_to_before_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_grounding_is_called_again_after_a_jump_to_before_it(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     sinking(ship.boat, 1.0, 0.3, grounding="free")
     ship.conduct.hull.ground = GroundMonitor(ship.boat)
@@ -213,7 +206,7 @@ def sentences(boat: Boat) -> dict[str, str]:
     return {line[1:8]: line for line in lines}
 
 
-def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(make_boat: MakeBoat) -> None:
+def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     put_on(boat, None)
@@ -233,7 +226,7 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(make_boat: Make
     assert len(INSTRUMENTS) > len(told)
 
 
-def test_crew_sees_the_sounder_and_the_instructor_the_clearance(make_boat: MakeBoat) -> None:
+def test_crew_sees_the_sounder_and_the_instructor_the_clearance() -> None:
     boat = make_boat()
     boat.start(5.0 * KNOT, 60.0, 0.0)
     put_on(boat, ground(depth_m=100))
@@ -306,12 +299,7 @@ def test_a_grounding_is_counted_and_a_hard_one_leaves_no_marks(
 
 def recorded(path: Path) -> tuple[Plan, Boat, dict[str, str]]:
     """Return a run of an exercise at its start, and the header of its recording."""
-    options = RunOptions(exercise=str(path), given=frozenset({"exercise"}))
-    with remembering() as texts:
-        plan = plan_run(options)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return plan, boat, header_of(options, texts, boat)
+    return begin_run(RunOptions(exercise=str(path), given=frozenset({"exercise"})))
 
 
 def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_path: Path) -> None:

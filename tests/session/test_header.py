@@ -2,14 +2,14 @@
 
 import json
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.boats import make_boat
+from helpers.sessions import begin_run, start_plan
 
-from trainer.boat.boat import Boat
 from trainer.config import files
 from trainer.config.files import (
     ConfigError,
@@ -24,10 +24,10 @@ from trainer.config.files import (
 from trainer.config.sea import load_sea
 from trainer.core import digest
 from trainer.session import header as header_module
-from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
+from trainer.session.header import differences, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT, read_state, state_difference
 from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.plan import plan_run
 
 PLAIN: dict[str, Any] = {
     "exercise": None,
@@ -100,15 +100,6 @@ speed_kn = 12
 nomoto = "./ship.toml"
 """
 SWELL = "[sea]\nheight_m = 2.5\nperiod_s = 9\nspectrum = 'bretschneider'\n"
-
-
-def recorded_run(options: RunOptions) -> tuple[Plan, Boat, dict[str, str]]:
-    """Return the plan of the options, its boat started, and the header of its recording."""
-    with remembering() as texts:
-        plan = plan_run(options)
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return plan, boat, header_of(options, texts, boat)
 
 
 @pytest.fixture
@@ -206,15 +197,14 @@ def test_a_shipped_file_given_by_its_path_is_found_on_another_machine() -> None:
     ],
 )
 def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None:
-    plan, boat, header = recorded_run(RunOptions(**{"equations": "full", **options}))
+    plan, boat, header = begin_run(RunOptions(**{"equations": "full", **options}))
 
     again = plan_of(header)
 
     assert again == plan
     assert method_of(header) == plan.method
     assert layout_of(header) == LAYOUT
-    other = Boat(again.file, again.method)
-    again.start(other)
+    other = start_plan(again)
     assert other.records.state.tobytes() == boat.records.state.tobytes()
     assert other.records.scheme.tobytes() == boat.records.scheme.tobytes()
     assert differences(header) == []
@@ -224,7 +214,7 @@ def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None
 def test_a_plan_is_made_again_with_none_of_its_files_left(
     drill: RunOptions, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan, _, header = recorded_run(replace(drill, seed=5, given=frozenset({"seed"})))
+    plan, _, header = begin_run(replace(drill, seed=5, given=frozenset({"seed"})))
     for path in tmp_path.iterdir():
         path.unlink()
     monkeypatch.setattr(files, "_text_on_disk", lambda path: pytest.fail(f"{path} was read"))
@@ -240,7 +230,7 @@ def test_a_plan_is_made_again_with_none_of_its_files_left(
 
 
 def test_a_header_is_texts_only_and_says_what_computed_the_run() -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     assert all(isinstance(text, str) for text in header.values())
     assert {"trainer", "core", "python", "numpy", "numba", "machine", "started"} <= set(header)
     assert header["started"].endswith("+00:00")
@@ -250,7 +240,7 @@ def test_a_header_is_texts_only_and_says_what_computed_the_run() -> None:
 
 
 def test_a_changed_vessel_file_is_told_by_line_and_key(drill: RunOptions, tmp_path: Path) -> None:
-    _, _, header = recorded_run(drill)
+    _, _, header = begin_run(drill)
     path = tmp_path / "boat.toml"
     lines = path.read_text(encoding="utf-8").split("\n")
     where = next(i for i, line in enumerate(lines) if line.startswith("length ="))
@@ -265,7 +255,7 @@ def test_a_changed_vessel_file_is_told_by_line_and_key(drill: RunOptions, tmp_pa
 
 
 def test_a_file_that_is_gone_is_told_by_its_name(drill: RunOptions, tmp_path: Path) -> None:
-    _, _, header = recorded_run(drill)
+    _, _, header = begin_run(drill)
     (tmp_path / "swell.toml").unlink()
     assert differences(header) == [
         "swell.toml: there is no such file; it was read when this was recorded"
@@ -294,7 +284,7 @@ def test_of_many_changed_lines_the_first_are_told_and_the_others_counted() -> No
 
 
 def test_a_recording_from_before_the_key_of_visitors_is_the_same_run() -> None:
-    _, _, header = recorded_run(RunOptions(exercise="visitor-dive", equations="full"))
+    _, _, header = begin_run(RunOptions(exercise="visitor-dive", equations="full"))
     texts = json.loads(header["texts"])
     (key,) = (key for key in texts if key.endswith("visitor-dive.toml"))
     lines = texts[key].splitlines(keepends=True)
@@ -312,7 +302,7 @@ def test_a_recording_from_before_the_key_of_visitors_is_the_same_run() -> None:
 
 
 def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     digest, header["core"] = header["core"], "0123456789abcdef"
     monkeypatch.setattr(header_module, "__version__", "9.9.9")
     header["layout"] = json.dumps([*LAYOUT[:-1], "old_name"])
@@ -328,7 +318,7 @@ def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) 
 def test_an_earlier_core_of_the_same_bits_is_no_difference(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     earlier = {**header, "core": "of yesterday"}
     assert differences(earlier) != []
 
@@ -343,7 +333,7 @@ def test_an_earlier_core_of_the_same_bits_is_no_difference(
     ["903b64a6d0ec99fb", "85b75f58a082ce9f", "9621e438af398b4f", "2f0859a1c90a8d8c"],
 )
 def test_a_core_with_other_waves_is_another_core(earlier: str) -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
 
     told = differences({**header, "core": earlier})
 
@@ -351,7 +341,7 @@ def test_a_core_with_other_waves_is_another_core(earlier: str) -> None:
 
 
 def test_other_libraries_are_noted_and_are_no_difference() -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     now = header["numpy"]
     header["numpy"] = "1.0"
     assert differences(header) == []
@@ -359,7 +349,7 @@ def test_other_libraries_are_noted_and_are_no_difference() -> None:
 
 
 def test_a_step_vessel_or_method_given_otherwise_is_told(drill: RunOptions, tmp_path: Path) -> None:
-    _, _, header = recorded_run(drill)
+    _, _, header = begin_run(drill)
     text = (tmp_path / "boat.toml").read_text(encoding="utf-8")
     (tmp_path / "longer.toml").write_text(text.replace("length = 70.2", "length = 71"))
     line = text[: text.index("length = 70.2")].count("\n") + 1
@@ -386,7 +376,7 @@ def test_a_step_vessel_or_method_given_otherwise_is_told(drill: RunOptions, tmp_
     ],
 )
 def test_a_header_of_another_form_is_told_not_guessed_at(spoilt: dict[str, str], told: str) -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     with pytest.raises(ConfigError) as wrong:
         plan_of(header | spoilt)
     assert str(wrong.value) == told
@@ -396,9 +386,7 @@ def test_a_header_of_another_form_is_told_not_guessed_at(spoilt: dict[str, str],
 # States of another version
 
 
-def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers() -> None:
     boat = make_boat("bb2")
     boat.start(5.0, 60.0, 1.0)
     state = boat.records.state
@@ -417,9 +405,7 @@ def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers(
     assert read["whole"][0][places].tobytes() == text
 
 
-def test_two_states_are_unlike_at_the_first_bit_that_differs(
-    make_boat: Callable[..., Boat],
-) -> None:
+def test_two_states_are_unlike_at_the_first_bit_that_differs() -> None:
     boat = make_boat("bb2")
     boat.start(5.0, 60.0, 1.0)
     one = boat.snapshot()
@@ -452,7 +438,7 @@ def test_two_states_are_unlike_at_the_first_bit_that_differs(
 def test_a_header_of_anybody_s_making_is_refused_by_name(
     part: str, value: object, told: str
 ) -> None:
-    _, _, header = recorded_run(RunOptions(equations="full"))
+    _, _, header = begin_run(RunOptions(equations="full"))
     header[part] = json.dumps(value).replace("Infinity", "1e999")
     read = {"options": plan_of, "texts": plan_of, "layout": layout_of, "method": method_of}[part]
 
@@ -465,10 +451,10 @@ def test_a_nomoto_ship_that_went_by_the_first_form_is_told(tmp_path: Path) -> No
     (tmp_path / "ship.toml").write_text(NOMOTO, encoding="utf-8")
     path = tmp_path / "met.toml"
     path.write_text(MET, encoding="utf-8")
-    _, _, header = recorded_run(RunOptions(exercise=str(path)))
+    _, _, header = begin_run(RunOptions(exercise=str(path)))
     assert differences(header) == []
     before = {key: value for key, value in header.items() if key != "nomoto"}
     assert differences(before) == ["Nomoto ships of form 2, recorded 1: they go by other steps"]
-    _, _, without = recorded_run(RunOptions())
+    _, _, without = begin_run(RunOptions())
     del without["nomoto"]
     assert differences(without) == []

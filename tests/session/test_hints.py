@@ -1,12 +1,12 @@
 """A hint tells what the reference crew would have ordered by now, and costs marks."""
 
 import re
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -26,7 +26,7 @@ def planned(exercise: str | None) -> Plan:
     return plan_run(RunOptions(exercise=exercise, given=frozenset({"exercise"})))
 
 
-def trainee(ship: Crewed) -> Typist:
+def trainee(ship: Crewed) -> Line:
     """Return the line of who trains, alone from now on."""
     if not ship.instructor.ended:
         ship.leaves(ship.instructor)
@@ -34,17 +34,17 @@ def trainee(ship: Crewed) -> Typist:
 
 
 @pytest.fixture
-def jam(crewed: Callable[..., Crewed]) -> Crewed:
+def jam(crewed: Begin) -> Crewed:
     """Return the jam where nobody has answered it yet."""
     ship = crewed(plan=planned("stern-plane-jam"), seconds=600.0)
     ship.fly(JAMMED)
     return ship
 
 
-def asks(ship: Crewed, line: Typist, words: str = "hint") -> tuple[str, str]:
+def asks(ship: Crewed, line: Line, words: str = "hint") -> tuple[str, str]:
     """Ask for a hint as a program; wait for the answer, and return it."""
     before = len(line.sent)
-    line.typed = [order_sentence(words, "8")]
+    line.waiting = [order_sentence(words, "8")]
     ship.session.attendance.listen()
 
     def answers() -> list[tuple[str, ...]]:
@@ -91,9 +91,7 @@ def test_what_is_ordered_meanwhile_is_overdue_no_more(jam: Crewed) -> None:
     assert len(told_in(jam, 1)) == 1
 
 
-def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
     line = trainee(ship)
     ship.fly(400)
@@ -133,20 +131,19 @@ def test_who_may_ask_and_when(jam: Crewed) -> None:
     assert jam.refused("hint", instructor).startswith("the exercise is over")
 
 
+@pytest.mark.parametrize("words", ["hint", "demonstrate"])
 @pytest.mark.parametrize(
     ("exercise", "why"),
     [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
 )
-def test_without_a_reference_crew_there_is_no_hint(
-    crewed: Callable[..., Crewed], exercise: str | None, why: str
+def test_without_a_reference_crew_nobody_hints_or_shows_the_way(
+    crewed: Begin, exercise: str | None, why: str, words: str
 ) -> None:
     plan = replace(planned(exercise), crew=Crew())
-    assert crewed(plan=plan, seconds=None).refused("hint").startswith(why)
+    assert crewed(plan=plan, seconds=None).refused(words).startswith(why)
 
 
-def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(crewed: Begin) -> None:
     plan = planned("wheel-and-course")
     ship = crewed(plan=plan, seconds=None)
     line = trainee(ship)
@@ -172,7 +169,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
 
 def test_a_hint_of_a_moment_that_was_left_is_not_told(jam: Crewed) -> None:
     line = trainee(jam)
-    line.typed = [order_sentence("hint", "8"), order_sentence("hint", "9")]
+    line.waiting = [order_sentence("hint", "8"), order_sentence("hint", "9")]
     jam.session.attendance.listen()
     assert "a hint is being found already" in line.sent[-1]
     jam.say(line, "freeze")

@@ -5,7 +5,7 @@ import inspect
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -13,7 +13,7 @@ from types import MethodType
 from typing import Any, Final, NamedTuple
 
 import pytest
-from helpers.crewed import Crewed, crewed
+from helpers.crewed import Begin, Crewed
 
 from trainer.session.jump import followers
 from trainer.session.options import RunOptions
@@ -21,7 +21,6 @@ from trainer.session.parts import Parts
 from trainer.session.plan import plan_run
 from trainer.session.stations.station import News
 
-_ = crewed
 CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes them back
     "Monitors": (
         *("LimitMonitor", "EncounterMonitor", "DepthMonitor"),
@@ -198,23 +197,21 @@ def let_much_happen(ship: Crewed) -> None:
     ship.order("freeze")
 
 
-def exercise(crewed: Callable[..., Crewed]) -> Crewed:
+def exercise(crewed: Begin) -> Crewed:
     """Return a crew of an exercise that has a schedule, losses and a reference crew."""
     plan = plan_run(RunOptions(exercise="stern-plane-jam"))
     return crewed(plan=plan, lost=("depth > 400",), seconds=900.0)
 
 
 @pytest.mark.long
-def test_whoever_remembers_something_follows_a_jump_or_says_why_not(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_whoever_remembers_something_follows_a_jump_or_says_why_not(crewed: Begin) -> None:
     ship = exercise(crewed)
     before = remembered(ship.session)
     let_much_happen(ship)
     assert not unlisted(ship.session, before), "give it `follow`, and a line in `followers`"
 
 
-def test_nobody_is_listed_who_remembers_nothing(crewed: Callable[..., Crewed]) -> None:
+def test_nobody_is_listed_who_remembers_nothing(crewed: Begin) -> None:
     ship = exercise(crewed)
     there = {type(each).__name__: type(each) for each in objects_of(ship.session)}
     assert not {name for names in LASTING.values() for name in names} & listed(ship.session)
@@ -233,20 +230,20 @@ class Tally:
         self.count += 1
 
 
-def test_a_part_that_is_added_and_remembers_is_found(crewed: Callable[..., Crewed]) -> None:
+def test_a_part_that_is_added_and_remembers_is_found(crewed: Begin) -> None:
     ship = exercise(crewed)
     ship.session.event_log.hearers.append(Tally().hear)
     assert unlisted(ship.session, {}) == {"Tally.count"}
 
 
-def test_a_memory_that_others_write_is_found(crewed: Callable[..., Crewed]) -> None:
+def test_a_memory_that_others_write_is_found(crewed: Begin) -> None:
     ship = exercise(crewed)
     before = remembered(ship.session)
     ship.session.attendance.until_left = True
     assert unlisted(ship.session, before) == {"Attendance.until_left"}
 
 
-def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Callable[..., Crewed]) -> None:
+def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Begin) -> None:
     ship = exercise(crewed)
     ship.fly(60)
     ship.order("snapshot then")
@@ -264,9 +261,7 @@ def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Callable[..., Crewed])
     assert later == GROWING
 
 
-def test_what_was_called_after_a_moment_is_called_again_after_a_jump_to_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_was_called_after_a_moment_is_called_again_after_a_jump_to_it(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("snapshot then")
     for calls in (1, 2):

@@ -1,21 +1,13 @@
 """Who mans what, and what is said where nobody does."""
 
-from collections.abc import Callable
-
 import pytest
-from helpers.crewed import Crewed
+from helpers.crewed import Begin
+from helpers.orders import read_order
 
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.session.manning import unheard
 
 BOTH = frozenset({"rudder", "planes"})
-
-
-def crew_order(text: str) -> Order:
-    order = parse(text)
-    assert isinstance(order, Order)
-    return order
 
 
 @pytest.mark.parametrize(
@@ -69,12 +61,10 @@ def crew_order(text: str) -> Order:
 def test_an_order_to_a_crew_that_is_not_there_says_how_else_it_is_carried_out(
     order: str, hand: tuple[str, ...], roles: tuple[str, ...], said: str
 ) -> None:
-    assert unheard(crew_order(order), hand, (), roles) == said
+    assert unheard(read_order(order), hand, (), roles) == said
 
 
-def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(crewed: Begin) -> None:
     ship = crewed(seconds=None)
 
     answer = ship.order("order course 045")
@@ -88,7 +78,7 @@ def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(
     assert ship.say(helm, "aye") == ("ok", "course 050 aye")
 
 
-def test_ready_names_what_is_in_hand_and_has_nobody_at_it(crewed: Callable[..., Crewed]) -> None:
+def test_ready_names_what_is_in_hand_and_has_nobody_at_it(crewed: Begin) -> None:
     ship = crewed(seconds=None, hand=BOTH)
     helm = ship.comes("helm")
 
@@ -100,7 +90,7 @@ def test_ready_names_what_is_in_hand_and_has_nobody_at_it(crewed: Callable[..., 
     assert ship.say(planes, "ready") == ("ok", "ready; everybody is")
 
 
-def test_the_crew_s_controls_are_in_hand_before_time_runs(crewed: Callable[..., Crewed]) -> None:
+def test_the_crew_s_controls_are_in_hand_before_time_runs(crewed: Begin) -> None:
     schedule = parse_schedule("0 planes manual\n0.5 rudder manual", "orders.txt")
     assert isinstance(schedule, list)
     ship = crewed(seconds=None, schedule=schedule)
@@ -121,7 +111,7 @@ def test_the_crew_s_controls_are_in_hand_before_time_runs(crewed: Callable[..., 
     ],
 )
 def test_an_end_without_marks_says_so_and_nobody_waits_for_them(
-    crewed: Callable[..., Crewed], *, kept: bool, scored: bool, why: str
+    crewed: Begin, *, kept: bool, scored: bool, why: str
 ) -> None:
     ship = crewed(seconds=5.0)
     ship.conduct.marks.scored = scored

@@ -3,11 +3,10 @@
 import gc
 import time
 import tracemalloc
-from collections.abc import Callable
 from random import Random
 
 import pytest
-from helpers.crewed import Crewed
+from helpers.crewed import Begin
 
 GROWTH_BYTES = 20_000_000  # [bytes] that 541 jumps and 30,800 orders may add to their first quarter
 ORDERS = 30_800
@@ -22,7 +21,7 @@ WORDS = ("rudder left {}", "stern planes rise {}", "tell course {}", "in {} s rp
     ids=["some minutes", "three quarters of an hour"],
 )
 def test_many_jumps_and_orders_add_little_and_no_answer_is_late(
-    crewed: Callable[..., Crewed], monkeypatch: pytest.MonkeyPatch, jumps: int, orders: int
+    crewed: Begin, monkeypatch: pytest.MonkeyPatch, jumps: int, orders: int
 ) -> None:
     monkeypatch.setattr("trainer.session.stations.station.ORDERS_A_SECOND", 1e6)
     dice = Random(65)  # noqa: S311  choices, not secrets

@@ -20,15 +20,13 @@ from typing import Any
 
 import pynmea2
 import pytest
+from helpers.boats import start_bb2
 from helpers.installation import installed
 from helpers.nursery import run_trainer
 from helpers.sessions import session_over
 from helpers.waiting import eventually
 
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT_CHART
 from trainer.io.line import Outbox
@@ -78,13 +76,6 @@ def signal_k(folder: Path) -> Path:
     return modules
 
 
-def under_way() -> Boat:
-    """Return BB2 at 60 m and 10 knots, everything automatic."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
-
-
 def options(*urls: str, **others: Any) -> RunOptions:
     return RunOptions(**{"nmea": urls, "nmea_baud": 115200, "nmea_rate": 10.0, **others})
 
@@ -93,7 +84,7 @@ class Deck:
     """A session with outlets, ticked by the test."""
 
     def __init__(self, stack: contextlib.ExitStack, given: RunOptions) -> None:
-        self.boat = under_way()
+        self.boat = start_bb2("modified")
         wake = threading.Event()
         self.publisher = Publisher(Roster(StateReader(self.boat, Ledger(0.5).summary)))
         stack.callback(self.publisher.close, 5.0)
@@ -131,8 +122,11 @@ class Deck:
         return [news.text for news in self.session.event_log.news]
 
 
+Begin = Callable[..., Deck]
+
+
 @pytest.fixture
-def on_deck() -> Iterator[Callable[..., Deck]]:
+def on_deck() -> Iterator[Begin]:
     with contextlib.ExitStack() as stack:
         yield lambda given: Deck(stack, given)
 
@@ -368,9 +362,7 @@ def watched(port: int) -> Iterator[dict[str, Any]]:
 
 @pytest.mark.process
 @needs_pty
-def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
-    on_deck: Callable[..., Deck],
-) -> None:
+def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(on_deck: Begin) -> None:
     gpsd = installed("gpsd", "gpsd")
     near, far = os.openpty()
     gps_near, gps_far = os.openpty()
@@ -480,7 +472,7 @@ def port_of(err: str) -> int:
 
 
 def test_any_number_of_readers_is_sent_the_same_and_may_come_and_go(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", nmea_sentences="PXSC"))
     port = port_of(capfd.readouterr().err)
@@ -495,7 +487,7 @@ def test_any_number_of_readers_is_sent_the_same_and_may_come_and_go(
 
 
 def test_a_reader_that_has_ended_its_own_side_still_reads(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", nmea_sentences="HDT"))
     with dialled(port_of(capfd.readouterr().err)) as end:
@@ -509,7 +501,7 @@ def test_a_reader_that_has_ended_its_own_side_still_reads(
 
 
 def test_an_autopilot_on_tcp_steers_as_the_helm_and_is_recorded(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0"))
     with dialled(port_of(capfd.readouterr().err)) as end:
@@ -537,7 +529,7 @@ def test_an_autopilot_on_tcp_steers_as_the_helm_and_is_recorded(
 
 @needs_pty
 def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplugged(
-    on_deck: Callable[..., Deck],
+    on_deck: Begin,
 ) -> None:
     near, far = os.openpty()
     try:
@@ -557,7 +549,7 @@ def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplug
 
 
 def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much() -> None:
-    boat, let_go = under_way(), threading.Event()
+    boat, let_go = start_bb2("modified"), threading.Event()
     outbox = Outbox(lambda _data: let_go.wait(60.0), capacity=4)
     promptly = PromptSender(
         Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__
@@ -578,7 +570,7 @@ def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much
 
 
 def test_beyond_this_machine_sentences_are_sent_and_none_orders(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deck = on_deck(options("tcp://0.0.0.0:0"))
     told = capfd.readouterr().err
@@ -591,7 +583,7 @@ def test_beyond_this_machine_sentences_are_sent_and_none_orders(
     assert deck.boat.state.ordered_psi == 0.0
 
 
-def test_udp_sends_a_sentence_in_each_datagram(on_deck: Callable[..., Deck]) -> None:
+def test_udp_sends_a_sentence_in_each_datagram(on_deck: Begin) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
         end.bind(("127.0.0.1", 0))
         end.settimeout(60.0)
@@ -602,7 +594,7 @@ def test_udp_sends_a_sentence_in_each_datagram(on_deck: Callable[..., Deck]) -> 
 
 
 def test_a_network_that_is_away_is_counted_and_told(
-    on_deck: Callable[..., Deck], monkeypatch: pytest.MonkeyPatch
+    on_deck: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def away(*_: object) -> int:
         raise OSError(101, "Network is unreachable")
@@ -631,7 +623,7 @@ def test_a_set_is_sent_at_its_rate_and_the_last_again_after_a_second_of_silence(
 
 
 def test_in_a_freeze_the_last_set_is_due_again_though_nothing_is_offered() -> None:
-    boat = under_way()
+    boat = start_bb2("modified")
     sent: list[str] = []
 
     class Reader:
@@ -653,7 +645,7 @@ def test_in_a_freeze_the_last_set_is_due_again_though_nothing_is_offered() -> No
 
 
 def test_time_and_date_go_on_from_when_the_recording_was_begun(
-    on_deck: Callable[..., Deck], tmp_path: Path
+    on_deck: Begin, tmp_path: Path
 ) -> None:
     path = tmp_path / "drill.nmea"
     deck = on_deck(options(nmea_record=path, nmea_sentences="RMC", nmea_rate=2.0))
@@ -668,7 +660,7 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 
 
 def refused(given: RunOptions) -> str:
-    boat = under_way()
+    boat = start_bb2("modified")
     with contextlib.ExitStack() as stack:
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
@@ -688,7 +680,7 @@ def test_the_rate_that_is_advised_fits() -> None:
     said = refused(options("loop://", nmea_baud=4800, nmea_rate=5.0))
     rate = float(said.partition("--nmea-rate ")[2].split()[0])
     with contextlib.ExitStack() as stack:
-        boat = under_way()
+        boat = start_bb2("modified")
         publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
@@ -727,7 +719,7 @@ def test_what_cannot_be_opened_says_what_to_do(given: RunOptions, reason: str) -
     [({"token": ("word",)}, []), ({"token": ("word",), "nmea_orders": True}, ["course"])],
 )
 def test_where_a_token_is_asked_for_sentences_order_only_if_they_are_to(
-    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str], given: Any, orders: list[str]
+    on_deck: Begin, capfd: pytest.CaptureFixture[str], given: Any, orders: list[str]
 ) -> None:
     deck = on_deck(options("tcp://127.0.0.1:0", **given))
     told = capfd.readouterr().err

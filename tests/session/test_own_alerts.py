@@ -1,22 +1,20 @@
 """What a station has seen or silenced of its pages' own alerts is kept for all of its pages."""
 
-from collections.abc import Callable
 from types import SimpleNamespace
 
 import pytest
-from helpers.crewed import Crewed, Typist
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
 
 from trainer.session import own_alerts
 
-Make = Callable[..., Crewed]
 
-
-def told(ship: Crewed, page: Typist) -> list[str]:
+def told(ship: Crewed, page: Line) -> list[str]:
     """Return what a page was told of its own alerts, without for how long."""
     return [each.rpartition(",")[0] for each in ship.facts(page, "own-alert")]
 
 
-def test_what_one_page_has_seen_all_of_its_station_know(crewed: Make) -> None:
+def test_what_one_page_has_seen_all_of_its_station_know(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     one, other, planes = ship.comes("helm"), ship.comes("helm"), ship.comes("planes")
     ship.say(one, "ack seen steering-rudder")
@@ -28,7 +26,7 @@ def test_what_one_page_has_seen_all_of_its_station_know(crewed: Make) -> None:
 
 
 def test_silence_lasts_half_a_minute_on_a_page_that_comes_later(
-    crewed: Make, monkeypatch: pytest.MonkeyPatch
+    crewed: Begin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = 100.0
     monkeypatch.setattr(own_alerts, "time", SimpleNamespace(monotonic=lambda: now))
@@ -42,7 +40,7 @@ def test_silence_lasts_half_a_minute_on_a_page_that_comes_later(
     assert ship.facts(ship.comes("helm"), "own-alert") == []
 
 
-def test_nothing_is_seen_of_what_time_has_gone_back_over(crewed: Make) -> None:
+def test_nothing_is_seen_of_what_time_has_gone_back_over(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     one = ship.comes("planes")
     ship.fly(2)
@@ -53,7 +51,7 @@ def test_nothing_is_seen_of_what_time_has_gone_back_over(crewed: Make) -> None:
     assert told(ship, ship.comes("planes")) == ["pitch,seen"]
 
 
-def test_a_role_keeps_the_latest_of_more_alerts_than_any_page_has(crewed: Make) -> None:
+def test_a_role_keeps_the_latest_of_more_alerts_than_any_page_has(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     one = ship.comes("helm")
     for number in range(own_alerts.MAX_KEPT_ALERTS + 3):

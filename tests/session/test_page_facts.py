@@ -1,13 +1,9 @@
 """Facts that the pages go by: who is here, who speaks, marks, degrees of casualties."""
 
-from collections.abc import Callable
-
-from helpers.crewed import Crewed
-
-Ship = Callable[..., Crewed]
+from helpers.crewed import Begin, Crewed
 
 
-def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crewed: Ship) -> None:
+def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm = ship.comes("helm")
     ship.comes("instructor")
@@ -23,7 +19,7 @@ def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crew
     ]
 
 
-def test_who_gives_an_order_to_the_crew_is_told_that_it_is_its_own(crewed: Ship) -> None:
+def test_who_gives_an_order_to_the_crew_is_told_that_it_is_its_own(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm = ship.comes("helm")
     ship.order("order course 045")
@@ -33,7 +29,7 @@ def test_who_gives_an_order_to_the_crew_is_told_that_it_is_its_own(crewed: Ship)
     assert ship.facts(helm, "own-order") == []
 
 
-def test_who_has_said_something_is_told_before_its_text(crewed: Ship) -> None:
+def test_who_has_said_something_is_told_before_its_text(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm, observer = ship.comes("helm"), ship.comes("observer")
     ship.order("freeze")
@@ -45,7 +41,7 @@ def test_who_has_said_something_is_told_before_its_text(crewed: Ship) -> None:
     assert not ship.events(observer, "order")[-1].startswith("helm,")
 
 
-def test_marks_are_told_with_their_reasons_in_facts(crewed: Ship) -> None:
+def test_marks_are_told_with_their_reasons_in_facts(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     helm = ship.comes("helm")
     ship.fly(20)
@@ -63,7 +59,7 @@ def test_marks_are_told_with_their_reasons_in_facts(crewed: Ship) -> None:
     assert ship.facts(ship.comes("instructor"), "reason") == whole
 
 
-def test_usual_degrees_of_casualties_are_told_in_fields(crewed: Ship) -> None:
+def test_usual_degrees_of_casualties_are_told_in_fields(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("casualties")
     degrees = {fields.split(",")[0]: fields.split(",") for fields in _degrees(ship)}

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from helpers.nursery import start_trainer
 from helpers.places import environment
+from helpers.sessions import TROUBLED_SEA
 from helpers.waiting import PATIENCE, eventually
 
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -32,17 +33,7 @@ FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 20_000  # [lines]
 FLAT = 6_000  # [kB] that a process may grow by and call it flat: caches of what was said
 BUSY = "while True: pass"
 TOKEN = "xyzzy-1967"  # noqa: S105  a word of the test
-EXERCISE = """
-schema = "exercise/1"
-name = "All at once"
-briefing = "A sea, and things that break."
-sea = "sea-state-5"
-seed = 23
-
-[initial]
-depth_m = 40
-speed_kn = 8
-
+EXERCISE = f"""{TROUBLED_SEA}
 [[casualties]]
 at_s = 0.5
 name = "depth-gauge-noisy"

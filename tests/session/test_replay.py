@@ -3,7 +3,6 @@
 import contextlib
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,34 +12,26 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.altered import alter, alter_number
 from helpers.givers import giver_at
+from helpers.orders import read_order
+from helpers.sessions import TROUBLED_SEA, begin_run
 from helpers.waiting import stay_for
 
 from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.config.files import ConfigError, remembering
+from trainer.config.files import ConfigError
 from trainer.core.update import update
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.header import differences, header_of
+from trainer.session.header import differences
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
 from trainer.session.replay import ReplayFlight, replay_anyway
 
-EXERCISE = """
-schema = "exercise/1"
-name = "All at once"
-briefing = "A sea, things that break, and everything automatic."
-sea = "sea-state-5"
-seed = 23
-
-[initial]
-depth_m = 40
-speed_kn = 8
-
+EXERCISE = f"""{TROUBLED_SEA}
 [[orders]]
 at_s = 20
 order = "course right 60"
@@ -75,12 +66,8 @@ class Run:
     """A boat recorded as a session records one."""
 
     def __init__(self, folder: Path, options: RunOptions) -> None:
-        with remembering() as texts:
-            self.plan: Plan = plan_run(options)
-        self.boat = Boat(self.plan.file, self.plan.method)
-        self.plan.start(self.boat)
+        self.plan, self.boat, header = begin_run(options)
         self.path = folder / "run.trainer"
-        header = header_of(options, texts, self.boat)
         self.recording = Recording.create(self.path, header, self.state)
         self.after = self.entry = 0
 
@@ -110,8 +97,7 @@ class Run:
                 if due:
                     self.give(entry.order, place)
             for text in orders.get(self.tick, []):
-                order = parse(text)
-                assert isinstance(order, Order), order
+                order = read_order(text)
                 self.give(order)
             if self.tick == until:
                 return
@@ -141,16 +127,6 @@ def run(tmp_path: Path) -> Iterator[Run]:
 def options(**given: Any) -> RunOptions:
     """Return the command line's options with those given."""
     return RunOptions(**{"equations": "full", **given}, given=frozenset(given))
-
-
-def spoil(path: Path, tick: int, field: str, change: float) -> None:
-    """Change one number of one recorded state."""
-    with contextlib.closing(sqlite3.connect(path)) as file, file:
-        (state,) = file.execute("SELECT state FROM states WHERE tick = ?", (tick,)).fetchone()
-        numbers = np.frombuffer(state).copy()
-        numbers[LAYOUT.index(field)] += change
-        file.execute("UPDATE states SET state = ? WHERE tick = ?", (numbers.tobytes(), tick))
-    file.close()
 
 
 def looked_at(path: Path) -> list[ReplayFlight]:
@@ -221,7 +197,7 @@ def test_a_recording_is_flown_again_while_it_is_written(run: Run) -> None:
 
 def test_one_wrong_bit_of_one_state_is_named_by_tick_and_number(run: Run) -> None:
     run.recording.close()
-    spoil(run.path, 77, "water_trim_forward", 2.0**-36)
+    alter_number(run.path, "water_trim_forward", 2.0**-36, 77)
     (flight,) = looked_at(run.path)
 
     assert (flight.compared, flight.unequal) == (LAST + 1, 1)
@@ -238,9 +214,7 @@ def test_one_wrong_bit_of_one_state_is_named_by_tick_and_number(run: Run) -> Non
 
 def test_an_order_that_the_recording_lacks_parts_the_flight_for_good(run: Run) -> None:
     run.recording.close()
-    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
-        file.execute("DELETE FROM orders WHERE text LIKE 'blow forward%'")
-    file.close()
+    alter(run.path, "DELETE FROM orders WHERE text LIKE 'blow forward%'")
     (flight,) = looked_at(run.path)
 
     assert flight.parting is not None
@@ -261,10 +235,8 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
     run: Run, given: str, accepted: int, told: str
 ) -> None:
     run.recording.close()
-    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
-        change = "UPDATE orders SET accepted = ?, answer = 'hm' WHERE text = ?"
-        assert file.execute(change, (accepted, given)).rowcount == 1
-    file.close()
+    change = "UPDATE orders SET accepted = ?, answer = 'hm' WHERE text = ?"
+    assert alter(run.path, change, accepted, given) == 1
     (flight,) = looked_at(run.path)
 
     assert len(flight.answers) == 1
@@ -275,12 +247,7 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
 
 def test_a_start_that_is_not_the_plan_s_is_told_and_flown_from_all_the_same(run: Run) -> None:
     run.recording.close()
-    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
-        (state,) = file.execute("SELECT state FROM branches").fetchone()
-        numbers = np.frombuffer(state).copy()
-        numbers[LAYOUT.index("x")] += 100.0
-        file.execute("UPDATE branches SET state = ?", (numbers.tobytes(),))
-    file.close()
+    alter_number(run.path, "x", 100.0)
     (flight,) = looked_at(run.path)
 
     assert flight.parting is not None
@@ -303,9 +270,7 @@ def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:
     run.go_back(middle, "backtrack")
     run.sail(80, {})
     run.recording.close()
-    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
-        file.execute("UPDATE states SET state = x'00' WHERE branch = 1 AND tick = 20")
-    file.close()
+    alter(run.path, "UPDATE states SET state = x'00' WHERE branch = 1 AND tick = 20")
     first, second = looked_at(run.path)
 
     assert first.trouble == f"a state of 1 bytes, not of {8 * len(LAYOUT)}: damaged"
@@ -315,12 +280,7 @@ def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:
 
 def test_a_boat_lost_on_the_way_ends_its_flight(run: Run) -> None:
     run.recording.close()
-    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
-        (state,) = file.execute("SELECT state FROM branches").fetchone()
-        numbers = np.frombuffer(state).copy()
-        numbers[LAYOUT.index("v")] = 1e200
-        file.execute("UPDATE branches SET state = ?", (numbers.tobytes(),))
-    file.close()
+    alter_number(run.path, "v", 1e200)
     (flight,) = looked_at(run.path)
 
     assert "is out of all bounds after tick 0" in flight.trouble
@@ -467,8 +427,7 @@ def test_a_recording_takes_a_bounded_memory_whatever_is_in_it(run: Run, what: st
     run.recording.close()
     empty = taken(run.path)
     count, statement = SWOLLEN[what]
-    with contextlib.closing(sqlite3.connect(run.path)) as connection, connection:
-        connection.execute(SERIES.format(count) + statement)
+    alter(run.path, SERIES.format(count) + statement)
     assert run.path.stat().st_size > 50_000_000
     assert taken(run.path) < empty + BOUND
 

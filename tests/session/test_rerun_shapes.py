@@ -2,12 +2,12 @@
 
 import math
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
 from trainer.config.exercise import ExerciseLimits
@@ -42,8 +42,6 @@ VESSELS = ("bb2", "remus100", "sdv-mk9")
 PATIENCE = 60.0  # [s] for another thread
 RUNNING, HURRIED = Pace(speed=1.0), Pace(speed=math.inf)
 
-Make = Callable[..., Boat]
-
 
 def block_of(rows: int, **columns: object) -> Block:
     """Return a block whose states are zero but for some columns."""
@@ -75,7 +73,7 @@ def taken(
 # The shape
 
 
-def test_the_hull_is_as_long_broad_and_high_as_the_vessel_file_says(make_boat: Make) -> None:
+def test_the_hull_is_as_long_broad_and_high_as_the_vessel_file_says() -> None:
     size = size_of(make_boat("bb2"))
     points = hull_mesh(size).points
 
@@ -88,9 +86,7 @@ def test_the_hull_is_as_long_broad_and_high_as_the_vessel_file_says(make_boat: M
 
 
 @pytest.mark.parametrize("vessel", VESSELS)
-def test_every_boat_has_a_closed_hull_and_its_normals_point_outward(
-    make_boat: Make, vessel: str
-) -> None:
+def test_every_boat_has_a_closed_hull_and_its_normals_point_outward(vessel: str) -> None:
     size = size_of(make_boat(vessel))
     mesh = hull_mesh(size)
     middle = np.abs(mesh.points[:, 0] - (size.nose - 0.4 * size.length)) < 0.1 * size.length
@@ -109,7 +105,7 @@ def trailing_edge(fin: Fin, block: Block) -> Numbers:
 
 
 @pytest.mark.parametrize("vessel", VESSELS)
-def test_a_right_rudder_has_its_trailing_edge_to_starboard(make_boat: Make, vessel: str) -> None:
+def test_a_right_rudder_has_its_trailing_edge_to_starboard(vessel: str) -> None:
     boat = make_boat(vessel)
     right = block_of(1, delta_r=boat.toward["rudder"] * 0.2)
     fins = [fin for fin in fins_of(boat, size_of(boat)) if abs(fin.outward[2]) > 0.5]
@@ -119,7 +115,7 @@ def test_a_right_rudder_has_its_trailing_edge_to_starboard(make_boat: Make, vess
 
 
 @pytest.mark.parametrize("vessel", VESSELS)
-def test_planes_on_rise_go_up_aft_and_down_forward(make_boat: Make, vessel: str) -> None:
+def test_planes_on_rise_go_up_aft_and_down_forward(vessel: str) -> None:
     boat = make_boat(vessel)
     toward = boat.toward
     rise = block_of(1, delta_s=toward["stern"] * 0.2, delta_b=toward["bow"] * 0.2)
@@ -130,7 +126,7 @@ def test_planes_on_rise_go_up_aft_and_down_forward(make_boat: Make, vessel: str)
         assert down == 0.0 if level else down * (1 if fin.plane == "delta_b" else -1) > 0.0
 
 
-def test_planes_stand_where_the_coefficients_say_that_their_lift_acts(make_boat: Make) -> None:
+def test_planes_stand_where_the_coefficients_say_that_their_lift_acts() -> None:
     boat = make_boat("bb2")
     stocks = {fin.name: fin.stock for fin in fins_of(boat, size_of(boat))}
 
@@ -142,7 +138,7 @@ def test_planes_stand_where_the_coefficients_say_that_their_lift_acts(make_boat:
 # Charts and lanes
 
 
-def test_a_chart_shows_an_order_only_while_it_is_kept(make_boat: Make) -> None:
+def test_a_chart_shows_an_order_only_while_it_is_kept() -> None:
     charts = {chart.name: chart for chart in charts_of(make_boat("bb2"))}
     block = block_of(
         3,
@@ -160,7 +156,7 @@ def test_a_chart_shows_an_order_only_while_it_is_kept(make_boat: Make) -> None:
     assert columns[:, 1] == pytest.approx([-60.0, math.nan, -60.0], nan_ok=True)
 
 
-def test_right_and_rise_are_up_on_the_chart_of_surfaces(make_boat: Make) -> None:
+def test_right_and_rise_are_up_on_the_chart_of_surfaces() -> None:
     boat = make_boat("bb2")
     toward = boat.toward
     chart = next(chart for chart in charts_of(boat) if chart.name == "surfaces")
@@ -180,7 +176,7 @@ def test_right_and_rise_are_up_on_the_chart_of_surfaces(make_boat: Make) -> None
     assert shown["stern ordered"] == pytest.approx(7.0)
 
 
-def test_tanks_and_banks_are_shown_by_how_full_they_are(make_boat: Make) -> None:
+def test_tanks_and_banks_are_shown_by_how_full_they_are() -> None:
     boat = make_boat("bb2")
     charts = {chart.name: chart for chart in charts_of(boat)}
     half = 0.5 * float(boat.vessel.capacity[0])
@@ -195,21 +191,21 @@ def test_tanks_and_banks_are_shown_by_how_full_they_are(make_boat: Make) -> None
     assert shown("flooding", "aft") == pytest.approx(2.0)
 
 
-def test_a_boat_without_tanks_has_no_charts_or_lanes_of_them(make_boat: Make) -> None:
+def test_a_boat_without_tanks_has_no_charts_or_lanes_of_them() -> None:
     boat = make_boat("remus100")
 
     assert {"ballast", "air"}.isdisjoint(chart.name for chart in charts_of(boat))
     assert {"lanes/blow", "lanes/hover"}.isdisjoint(lane.path for lane in lanes_of(boat))
 
 
-def test_no_two_charts_or_lines_of_a_chart_have_one_name(make_boat: Make) -> None:
+def test_no_two_charts_or_lines_of_a_chart_have_one_name() -> None:
     charts = charts_of(make_boat("bb2"))
 
     assert len({chart.path for chart in charts}) == len(charts)
     assert all(len(set(chart.labels)) == len(chart.labels) for chart in charts)
 
 
-def test_lanes_say_in_words_what_is_so(make_boat: Make) -> None:
+def test_lanes_say_in_words_what_is_so() -> None:
     block = block_of(
         1, rudder_by_hand=1.0, blow_forward=1.0, blow_aft=2.0, vent_mid=1.0, held_depth=1.0
     )
@@ -462,9 +458,7 @@ def log_to(boat: Boat, *sinks: Bucket) -> Log:
     return Log(publisher, ledger, [Feed(sink, 0.5) for sink in sinks])
 
 
-def test_one_sink_that_fails_leaves_the_other_its_ticks(
-    make_boat: Make, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_sink_that_fails_leaves_the_other_its_ticks(capsys: pytest.CaptureFixture[str]) -> None:
     good, bad = Bucket(), Bucket(leaks="gone")
     log = log_to(make_boat("bb2"), bad, good)
     for tick in range(100):
@@ -483,7 +477,7 @@ def test_one_sink_that_fails_leaves_the_other_its_ticks(
 
 
 @pytest.fixture
-def subject(make_boat: Make) -> Subject:
+def subject() -> Subject:
     return Subject(make_boat("bb2"), ExerciseLimits(), "a drill")
 
 

@@ -1,10 +1,9 @@
 """Who may order what, and who sees and hears what."""
 
 import pytest
-from helpers.document_tables import event_table, role_table
-from helpers.places import ROOT
+from helpers.orders import read_order
 
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order
 from trainer.io.orders.table import FORMS, heading_word
 from trainer.session.stations.channels import CHANNELS, TELETYPE_CHANNEL
 from trainer.session.stations.roles import (
@@ -45,12 +44,6 @@ ALL = {
     *("subscribe", "unsubscribe", "detach", "who", "name"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})
-
-
-def order(line: str) -> Order:
-    found = parse(line)
-    assert isinstance(found, Order), line
-    return found
 
 
 def test_a_role_gives_the_orders_of_the_table_and_no_others() -> None:
@@ -111,7 +104,7 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
     ],
 )
 def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
-    refused = refusal(ROLES[role], order(line))
+    refused = refusal(ROLES[role], read_order(line))
     assert refused
     assert refused.reason.endswith(why)
 
@@ -120,7 +113,7 @@ def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
 def test_the_autopilot_is_given_surfaces_one_by_one_by_whose_they_are(line: str) -> None:
     role = "helm" if line.startswith(("rudder", "course")) else "planes"
 
-    assert refusal(ROLES[role], order(line)) is None
+    assert refusal(ROLES[role], read_order(line)) is None
 
 
 def test_a_line_that_owes_a_token_may_only_say_who_it_is_ask_for_help_or_go() -> None:
@@ -161,10 +154,3 @@ def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations(
 @pytest.mark.parametrize("kind", ["time", "moment", "station"])
 def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
     assert all(hears_kind(role, kind) for role in ROLES.values())
-
-
-def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
-    page = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
-
-    for table in (role_table(), event_table()):
-        assert table in page, f"docs/station-tables.md lacks this, from roles.py:\n{table}"

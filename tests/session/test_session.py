@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from helpers.boats import start_bb2
 from helpers.sessions import session_over
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import load_vessel
 from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.schedule import parse_schedule
@@ -29,17 +28,9 @@ from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
 from trainer.session.time.pacer import FreePacer, MonotonicClock, Pacer, Policy
 from trainer.session.time.timekeeping import Timekeeping
-from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0
 GONE = "this boat cannot go on: {}; backtrack or reset"
-
-
-def under_way() -> Boat:
-    """Return BB2 at 60 m and 10 knots, everything automatic."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
 
 
 @dataclass
@@ -122,7 +113,7 @@ def session_of(
     entries = parse_schedule(schedule, "orders.txt")
     assert isinstance(entries, list)
     script.wake.set()
-    boat = boat or under_way()
+    boat = boat or start_bb2("modified")
     recording = Recording.create(None, {}, boat.records.state.tobytes())
     OPENED.append(recording)
     history = History(boat, recording)
@@ -297,7 +288,7 @@ def test_a_scheduled_end_of_time_is_on_its_tick(order: str) -> None:
 
 
 def test_a_boat_whose_numbers_are_lost_freezes_and_will_not_run_again() -> None:
-    boat = under_way()
+    boat = start_bb2("modified")
     script = Script([["freeze"], ["step 1"], ["run"], ["step 5"], ["rudder left 5"]])
     session = session_of(script, 10, "", boat)
     boat.state.x = math.inf

@@ -9,6 +9,7 @@ import weakref
 from collections.abc import Callable
 
 import pytest
+from helpers.boats import start_bb2
 from helpers.line import Line
 from helpers.places import ROOT
 
@@ -86,15 +87,16 @@ class Post:
         self.sending.offer(tick, state.tobytes(), Pace())
 
 
+MakePost = Callable[..., Post]
+
+
 @pytest.fixture(scope="module")
-def boat(make_boat: Callable[..., Boat]) -> Boat:
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
+def boat() -> Boat:
+    return start_bb2()
 
 
 @pytest.fixture
-def post(boat: Boat) -> Callable[..., Post]:
+def post(boat: Boat) -> MakePost:
     return lambda role=None, token="": Post(boat, Access(role, {"": token} if token else {}))
 
 
@@ -118,9 +120,7 @@ def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat
 # Orders
 
 
-def test_an_order_of_the_role_is_handed_on_and_answered_where_it_came_from(
-    post: Callable[..., Post],
-) -> None:
+def test_an_order_of_the_role_is_handed_on_and_answered_where_it_came_from(post: MakePost) -> None:
     helm = post("helm")
     helm.line.waiting += ["rudder left 5", "course 090"]
 
@@ -134,9 +134,7 @@ def test_an_order_of_the_role_is_handed_on_and_answered_where_it_came_from(
     assert first.station.who == "helm at tcp 127.0.0.1:4711"
 
 
-def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
-    post: Callable[..., Post],
-) -> None:
+def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(post: MakePost) -> None:
     ballast = post("ballast")
 
     answer = ballast.answer_to("rudder left 5")
@@ -147,7 +145,7 @@ def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
     assert (ballast.station.counts.refused, ballast.station.counts.orders) == (1, 0)
 
 
-def test_a_program_gets_its_tag_back_with_every_answer(post: Callable[..., Post]) -> None:
+def test_a_program_gets_its_tag_back_with_every_answer(post: MakePost) -> None:
     helm = post("helm")
     helm.line.waiting += [
         order_sentence("rudder left 5", "17"),
@@ -170,7 +168,7 @@ def test_a_program_gets_its_tag_back_with_every_answer(post: Callable[..., Post]
     ]
 
 
-def test_a_line_that_is_no_order_is_answered_counted_and_logged(post: Callable[..., Post]) -> None:
+def test_a_line_that_is_no_order_is_answered_counted_and_logged(post: MakePost) -> None:
     helm = post("helm")
 
     answer = helm.answer_to("ruder left 5")
@@ -181,14 +179,14 @@ def test_a_line_that_is_no_order_is_answered_counted_and_logged(post: Callable[.
     assert "ruder left 5" in helm.log[0][1]
 
 
-def test_a_damaged_sentence_is_answered_as_a_sentence(post: Callable[..., Post]) -> None:
+def test_a_damaged_sentence_is_answered_as_a_sentence(post: MakePost) -> None:
     found = parse_sentence(post("helm").answer_to("$TRO,5,rudder left 5*00"))
 
     assert found
     assert (found.tag, found.fields[0]) == ("", "no")
 
 
-def test_an_overlong_line_is_told_so_and_the_next_is_heard(post: Callable[..., Post]) -> None:
+def test_an_overlong_line_is_told_so_and_the_next_is_heard(post: MakePost) -> None:
     helm = post("helm")
 
     handed_on = helm.type(OverlongLine(80), "rudder left 5")
@@ -197,7 +195,7 @@ def test_an_overlong_line_is_told_so_and_the_next_is_heard(post: Callable[..., P
     assert handed_on == ["rudder left 5"]
 
 
-def test_blank_lines_and_comments_are_passed_over(post: Callable[..., Post]) -> None:
+def test_blank_lines_and_comments_are_passed_over(post: MakePost) -> None:
     helm = post("helm")
 
     assert not helm.type("", "   ", "# steady as she goes")
@@ -205,7 +203,7 @@ def test_blank_lines_and_comments_are_passed_over(post: Callable[..., Post]) -> 
     assert helm.station.counts.bad == 0
 
 
-def test_a_flood_is_taken_in_portions(post: Callable[..., Post]) -> None:
+def test_a_flood_is_taken_in_portions(post: MakePost) -> None:
     helm = post("helm")
     helm.line.waiting += ["rudder left 5"] * 100
 
@@ -214,7 +212,7 @@ def test_a_flood_is_taken_in_portions(post: Callable[..., Post]) -> None:
 
 
 def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_number(
-    post: Callable[..., Post],
+    post: MakePost,
 ) -> None:
     helm = post("helm")
     for _ in range(100):
@@ -230,7 +228,7 @@ def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_numbe
     assert helm.station.counts.bad == 101
 
 
-def test_what_was_not_written_is_told_when_the_line_goes(post: Callable[..., Post]) -> None:
+def test_what_was_not_written_is_told_when_the_line_goes(post: MakePost) -> None:
     helm = post("helm")
     helm.type(*["blah"] * 25)
 
@@ -239,7 +237,7 @@ def test_what_was_not_written_is_told_when_the_line_goes(post: Callable[..., Pos
     assert helm.log[-1][1].startswith("5 more")
 
 
-def test_help_is_answered_at_the_station(post: Callable[..., Post]) -> None:
+def test_help_is_answered_at_the_station(post: MakePost) -> None:
     helm = post("helm")
 
     assert not helm.type("help rudder")
@@ -251,7 +249,7 @@ def test_help_is_answered_at_the_station(post: Callable[..., Post]) -> None:
     assert set(answers[:-1]) == {"say"}
 
 
-def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: Callable[..., Post]) -> None:
+def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: MakePost) -> None:
     helm = post("helm")
 
     assert not helm.type("detach", "rudder left 5")
@@ -260,7 +258,7 @@ def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: Callable[..., P
     assert helm.station.leaving == "detached"
 
 
-def test_what_a_portion_leaves_over_is_known_to_wait(post: Callable[..., Post]) -> None:
+def test_what_a_portion_leaves_over_is_known_to_wait(post: MakePost) -> None:
     helm = post("helm")
     helm.line.waiting += ["rudder left 5"] * 9
 
@@ -269,9 +267,7 @@ def test_what_a_portion_leaves_over_is_known_to_wait(post: Callable[..., Post]) 
     assert waiting == [True, False, False]
 
 
-def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(
-    post: Callable[..., Post],
-) -> None:
+def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(post: MakePost) -> None:
     helm = post("helm")
     helm.type(*["blah"] * 25)
     helm.station.leave()
@@ -286,7 +282,7 @@ def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(
 # Roles and tokens
 
 
-def test_a_line_observes_until_it_says_what_it_is(post: Callable[..., Post]) -> None:
+def test_a_line_observes_until_it_says_what_it_is(post: MakePost) -> None:
     line = post()
 
     assert line.answer_to("rudder left 5").endswith("you are an observer")
@@ -296,7 +292,7 @@ def test_a_line_observes_until_it_says_what_it_is(post: Callable[..., Post]) -> 
     assert ("station", f"{NAME} now has the helm") in line.log
 
 
-def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[..., Post]) -> None:
+def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: MakePost) -> None:
     line = post()
     line.type("role diving")
 
@@ -309,7 +305,7 @@ def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[.
     assert all(len(each) <= 79 for each in powers)
 
 
-def test_a_role_is_said_once(post: Callable[..., Post]) -> None:
+def test_a_role_is_said_once(post: MakePost) -> None:
     line = post()
     line.type("role helm")
 
@@ -317,16 +313,14 @@ def test_a_role_is_said_once(post: Callable[..., Post]) -> None:
     assert line.station.role.name == "helm"
 
 
-def test_a_fixed_role_stays(post: Callable[..., Post]) -> None:
+def test_a_fixed_role_stays(post: MakePost) -> None:
     serial = post("planes")
 
     assert serial.answer_to("role instructor") == "? you have the planes: a line keeps its role"
     assert serial.station.role.name == "planes"
 
 
-def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(
-    post: Callable[..., Post],
-) -> None:
+def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(post: MakePost) -> None:
     line = post(token=TOKEN)
     line.offer(0)
 
@@ -337,7 +331,7 @@ def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(
     assert not line.said()
 
 
-def test_the_right_token_lets_a_line_be_what_it_says(post: Callable[..., Post]) -> None:
+def test_the_right_token_lets_a_line_be_what_it_says(post: MakePost) -> None:
     line = post(token=TOKEN)
 
     line.type(f"role instructor {TOKEN}")
@@ -347,9 +341,7 @@ def test_the_right_token_lets_a_line_be_what_it_says(post: Callable[..., Post]) 
 
 
 @pytest.mark.parametrize("guess", [TOKEN.lower(), TOKEN[:-1], TOKEN + "0", "x"])
-def test_a_token_that_is_not_the_very_same_is_refused(
-    post: Callable[..., Post], guess: str
-) -> None:
+def test_a_token_that_is_not_the_very_same_is_refused(post: MakePost, guess: str) -> None:
     line = post(token=TOKEN)
 
     assert line.answer_to(f"role helm {guess}") == "? wrong token"
@@ -357,7 +349,7 @@ def test_a_token_that_is_not_the_very_same_is_refused(
     assert line.station.role.name == "stranger"
 
 
-def test_after_a_wrong_token_every_order_is_answered_by_that(post: Callable[..., Post]) -> None:
+def test_after_a_wrong_token_every_order_is_answered_by_that(post: MakePost) -> None:
     line = post(token=TOKEN)
     line.type("role helm wrong")
 
@@ -378,7 +370,7 @@ def test_after_a_wrong_token_every_order_is_answered_by_that(post: Callable[...,
     ],
 )
 def test_each_role_is_told_in_its_own_words(
-    post: Callable[..., Post], role: str, says: str, logged: str
+    post: MakePost, role: str, says: str, logged: str
 ) -> None:
     line = post()
     line.type(f"role {role}")
@@ -388,7 +380,7 @@ def test_each_role_is_told_in_its_own_words(
 
 
 def test_the_third_wrong_token_closes_the_line_and_the_right_one_comes_too_late(
-    post: Callable[..., Post],
+    post: MakePost,
 ) -> None:
     line = post(token=TOKEN)
 
@@ -411,7 +403,7 @@ def test_the_third_wrong_token_closes_the_line_and_the_right_one_comes_too_late(
         f"$TRO,role helm {TOKEN}*00",
     ],
 )
-def test_no_answer_log_or_account_repeats_a_token(post: Callable[..., Post], line: str) -> None:
+def test_no_answer_log_or_account_repeats_a_token(post: MakePost, line: str) -> None:
     station = post(token=TOKEN)
 
     station.type(line, line)
@@ -532,7 +524,7 @@ def test_machines_beyond_a_thousand_are_forgotten_the_oldest_first() -> None:
 # Channels
 
 
-def test_a_channel_is_answered_first_and_then_sent(post: Callable[..., Post]) -> None:
+def test_a_channel_is_answered_first_and_then_sent(post: MakePost) -> None:
     helm = post("helm")
     helm.offer(0)
 
@@ -542,7 +534,7 @@ def test_a_channel_is_answered_first_and_then_sent(post: Callable[..., Post]) ->
     assert kinds == ["TRA", "TRN", "TRS"]
 
 
-def test_a_reader_gets_words_and_a_program_sentences(post: Callable[..., Post]) -> None:
+def test_a_reader_gets_words_and_a_program_sentences(post: MakePost) -> None:
     helm = post("helm")
     helm.offer(0)
 
@@ -553,7 +545,7 @@ def test_a_reader_gets_words_and_a_program_sentences(post: Callable[..., Post]) 
     assert shown.startswith("gauges, 0 s: depth 60.0 m, heading 0.0 deg")
 
 
-def test_a_channel_that_is_not_the_roles_is_refused_and_logged(post: Callable[..., Post]) -> None:
+def test_a_channel_that_is_not_the_roles_is_refused_and_logged(post: MakePost) -> None:
     helm = post("helm")
 
     answer = helm.answer_to("subscribe motion")
@@ -564,18 +556,14 @@ def test_a_channel_that_is_not_the_roles_is_refused_and_logged(post: Callable[..
     assert helm.log[0][0] == "refused"
 
 
-def test_a_channel_that_there_is_not_is_answered_with_the_nearest(
-    post: Callable[..., Post],
-) -> None:
+def test_a_channel_that_there_is_not_is_answered_with_the_nearest(post: MakePost) -> None:
     helm = post("helm")
 
     assert helm.answer_to("subscribe stearing") == "? no channel stearing; nearest is steering"
     assert "there is teletype, gauges" in helm.answer_to("subscribe xyz")
 
 
-def test_subscribing_again_changes_the_rate_and_sends_nothing_twice(
-    post: Callable[..., Post],
-) -> None:
+def test_subscribing_again_changes_the_rate_and_sends_nothing_twice(post: MakePost) -> None:
     helm = post("helm")
     helm.offer(0)
     helm.type("subscribe time", "subscribe time at 1 hz")
@@ -590,7 +578,7 @@ def test_subscribing_again_changes_the_rate_and_sends_nothing_twice(
 
 @pytest.mark.parametrize(("wished", "told"), [("", 10), (" at 50 hz", 10), (" at 2 hz", 2)])
 def test_the_view_of_the_periscope_comes_no_faster_than_a_page_shows_it(
-    post: Callable[..., Post], wished: str, told: int
+    post: MakePost, wished: str, told: int
 ) -> None:
     scope = post("scope")
     scope.type(order_sentence(f"subscribe scope{wished}", "9"))
@@ -605,7 +593,7 @@ def test_the_view_of_the_periscope_comes_no_faster_than_a_page_shows_it(
     assert told <= len(scope.said()) <= told + 1
 
 
-def test_unsubscribed_a_channel_comes_no_more(post: Callable[..., Post]) -> None:
+def test_unsubscribed_a_channel_comes_no_more(post: MakePost) -> None:
     helm = post("helm")
     helm.type("subscribe gauges", "subscribe engine")
 
@@ -621,7 +609,7 @@ def test_unsubscribed_a_channel_comes_no_more(post: Callable[..., Post]) -> None
     assert not helm.said()
 
 
-def test_a_line_for_people_begins_with_the_teletype(post: Callable[..., Post]) -> None:
+def test_a_line_for_people_begins_with_the_teletype(post: MakePost) -> None:
     helm = post("helm")
     helm.station.type_out()
 
@@ -632,7 +620,7 @@ def test_a_line_for_people_begins_with_the_teletype(post: Callable[..., Post]) -
 
 
 def test_with_a_role_a_line_keeps_the_channels_that_are_the_roles(
-    post: Callable[..., Post], boat: Boat
+    post: MakePost, boat: Boat
 ) -> None:
     line = post()
     line.station.type_out()
@@ -645,7 +633,7 @@ def test_with_a_role_a_line_keeps_the_channels_that_are_the_roles(
 
 
 def test_an_observer_that_turns_out_to_be_the_instructor_is_shown_the_truth(
-    post: Callable[..., Post], boat: Boat
+    post: MakePost, boat: Boat
 ) -> None:
     line = post()
     line.station.type_out()
@@ -668,7 +656,7 @@ def code(kind: str) -> int:
 # Events
 
 
-def test_events_reach_the_roles_that_they_are_for(post: Callable[..., Post]) -> None:
+def test_events_reach_the_roles_that_they_are_for(post: MakePost) -> None:
     told = {}
     for role in ("instructor", "helm", "observer"):
         station = post(role)
@@ -681,7 +669,7 @@ def test_events_reach_the_roles_that_they_are_for(post: Callable[..., Post]) -> 
     assert told["observer"] == ["time happened", "order happened"]
 
 
-def test_a_program_gets_events_as_sentences(post: Callable[..., Post]) -> None:
+def test_a_program_gets_events_as_sentences(post: MakePost) -> None:
     helm = post("helm")
     helm.type(order_sentence("subscribe events", "1"))
     helm.said()
@@ -694,7 +682,7 @@ def test_a_program_gets_events_as_sentences(post: Callable[..., Post]) -> None:
     assert found.fields == ("4", "2.000", "time", "frozen")
 
 
-def test_no_more_is_sent_after_a_station_is_closed(post: Callable[..., Post]) -> None:
+def test_no_more_is_sent_after_a_station_is_closed(post: MakePost) -> None:
     helm = post("helm")
     helm.type("subscribe gauges")
     helm.said()
@@ -707,7 +695,7 @@ def test_no_more_is_sent_after_a_station_is_closed(post: Callable[..., Post]) ->
     assert not helm.said()
 
 
-def test_who_tells_of_a_line_what_it_did_and_lost(post: Callable[..., Post]) -> None:
+def test_who_tells_of_a_line_what_it_did_and_lost(post: MakePost) -> None:
     helm = post("helm")
     helm.type("rudder left 5", "blow all", "blah")
     helm.line.dropped, helm.line.trouble = 12, "input/output error"
@@ -778,7 +766,7 @@ def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thre
 @pytest.mark.parametrize(
     "line", [f"helm {TOKEN}", f"subscribe {TOKEN.lower()}", f"rudder left {TOKEN}", f"x {TOKEN}y"]
 )
-def test_a_token_is_not_logged_wherever_it_stands(post: Callable[..., Post], line: str) -> None:
+def test_a_token_is_not_logged_wherever_it_stands(post: MakePost, line: str) -> None:
     stranger = post(None, TOKEN)
     stranger.type(line, f"role helm {TOKEN}", line)
 
@@ -789,9 +777,7 @@ def test_a_token_is_not_logged_wherever_it_stands(post: Callable[..., Post], lin
 # How often
 
 
-def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(
-    post: Callable[..., Post],
-) -> None:
+def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(post: MakePost) -> None:
     helm = post()
     helm.type("role helm")
     helm.line.waiting += ["rudder left 5"] * 500
@@ -809,7 +795,7 @@ def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(
 
 
 def test_lines_that_are_no_orders_and_lines_of_the_user_s_own_are_not_held_up(
-    post: Callable[..., Post],
+    post: MakePost,
 ) -> None:
     noisy = post()
     noisy.type("role helm", *["nonsense"] * 300)

@@ -2,9 +2,10 @@
 
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
+from helpers.boats import start_bb2
 
 from trainer.boat.boat import Boat
 from trainer.session.stations.channels import CHANNELS
@@ -63,10 +64,8 @@ class Broken:
 
 
 @pytest.fixture(scope="module")
-def boat(make_boat: Callable[..., Boat]) -> Boat:
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, 0.0)
-    return boat
+def boat() -> Boat:
+    return start_bb2()
 
 
 @pytest.fixture

@@ -4,11 +4,10 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from helpers.crewed import Crewed, crewed
+from helpers.crewed import Begin, Crewed
 from helpers.nursery import run_trainer
 from helpers.places import environment
 
@@ -25,8 +24,6 @@ from trainer.session.run import run_boat
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
-
-__all__ = ["crewed"]
 
 WALL = """
 [[contact]]
@@ -52,7 +49,7 @@ def shallow(ship: Crewed) -> Crewed:
     return ship
 
 
-def test_a_collision_freezes_and_time_may_go_on(crewed: Callable[..., Crewed]) -> None:
+def test_a_collision_freezes_and_time_may_go_on(crewed: Begin) -> None:
     ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="freeze"))))
     ship.fly(400)
     assert ship.session.time.frozen
@@ -63,14 +60,14 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Callable[..., Crewed]) -
     assert ship.boat.ticks == here + 20
 
 
-def test_a_collision_ends_an_exercise_that_says_so(crewed: Callable[..., Crewed]) -> None:
+def test_a_collision_ends_an_exercise_that_says_so(crewed: Begin) -> None:
     ship = shallow(crewed(seconds=3600.0, world=tables(WALL.format(what="end"))))
     ship.fly(400)
     assert ship.conduct.ending.outcome == "lost"
     assert ship.conduct.ending.why == "collision with wall"
 
 
-def test_a_collision_may_be_called_alone(crewed: Callable[..., Crewed]) -> None:
+def test_a_collision_may_be_called_alone(crewed: Begin) -> None:
     ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="call"))))
     ship.fly(400)
     assert not ship.session.time.frozen
@@ -78,7 +75,7 @@ def test_a_collision_may_be_called_alone(crewed: Callable[..., Crewed]) -> None:
     assert len(told) == 1
 
 
-def test_an_instructor_adds_moves_and_removes_ships(crewed: Callable[..., Crewed]) -> None:
+def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     ship.fly(10)
@@ -110,13 +107,13 @@ def test_an_instructor_adds_moves_and_removes_ships(crewed: Callable[..., Crewed
         ("contact add add tug at 0 900 course 0 speed 3", "add: a name has at most 16"),
     ],
 )
-def test_what_cannot_be_is_refused(crewed: Callable[..., Crewed], words: str, why: str) -> None:
+def test_what_cannot_be_is_refused(crewed: Begin, words: str, why: str) -> None:
     ship = crewed(seconds=None)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     assert why in ship.refused(words)
 
 
-def test_the_crew_has_no_ships_to_order(crewed: Callable[..., Crewed]) -> None:
+def test_the_crew_has_no_ships_to_order(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     assert ship.refused("contact add tug1 tug at 0 900 course 0 speed 3", by=ship.comes("helm"))
     assert ship.refused("subscribe contacts", by=ship.comes("diving"))
@@ -144,7 +141,7 @@ collision = "call"
 """
 
 
-def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Callable[..., Crewed]) -> None:
+def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Begin) -> None:
     ship, pulled = shallow(crewed(seconds=None, world=tables(PULLING))), 0
     for tick in range(100):
         if words := LIVE.get(tick):
@@ -160,7 +157,7 @@ def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Callable[..., Cr
     )
 
 
-def test_going_back_takes_the_ships_back(crewed: Callable[..., Crewed]) -> None:
+def test_going_back_takes_the_ships_back(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.fly(10)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
@@ -175,7 +172,7 @@ def test_going_back_takes_the_ships_back(crewed: Callable[..., Crewed]) -> None:
     assert contacts.seen(0) == ()
 
 
-def test_the_instructor_is_sent_the_nearest_ships(crewed: Callable[..., Crewed]) -> None:
+def test_the_instructor_is_sent_the_nearest_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None, world=tables(WALL.format(what="call")))
     ship.order("contact add near tug at 0 100 course 180 speed 4")
     ship.fly(2)
@@ -241,9 +238,7 @@ def test_a_run_that_only_calls_a_collision_has_exit_code_0(tmp_path: Path) -> No
     assert run_alone(wall_ahead(tmp_path, "call")) == 0
 
 
-def test_a_freeze_after_a_collision_is_not_that_of_the_collision(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_a_freeze_after_a_collision_is_not_that_of_the_collision(crewed: Begin) -> None:
     ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="freeze"))))
     ship.fly(400)
     ship.order("run")

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.orders import read_order
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.vessel import load_vessel
@@ -69,8 +70,7 @@ class Sailed:
         text = load_vessel("bb2").text
         vessel.write_text(text if scope else re.sub(r"(?s)\[scope\].*?\n\n", "", text))
         plan = plan_run(RunOptions(exercise=str(path), vessel=str(vessel)))
-        self.boat = Boat(plan.file, plan.method)
-        plan.start(self.boat)
+        self.boat = start_plan(plan)
         self.reader = StateReader(self.boat, Ledger(plan.method.step).summary)
 
     def frame(self, tick: int = 0) -> Frame:
@@ -87,8 +87,11 @@ class Sailed:
         return told
 
 
+Sail = Callable[..., Sailed]
+
+
 @pytest.fixture
-def sail(tmp_path: Path) -> Callable[..., Sailed]:
+def sail(tmp_path: Path) -> Sail:
     return partial(Sailed, tmp_path)
 
 
@@ -105,7 +108,7 @@ def read(lines: list[str]) -> list[dict[str, Any]]:
 
 
 def test_both_parts_of_a_small_ship_s_name_come_on_one_channel_and_not_always_the_same(
-    sail: Callable[..., Sailed],
+    sail: Sail,
 ) -> None:
     lines = sail(17.5).heard(3600.0, every=10.0)
     single = [line for line in lines if line.split(",")[1] == "1"]
@@ -115,7 +118,7 @@ def test_both_parts_of_a_small_ship_s_name_come_on_one_channel_and_not_always_th
     assert set(channels) == {"A", "B"}
 
 
-def test_each_ship_reports_as_often_as_the_standard_has_it(sail: Callable[..., Sailed]) -> None:
+def test_each_ship_reports_as_often_as_the_standard_has_it(sail: Sail) -> None:
     told = Counter((each["mmsi"], each["msg_type"]) for each in read(sail(17.5).heard(720.0)))
     assert told == {
         (211000001, 1): 72,  # 12 kn: each 10 s
@@ -127,7 +130,7 @@ def test_each_ship_reports_as_often_as_the_standard_has_it(sail: Callable[..., S
     }
 
 
-def test_what_is_told_is_where_the_ship_is(sail: Callable[..., Sailed]) -> None:
+def test_what_is_told_is_where_the_ship_is(sail: Sail) -> None:
     found = [each for each in read(sail(17.5).heard(60.0)) if each["mmsi"] == 211000001]
     last = found[-1]
     speed = 12.0 * 1852.0 / 3600.0
@@ -141,7 +144,7 @@ def test_what_is_told_is_where_the_ship_is(sail: Callable[..., Sailed]) -> None:
     assert (last["speed"], last["course"], last["heading"]) == (12.0, 90.0, 90)
 
 
-def test_a_turning_ship_reports_three_times_as_often(sail: Callable[..., Sailed]) -> None:
+def test_a_turning_ship_reports_three_times_as_often(sail: Sail) -> None:
     sailed = sail(17.5)
     contacts = contacts_in(sailed.boat)
     order = parse("contact big course 270")
@@ -154,7 +157,7 @@ def test_a_turning_ship_reports_three_times_as_often(sail: Callable[..., Sailed]
 
 @pytest.mark.parametrize(("depth", "heard"), [(17.5, True), (20.0, False), (60.0, False)])
 def test_nothing_is_heard_without_a_mast_out_of_the_water(
-    sail: Callable[..., Sailed], depth: float, *, heard: bool
+    sail: Sail, depth: float, *, heard: bool
 ) -> None:
     sailed = sail(depth)
     assert (antenna(sailed.frame()) > 0.0) == heard
@@ -166,13 +169,12 @@ def test_nothing_is_heard_without_a_mast_out_of_the_water(
     [(17.5, "raise", True), (17.5, "", False), (19.7, "raise", False), (19.2, "raise", True)],
 )
 def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
-    sail: Callable[..., Sailed], depth: float, words: str, *, heard: bool
+    sail: Sail, depth: float, words: str, *, heard: bool
 ) -> None:
     """BB2's head is 1.9 m over calm water at 17.5 m with the whole mast out, on an even keel."""
     sailed = sail(depth, scope=True)
     if words:
-        order = parse(f"scope {words}")
-        assert isinstance(order, Order)
+        order = read_order(f"scope {words}")
         obey_order(sailed.boat, order)
     assert antenna(sailed.frame(200)) == (
         pytest.approx(19.45 - depth, abs=0.1) if words else -math.inf
@@ -180,7 +182,7 @@ def test_with_a_periscope_what_is_heard_is_heard_by_its_head(
     assert bool(sailed.heard(120.0)) == heard
 
 
-def test_a_ship_is_heard_as_far_as_both_antennas_let_it_be(sail: Callable[..., Sailed]) -> None:
+def test_a_ship_is_heard_as_far_as_both_antennas_let_it_be(sail: Sail) -> None:
     height = antenna(sail(17.5).frame())
     reach = RADIO_RANGE_FACTOR * (math.sqrt(height) + math.sqrt(40.0))
     for beyond, heard in ((-50.0, True), (50.0, False)):
@@ -193,7 +195,7 @@ points = [[{reach + beyond}, 0]]
         assert bool(sail(17.5, one).heard(400.0)) == heard
 
 
-def test_nothing_is_sent_again_after_a_jump_back(sail: Callable[..., Sailed]) -> None:
+def test_nothing_is_sent_again_after_a_jump_back(sail: Sail) -> None:
     sailed = sail(17.5)
     receiver = Transponders(DEFAULT_CHART, START)
     for tick in range(0, 200, 2):
@@ -203,7 +205,7 @@ def test_nothing_is_sent_again_after_a_jump_back(sail: Callable[..., Sailed]) ->
     assert any(receiver.lines(sailed.frame(tick)) for tick in range(2, 60, 2))
 
 
-def test_ais_follows_the_set_of_instruments(sail: Callable[..., Sailed]) -> None:
+def test_ais_follows_the_set_of_instruments(sail: Sail) -> None:
     sailed = sail(17.5)
     shown = InstrumentSet(
         choose_instruments(["HDT"]), DEFAULT_CHART, START, Transponders(DEFAULT_CHART, START)

@@ -1,15 +1,12 @@
 """The reference crew shows the way from a frozen moment, and the boat is back there afterwards."""
 
-from collections.abc import Callable
 from contextlib import closing
-from dataclasses import replace
 
 import pytest
-from helpers.crewed import Crewed
+from helpers.crewed import Begin, Crewed
+from helpers.sessions import start_plan
 
-from trainer.boat.boat import Boat
 from trainer.boat.mute_crew import MuteCrew
-from trainer.config.reference_crew import Crew
 from trainer.debrief.rehearsal import Departure, due_orders, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording
@@ -28,7 +25,7 @@ def planned(exercise: str | None) -> Plan:
 
 
 @pytest.fixture
-def jam(crewed: Callable[..., Crewed]) -> Crewed:
+def jam(crewed: Begin) -> Crewed:
     """Return the jam, frozen where nobody has answered it yet."""
     ship = crewed(plan=planned("stern-plane-jam"), seconds=600.0)
     ship.fly(JAMMED)
@@ -76,8 +73,7 @@ def test_the_way_is_shown_on_a_branch_of_its_own_and_the_boat_is_back_frozen(jam
 
 def test_what_is_shown_is_what_the_debrief_would_have_the_crew_do_from_there(jam: Crewed) -> None:
     plan = planned("stern-plane-jam")
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_plan(plan)
     due = {
         tick: [order_of_schedule(plan, place, tick) for place in places]
         for tick, places in due_orders(plan).items()
@@ -146,17 +142,6 @@ def test_the_crew_never_goes_on_from_what_was_shown(jam: Crewed) -> None:
     assert "demonstrate for 30 s, by instructor" in listed[1]
 
 
-@pytest.mark.parametrize(
-    ("exercise", "why"),
-    [(None, "this free run has no reference crew"), ("visitor-dive", "this exercise has no refer")],
-)
-def test_without_a_reference_crew_there_is_nobody_to_show_the_way(
-    crewed: Callable[..., Crewed], exercise: str | None, why: str
-) -> None:
-    plan = replace(planned(exercise), crew=Crew())
-    assert crewed(plan=plan, seconds=None).refused("demonstrate").startswith(why)
-
-
 def test_it_is_told_why_the_way_cannot_be_shown_now(jam: Crewed) -> None:
     helm, trainee = jam.comes("helm"), jam.comes("trainee")
     assert jam.refused("demonstrate for 0") == "0 s: a time to be shown is 1 to 3600 s"
@@ -184,9 +169,7 @@ def test_who_orders_while_the_crew_comes_aboard_is_told_that_nothing_is_shown(ja
     assert jam.events(jam.instructor, "shown")[-1].endswith("something was ordered meanwhile")
 
 
-def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(
-    crewed: Callable[..., Crewed],
-) -> None:
+def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(crewed: Begin) -> None:
     ship = crewed(plan=planned("stern-plane-jam"), seconds=85.0, lost=("depth > 106",))
     ship.fly(JAMMED)
     ship.order("freeze")

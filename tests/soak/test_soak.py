@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 from helpers.givers import giver_at
+from helpers.orders import read_order
 
 from soak.audit import Answered, check_journal, complete
 from soak.operators import Orders, Watchbill, instruct
 from soak.session_process import Caller, GoneError, WatchedClock
 from soak.soak import Plan, Sample, flat, page, soak
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
 
@@ -33,8 +33,7 @@ def test_random_orders_are_the_role_s_to_give_and_of_the_grammar(role: str) -> N
 
     assert len(said) > 40 or role == "observer"
     for words in said:
-        order = parse(words)
-        assert isinstance(order, Order)
+        order = read_order(words)
         assert refusal(ROLES[role], order) is None
 
 

@@ -1,11 +1,11 @@
 """Stress of every boat by every set, and the ledger of energy that it keeps."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.boats import make_boat
 
 from soak.__main__ import soak
 from soak.stress import propulsion, stress, stress_one, water_forces, water_power
@@ -30,9 +30,7 @@ def energy(boat: Boat) -> tuple[float, float]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("vessel", "step"), [("bb2", 0.1), ("sdv-mk9", 0.02), ("remus100", 0.02)])
-def test_what_the_boat_has_is_what_water_and_propeller_gave_it(
-    make_boat: Callable[..., Boat], vessel: str, step: float
-) -> None:
+def test_what_the_boat_has_is_what_water_and_propeller_gave_it(vessel: str, step: float) -> None:
     # outside the range, where the added masses are symmetric, and on into it
     boat, rng = make_boat(vessel, "full", "exact", "adams2", step), np.random.default_rng(8)
     boat.vessel.fitted = 0.0
@@ -67,7 +65,7 @@ def power(boat: Boat) -> float:
     return float(water_forces(boat) @ motion + turning + twist)
 
 
-def test_the_water_feeds_no_boat_inside_the_range_either(make_boat: Callable[..., Boat]) -> None:
+def test_the_water_feeds_no_boat_inside_the_range_either() -> None:
     # measured, not a theorem: planes at zero; the files' own coefficients
     for vessel in ("bb2", "sdv-mk9", "remus100"):
         boat, rng = make_boat(vessel, "full", "exact"), np.random.default_rng(9)

@@ -1,10 +1,10 @@
 """Aids on pages: keys by keyboard, faint pointers, words, lines of charts; the way shown."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import Served
@@ -13,8 +13,6 @@ from playwright.sync_api import Page, expect
 
 from trainer.config.files import path_named
 
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 ENDS = re.compile(r"ghost 100\.\d, ahead 100\.\d$")
 LONG = PATIENCE * 1000.0  # [ms]
 BEYOND = """() => [...document.querySelectorAll("#aids, #aids > *, main")]

@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Callable
 from typing import Final
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import (
     EACH_WAY,
     UNWORKED,
@@ -26,9 +26,6 @@ from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
 from trainer.web.modules import ASSETS_FOLDER
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 # What is worked, how the session then stands, and after which group key on a small screen.
 CONTROLS: Final = (

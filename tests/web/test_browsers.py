@@ -1,24 +1,23 @@
 """Pages in more than one browser, by TLS, and on lines that lose packets and break."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.firefox import Tab, firefox
 from helpers.pages import Served
 from helpers.slow_line import slow_line
 from helpers.waiting import PATIENCE
 from helpers.wire import make_certificate
-from playwright.sync_api import Browser, Page, WebSocketRoute, expect
+from playwright.sync_api import Browser, WebSocketRoute, expect
 from soak.session_process import Caller
 
 from trainer.web.pages import PAGES
 
 pytestmark = pytest.mark.process
 
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 STATE = "document.querySelector('#state').textContent"
 IDLE_S = 45.0  # [s] of a kiosk's dive in which nobody touches anything
 SLOW_S = 0.15  # [s] one way

@@ -1,19 +1,15 @@
 """Three people at three pages, who know what the pages say, bring an exercise to its full marks."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from statistics import fmean
 from typing import Any, Final
 
 import pytest
-from helpers.pages import Served
+from helpers.browser import Look, Serve
 from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 RISING: Final = 10  # times faster than the clock while she comes up
 KEEPING: Final = 25  # and afterwards

@@ -1,10 +1,10 @@
 """The diving officer's and the observer's pages: orders to the crew, what planes hold, marks."""
 
 import re
-from collections.abc import Callable
 from typing import Final
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import (
     UNWORKED,
     WAYS,
@@ -22,9 +22,6 @@ from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 # Digits, the key after them, and how the order then stands.
 NUMBERS: Final = (

@@ -1,16 +1,15 @@
 """What could still be earned, on the instructor's page and on no other."""
 
 import re
-from collections.abc import Callable
 
 import pytest
+from helpers.browser import Look
 from helpers.lanes import sample_cases
 from helpers.pages import served
 from helpers.waiting import PATIENCE
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 
 pytestmark = pytest.mark.process
-Look = Callable[..., Page]
 
 
 @pytest.mark.parametrize("size", sample_cases(["phone", "laptop"], "phone"))

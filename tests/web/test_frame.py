@@ -1,17 +1,16 @@
 """What all stations share: alerts in plain words, the bell, repeats, and light that is told."""
 
 import re
-from collections.abc import Callable
 from typing import Final
 
 import pytest
+from helpers.browser import Look
 from helpers.hands import WAYS, heard, step, work
 from helpers.pages import Served
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, expect
 from soak.session_process import Caller
 
-Look = Callable[..., Page]
 CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
 PITCH: Final = 1200  # [Hz] of the bell
 LISTEN: Final = """() => {

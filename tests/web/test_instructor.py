@@ -1,9 +1,10 @@
 """The instructor's page: the truth, what breaks, what was flown, and a whole exercise by mouse."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import WAYS, await_obeyed, await_truth, see_whole, work
 from helpers.pages import QUIET, SIZES, Served, find_chromium
 from helpers.time_line import drag, drawn, fly, seconds_of, settled
@@ -11,8 +12,6 @@ from helpers.waiting import PATIENCE, await_that
 from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller
 
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 COURSE = "Passage, fast and deep"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.browser import Look
 from helpers.hands import UNWORKED, WAYS, see_whole, skip_until, stop_clock, work
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served, served
@@ -19,7 +20,6 @@ from soak.session_process import Caller
 from trainer.config.files import ConfigError
 from trainer.web.words import read_catalogue
 
-Look = Callable[..., Page]
 ROOMS = [*(SIZES[name] for name in ("desk", "tablet", "phone", "phone-side")), (1080, 1920)]
 STEP = 5  # [deg] of a tap on the groove
 FAST = 5.0  # times faster than the clock: what is late on a busy machine is not late for the boat

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 import pytest
-from helpers.browser import hear_all
+from helpers.browser import Look, Serve, hear_all
 from helpers.hands import await_truth, on_groove
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
@@ -17,9 +17,7 @@ from soak.session_process import Caller
 
 from trainer.web.pages import PAGES
 
-Look = Callable[..., Page]
 Opened = Callable[..., Page]
-Serve = Callable[..., Served]
 PHONE: Final = (390, 844)
 # Those at which pages are looked at: phones both ways, a tablet, laptops, a desk.
 LOOKED_AT: Final = (*SIZES.values(), PHONE, (844, 390), (1366, 768), (1024, 768))

@@ -5,16 +5,16 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.pages import QUIET, Served, find_chromium, free_port
+from helpers.browser import Serve
+from helpers.pages import QUIET, find_chromium, free_port
 from helpers.waiting import PATIENCE, once_it_can
 from playwright.sync_api import Browser, Error, Page, expect
 from soak.session_process import Caller
 
-Serve = Callable[..., Served]
 A_FREEZE = 600.0  # [s]
 A_SLEEP = 75.0  # [s] the server gives up who answers no ping for 40
 LATER = 1e3 * PATIENCE  # [ms]

@@ -2,10 +2,10 @@
 
 import re
 import time
-from collections.abc import Callable
 from typing import Final
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import read
 from helpers.lanes import sample_cases
 from helpers.pages import Served
@@ -15,9 +15,6 @@ from playwright.sync_api import Page, WebSocketRoute, expect
 from soak.session_process import Caller
 
 from trainer.web.modules import ASSETS_FOLDER
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 # The moment [s] that is looked at, the time at the right end of each chart and of its last reading,
 # and how many places the track has.

@@ -1,10 +1,10 @@
 """Every page at every size: contrast, nothing cut, keyboard, zoom, calm, and no request leaves."""
 
 import re
-from collections.abc import Callable
 
 import pytest
 from helpers import node
+from helpers.browser import Look
 from helpers.hands import TOO_WIDE, see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
@@ -15,7 +15,6 @@ from soak.session_process import Caller
 from trainer.web.modules import ASSETS_FOLDER
 from trainer.web.pages import PAGES
 
-Look = Callable[..., Page]
 NAMES = [page.name for page in PAGES]
 SHORT = {"", "instructor", "scope"}  # the pages of the short run, where all would take minutes
 LAID_OUT = {"", "helm", "trainee", "instructor", "ballast", "kiosk"}  # each in a way of its own

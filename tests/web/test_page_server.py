@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import skip_until
 from helpers.installation import installed
 from helpers.nursery import start_trainer
@@ -32,7 +33,7 @@ from helpers.wire import (
     pages,
     request,
 )
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 from soak.session_process import Caller
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
@@ -61,8 +62,6 @@ from trainer.web.gate import SECURITY_HEADERS, Refusals, ServerNames, page_polic
 from trainer.web.pages import PAGES
 from trainer.web.server import KEPT_FOREVER, MAX_TOKEN_LETTERS
 
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 WORD = "anchor-42"  # of the helm
 FLOOD = 10_000
 OLDER = """new MutationObserver(() => {

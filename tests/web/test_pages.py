@@ -1,15 +1,12 @@
 """Pages in a real browser: they show what the session says, and ask nowhere else."""
 
 import re
-from collections.abc import Callable
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import WAYS, work
 from helpers.pages import IN_SHORT, Served
 from playwright.sync_api import Browser, Page, expect
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 
 def test_a_station_shows_what_its_session_says(shared: Served, look: Look) -> None:

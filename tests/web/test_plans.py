@@ -1,17 +1,15 @@
 """What is ahead on the instructor's page: planned by mouse, touch and keys, drawn, taken away."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import WAYS, work
 from helpers.pages import Served
 from playwright.sync_api import Page, WebSocket, expect
 from soak.session_process import Caller
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 
 @pytest.fixture

@@ -1,11 +1,11 @@
 """The periscope's page: what is worked reaches the boat, and what is seen is what is there."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 import pytest
-from helpers.browser import looking
+from helpers.browser import Look, looking
 from helpers.hands import WAYS, await_truth, read, see_whole, work
 from helpers.lanes import sample_cases
 from helpers.pages import OFTEN, SIZES, Served, served
@@ -13,7 +13,6 @@ from helpers.waiting import await_that
 from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller
 
-Look = Callable[..., Page]
 TRAFFIC: Final = """\
 schema = "exercise/1"
 name = "Traffic"

@@ -3,11 +3,12 @@
 import contextlib
 import re
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Final
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import (
     EACH_WAY,
     TOO_WIDE,
@@ -30,8 +31,6 @@ from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from soak.session_process import Caller
 
-Look = Callable[..., Page]
-Serve = Callable[..., Served]
 NAMES: Final = ("helm", "planes", "pilot")
 SURFACES: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 BEYOND: Final = """() => [...document.querySelectorAll("main button, header button, .knob")]

@@ -3,14 +3,15 @@
 import hashlib
 import math
 import shutil
-import sqlite3
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.altered import alter
 from helpers.exported import Row
 from helpers.givers import giver_at
+from helpers.orders import answer_of
 from helpers.recorded import record
 from helpers.tab import fly
 
@@ -18,12 +19,10 @@ from trainer.analysis.boat_page import boat_for_page, boat_of, boat_of_visitors
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
 from trainer.boat.export.orders import order_rows
-from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.cli.export import boat_at_start
 from trainer.debrief.rehearsal import Departure
 from trainer.debrief.rehearsal import fly as flown_by_orders
-from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
@@ -41,14 +40,6 @@ SEA_ORDERS = ("sea state 4", "sea from 045", "sea calm")
 def digest_of(boat: Boat) -> str:
     """Return the SHA-256 of a boat's state."""
     return hashlib.sha256(boat.records.state.tobytes()).hexdigest()
-
-
-def told(boat: Boat, words: str) -> str:
-    """Return what the helm answers, having done it."""
-    order = parse(words)
-    assert isinstance(order, Order), words
-    answer = obey_order(boat, order)
-    return answer.reason if isinstance(answer, Refused) else answer
 
 
 def wordings(boat: Boat) -> list[str]:
@@ -73,12 +64,12 @@ def test_a_kiosks_lever_and_guard_are_those_of_a_session_to_the_bit(angle: int) 
     start = digest_of(boat)
     guard = DepthGuard(dive["guarded"])
     words = f"lever {'dive' if angle < 0 else 'rise'} {abs(angle)}"
-    told(boat, words)
+    answer_of(boat, words)
     guarded = 0
     for _ in range(300):
         boat.tick()
         if order := guard.order(boat):
-            told(boat, order.text)
+            answer_of(boat, order.text)
             guarded += 1
 
     deeds = [("order", words), ("fly", 300), ("digest",), ("order", "restart"), ("digest",)]
@@ -104,7 +95,7 @@ def test_every_order_writes_what_the_helm_writes(vessel: str) -> None:
     expected = []
     for words in said:
         boat.restore(start)
-        told(boat, words)
+        answer_of(boat, words)
         expected.append(digest_of(boat))
 
     numbers = start["whole"][0].tolist()
@@ -130,7 +121,7 @@ MEANT = (
 def test_words_mean_what_the_grammar_makes_of_them() -> None:
     boat = boat_at_start(RunOptions(vessel="bb2"))
     page = boat_for_page(boat, "instructor")
-    told(boat, "casualty gyro-biased")
+    answer_of(boat, "casualty gyro-biased")
     start = boat.snapshot()
     numbers = start["whole"][0].tolist()
     deeds = [each for words in MEANT for each in (("set", numbers), ("order", words), ("digest",))]
@@ -140,7 +131,7 @@ def test_words_mean_what_the_grammar_makes_of_them() -> None:
     assert answers[1] == digest_of(boat)
     for words, answer, digest in zip(MEANT, answers[3::3], answers[4::3], strict=True):
         boat.restore(start)
-        told(boat, words)
+        answer_of(boat, words)
         assert answer["ok"], (words, answer)
         assert digest == digest_of(boat), words
 
@@ -187,7 +178,7 @@ def test_every_channel_shows_what_a_station_shows(vessel: str) -> None:
     page = boat_for_page(boat, "instructor")
     orders = ("course 200", "depth 8", "casualty depth-gauge-biased", "casualty rudder-slow 0.4")
     for words in orders:
-        told(boat, words)
+        answer_of(boat, words)
     for _ in range(300):
         boat.tick()
     reader = StateReader(boat, Ledger(boat.method.step).summary)
@@ -254,9 +245,7 @@ def test_what_the_core_does_not_predict_is_kept_as_it_was(drill: Path, tmp_path:
     recording.close()
     numbers = np.frombuffer(states[300]).copy()
     numbers[7] += 1.0
-    with sqlite3.connect(changed) as connection:
-        connection.execute("UPDATE states SET state = ? WHERE tick = 300", (numbers.tobytes(),))
-    connection.close()
+    alter(changed, "UPDATE states SET state = ? WHERE tick = 300", numbers.tobytes())
 
     boat, told_of = boat_of(changed)
     page = boat_for_page(boat, "instructor") | {"recording": told_of}
@@ -281,11 +270,11 @@ def test_taking_over_ends_in_the_bits_of_a_resumed_run(moment: float, drill: Pat
     assert state is not None
     boat.restore(np.frombuffer(state, boat.records.state.dtype))
     for words, ticks in (("rudder right 8", 40), ("depth 55", 300)):
-        told(boat, words)
+        answer_of(boat, words)
         for _ in range(ticks):
             boat.tick()
             if boat.ticks in breaks:  # the exercise goes on by its own schedule
-                told(boat, breaks[boat.ticks])
+                answer_of(boat, breaks[boat.ticks])
 
     back = f"backtrack {(end - tick) * boat.method.step:.1f}"
     answers = fly(
@@ -318,7 +307,7 @@ def test_branches_begin_each_at_its_parents_moment(drill: Path, tmp_path: Path) 
         boat.restore(np.frombuffer(moment.state, boat.records.state.dtype))
         number = recording.fork(moment, f"to tick {tick}")
         order = recording.order(tick, giver_at("instructor"), words)
-        recording.answered(order, told(boat, words), accepted=True)
+        recording.answered(order, answer_of(boat, words), accepted=True)
         flown[number] = {}
         for _ in range(80):
             boat.tick()

@@ -7,7 +7,6 @@ import json
 import os
 import re
 import shutil
-import sqlite3
 import time
 import zlib
 from collections.abc import Callable, Iterator
@@ -18,6 +17,7 @@ from typing import Any
 
 import pytest
 from helpers import node
+from helpers.altered import alter
 from helpers.firefox import firefox
 from helpers.givers import giver_at
 from helpers.lanes import sample_cases
@@ -579,13 +579,6 @@ def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
     assert not out.exists()
 
 
-def damage(path: Path, statement: str, *values: Any) -> None:
-    """Change a recording."""
-    with sqlite3.connect(path) as connection:
-        connection.execute(statement, values)
-    connection.close()
-
-
 OTHERS = {
     "another core": (
         "UPDATE header SET value = '0123456789abcdef' WHERE key = 'core'",
@@ -604,7 +597,7 @@ def test_a_recording_that_cannot_be_flown_is_refused(
     path = tmp_path / "other.trainer"
     shutil.copy(drill, path)
     statement, why = OTHERS[what]
-    damage(path, statement)
+    alter(path, statement)
 
     with pytest.raises(ConfigError, match=why) as wrong:
         page_of(None, path, "instructor")

@@ -2,10 +2,10 @@
 
 import re
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.browser import Look, Serve
 from helpers.hands import see_whole, skip_until
 from helpers.lanes import sample_cases
 from helpers.pages import Served
@@ -19,9 +19,6 @@ from trainer.config.progress import ProgressRun, add_run
 from trainer.config.steps import LIGHTED_INSTRUMENTS
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.web.modules import ASSETS_FOLDER
-
-Serve = Callable[..., Served]
-Look = Callable[..., Page]
 
 LESSON = """\
 schema = "exercise/1"

@@ -1,9 +1,10 @@
 """The wall: ten people read it from four metres, and nobody works it."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
+from helpers.browser import Look
 from helpers.hands import await_obeyed, see_whole, stop_clock
 from helpers.pages import SIZES, Served, served
 from helpers.waiting import await_that
@@ -11,8 +12,6 @@ from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
 from trainer.web.modules import ASSETS_FOLDER
-
-Look = Callable[..., Page]
 
 
 @pytest.fixture(scope="module")

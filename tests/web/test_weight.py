@@ -3,7 +3,6 @@
 import gzip
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ from helpers.pages import Served
 from helpers.slow_line import slow_line
 from helpers.waiting import PATIENCE
 from helpers.wire import request
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from trainer.web import modules, packing
 from trainer.web.gate import hash_of, page_policy
@@ -21,7 +20,6 @@ from trainer.web.packing import Assets
 from trainer.web.pages import PAGES, render
 from trainer.web.pages import Page as WebPage
 
-Look = Callable[..., Page]
 LATENCY_MS = 400.0
 BYTES_PER_S = 50_000.0
 READY_S = 3.0  # [s] that the helm may take from nothing on such a line

@@ -4,12 +4,12 @@ import json
 import re
 import subprocess
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from helpers import node, wire
-from helpers.browser import NAME_LINE, hear_all
+from helpers.browser import NAME_LINE, Look, hear_all
 from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
@@ -30,7 +30,6 @@ from trainer.web.words import (
     written_in,
 )
 
-Look = Callable[..., Page]
 ODD = "ж"  # a letter of the made-up language
 LACKING = "Depth"  # that its catalogue has not
 # What is not said by the pages but by the session, or named after it, and the units.

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.key_tables import TABLES
 from helpers.nursery import run_trainer
-from helpers.places import ROOT, environment
+from helpers.orders import read_order
+from helpers.places import environment
+from helpers.sessions import start_plan
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -16,7 +17,6 @@ from trainer.config.current import Current, Tide
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import parse_sea
-from trainer.io.orders.grammar import Order, parse
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
@@ -25,13 +25,6 @@ HEAD = 'schema = "exercise/1"\nname = "Adrift"\nbriefing = "A current."\nduratio
 UNIFORM = "[current]\nset_deg = 90\ndrift_kn = 2\n"
 DEEP = 60.0  # [m]
 TIDE = Tide(major_kn=2.0, towards_deg=10.0, period_h=1.0)
-
-
-def order(text: str) -> Order:
-    """Return an order that is one."""
-    found = parse(text)
-    assert isinstance(found, Order)
-    return found
 
 
 def around(current: Current | None = None) -> CurrentAround:
@@ -109,7 +102,7 @@ def test_between_two_rows_the_water_is_straight_in_between_and_beyond_it_is_thei
 def test_an_order_takes_the_place_of_table_and_tide_in_a_straight_ramp() -> None:
     part = around(Current(table=((0.0, 180.0, 2.0), (100.0, 180.0, 1.0))))
     was = part.at(1000, DEEP)
-    told = part.obey(order("current set 090 drift 3"), 1000)
+    told = part.obey(read_order("current set 090 drift 3"), 1000)
     assert told == "current set 090 drift 3 kn: towards 090 at 3 kn, within 60 s"
     wanted = (0.0, 3.0 * KNOT, 0.0, 0.0)
     assert part.at(1000, DEEP) == was
@@ -117,16 +110,16 @@ def test_an_order_takes_the_place_of_table_and_tide_in_a_straight_ramp() -> None
     assert part.at(1060, DEEP) == pytest.approx(middle, abs=1e-12)
     assert part.at(1120, DEEP) == part.at(9000, 0.0) == pytest.approx(wanted, abs=1e-12)
     before = part.at(9000, DEEP)
-    part.obey(order("current off"), 9000)
+    part.obey(read_order("current off"), 9000)
     assert part.at(9000, DEEP) == before  # it begins from what was ordered
 
 
 def test_off_leaves_water_that_stands_still_to_the_last_bit() -> None:
     part = around()
     assert not part.acts
-    part.obey(order("current set 222 drift 1.7"), 3)
+    part.obey(read_order("current set 222 drift 1.7"), 3)
     assert part.acts
-    assert part.obey(order("current off"), 40) == "current off: no current, within 60 s"
+    assert part.obey(read_order("current off"), 40) == "current off: no current, within 60 s"
     assert part.at(100, DEEP)[0] != 0.0
     assert part.at(160, DEEP) == (0.0, 0.0, 0.0, 0.0)
 
@@ -134,7 +127,7 @@ def test_off_leaves_water_that_stands_still_to_the_last_bit() -> None:
 def test_orders_told_again_after_a_jump_make_the_same_bits_as_those_lived_through() -> None:
     rng = np.random.default_rng(5)
     given = [
-        (int(tick), order(f"current set {rng.integers(360)} drift {rng.uniform(0, 4):.2f}"))
+        (int(tick), read_order(f"current set {rng.integers(360)} drift {rng.uniform(0, 4):.2f}"))
         for tick in np.cumsum(rng.integers(1, 150, 30))  # most within the ramp of those before
     ]
     lived = around(Current(tide=TIDE))
@@ -154,7 +147,7 @@ def drifted() -> CurrentAround:
     """Return a tide in which one order's ramp begins within another's."""
     part = around(Current(tide=TIDE))
     for tick, text in ((300, "set 090 drift 3"), (370, "off"), (1000, "set 200 drift 1")):
-        part.obey(order(f"current {text}"), tick)
+        part.obey(read_order(f"current {text}"), tick)
     return part
 
 
@@ -173,7 +166,7 @@ def test_what_floats_is_at_the_same_place_to_the_bit_whoever_asks_and_when() -> 
         text = {300: "set 090 drift 3", 370: "off", 1000: "set 200 drift 1"}.get(tick)
         places[tick] = live.carried(0.5 * tick)
         if text:
-            live.obey(order(f"current {text}"), tick)
+            live.obey(read_order(f"current {text}"), tick)
     again = drifted()
     assert {tick: again.carried(0.5 * tick) for tick in (1299, 50, 301, 0, 1010)}.items() <= (
         places.items()
@@ -184,9 +177,9 @@ def test_what_floats_is_at_the_same_place_to_the_bit_whoever_asks_and_when() -> 
 
 def test_no_step_of_a_ramp_is_longer_than_the_ramp_has_it() -> None:
     part = around()
-    part.obey(order("current set 000 drift 2"), 10)
-    part.obey(order("current set 180 drift 2"), 50)
-    part.obey(order("current off"), 90)
+    part.obey(read_order("current set 000 drift 2"), 10)
+    part.obey(read_order("current set 180 drift 2"), 50)
+    part.obey(read_order("current off"), 90)
     north = np.array([part.at(tick, DEEP)[0] for tick in range(300)])
     assert np.abs(np.diff(north)).max() < 4.0 * KNOT / 120.0 + 1e-12
     assert north[-1] == 0.0
@@ -214,17 +207,10 @@ def plan_of(tmp_path: Path) -> Callable[..., Plan]:
     return planned
 
 
-def begun(plan: Plan) -> Boat:
-    """Return the boat of a plan at its start."""
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
-
-
 def test_the_first_picture_has_the_current_and_each_tick_carries_the_boat(
     plan_of: Callable[..., Plan],
 ) -> None:
-    still, carried = begun(plan_of("")), begun(plan_of(UNIFORM))
+    still, carried = start_plan(plan_of("")), start_plan(plan_of(UNIFORM))
     assert carried.state.current == pytest.approx([0.0, 2.0 * KNOT, 0.0, 0.0])
     for _ in range(40):
         assert still.tick() == carried.tick() == 0
@@ -236,17 +222,17 @@ def test_the_first_picture_has_the_current_and_each_tick_carries_the_boat(
 def test_a_sea_file_may_have_a_current_and_the_exercise_s_own_takes_its_place(
     plan_of: Callable[..., Plan],
 ) -> None:
-    assert begun(plan_of("", UNIFORM)).state.water_east == pytest.approx(2.0 * KNOT)
+    assert start_plan(plan_of("", UNIFORM)).state.water_east == pytest.approx(2.0 * KNOT)
     own = "[current]\nset_deg = 180\ndrift_kn = 1\n"
-    assert begun(plan_of(own, UNIFORM)).state.water_north == pytest.approx(-KNOT)
+    assert start_plan(plan_of(own, UNIFORM)).state.water_north == pytest.approx(-KNOT)
 
 
 def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
     plan_of: Callable[..., Plan],
 ) -> None:
-    boat = begun(plan_of(""))
+    boat = start_plan(plan_of(""))
     assert boat.tick is boat.advance
-    assert isinstance(obey_order(boat, order("current set 090 drift 2")), str)
+    assert isinstance(obey_order(boat, read_order("current set 090 drift 2")), str)
     assert boat.tick is not boat.advance
     for _ in range(10):
         boat.tick()
@@ -256,9 +242,9 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
 
 
 def test_the_ramp_of_an_order_is_the_file_s(plan_of: Callable[..., Plan]) -> None:
-    told = obey_order(begun(plan_of(UNIFORM + "ramp_s = 120\n")), order("current off"))
+    told = obey_order(start_plan(plan_of(UNIFORM + "ramp_s = 120\n")), read_order("current off"))
     assert told == "current off: no current, within 120 s"
-    told = obey_order(begun(plan_of("")), order("current set 010 drift 0.5"))
+    told = obey_order(start_plan(plan_of("")), read_order("current set 010 drift 0.5"))
     assert told == "current set 010 drift 0.5 kn: towards 010 at 0.5 kn, within 60 s"
 
 
@@ -313,10 +299,6 @@ def test_a_wrong_current_ends_a_run_with_code_2(words: tuple[str, ...], tmp_path
     assert "[current] has set_deg and lacks drift_kn" in line
 
 
-def test_the_page_of_the_world_has_every_key() -> None:
-    assert TABLES["world"]() in (ROOT / "docs" / "exercise-keys.md").read_text(encoding="utf-8")
-
-
 # Many ticks at once
 
 
@@ -341,7 +323,7 @@ def test_many_ticks_at_once_are_in_the_same_water_as_each_by_itself(
     for boat in boats:
         plan.start(boat)
         if words:
-            boat.world.obey(order(words), 0)
+            boat.world.obey(read_order(words), 0)
     together, singly = boats
     assert together.world.stands(0) == stands
     places = np.arange(3)

@@ -8,6 +8,8 @@ from random import Random
 
 import numpy as np
 import pytest
+from helpers.orders import read_order
+from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
@@ -30,9 +32,7 @@ from trainer.boat.world.encounters import (
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, piece_column, situation
 from trainer.config.contacts import SHIP_TYPES
-from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 
 HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s = 1200\n'
@@ -44,17 +44,12 @@ def under_way(folder: Path, tables: str, depth: float = 60.0) -> Boat:
     path = folder / "ships.toml"
     start = f"[initial]\nspeed_kn = 6\ndepth_m = {depth}\n"
     path.write_text(f"{HEAD}{start}{tables}")
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
+    return start_exercise(path)
 
 
 def ordered(boat: Boat, text: str) -> str:
     """Return how a boat's world answers an order; refusals begin with one."""
-    order = parse(text)
-    assert isinstance(order, Order)
-    reply = obey_order(boat, order)
+    reply = obey_order(boat, read_order(text))
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,7 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from helpers.boats import make_boat
+from helpers.orders import read_order
+from helpers.sessions import start_exercise
+from helpers.typed import type_command
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -41,11 +43,9 @@ from trainer.debrief.data import gather_debrief
 from trainer.debrief.scoring import take_measure
 from trainer.debrief.ships_met import shown_rows as shown_ticks
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import RecordedEvent, Recording
 from trainer.session.header import layout_of, plan_of
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -61,21 +61,12 @@ def at_sea(folder: Path, tables: str = "", depth: float = 17.5, speed: float = 5
     """Return a boat under way north among the ships of an exercise."""
     path = folder / "look.toml"
     path.write_text(HEAD + START.format(speed=speed, depth=depth) + tables)
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
-    return boat
-
-
-def order_of(text: str) -> Order:
-    order = parse(text)
-    assert isinstance(order, Order)
-    return order
+    return start_exercise(path)
 
 
 def give(boat: Boat, text: str) -> str:
     """Return how a boat answers an order; refusals begin with one."""
-    reply = obey_order(boat, order_of(text))
+    reply = obey_order(boat, read_order(text))
     return f"refused: {reply.reason}" if isinstance(reply, Refused) else reply
 
 
@@ -206,16 +197,16 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
         stood.append(scope_of(boat).at(boat.ticks))
         fly(boat, 1)
     again = at_sea(tmp_path, speed=9.0)  # another state, in which an order would be doubted
-    again.world.obey_anew([(tick, order_of(text)) for tick, text in given])
+    again.world.obey_anew([(tick, read_order(text)) for tick, text in given])
     assert [scope_of(again).at(tick) for tick in range(24)] == stood
     again.world.obey_anew([])
     assert scope_of(again).at(24) == Mast(tick=24)
 
 
-def test_a_boat_without_a_periscope_says_so(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_without_a_periscope_says_so() -> None:
     boat = make_boat("remus100")
     assert periscope_of(boat) is None
-    refused = Periscope(boat, {}).obey(order_of("scope raise"), 0)
+    refused = Periscope(boat, {}).obey(read_order("scope raise"), 0)
     assert isinstance(refused, Refused)
     assert refused.reason == "remus100.toml has no periscope"
     assert math.isnan(eye_height(boat))
@@ -366,8 +357,7 @@ def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
     (tmp_path / "o.txt").write_text("3 scope raise\n40 scope lower\n60 scope raise\n")
     words = ["run", str(path), "--orders", str(tmp_path / "o.txt"), "--record", str(file)]
     more = ["--headless", "--speed", "max", "--duration", "90"]
-    done = CliRunner().invoke(cli, words + more)
-    assert done.exit_code == 0, done.output
+    type_command(cli, *(words + more))
     with contextlib.closing(Recording.reopen(file)) as recording:
         rows, raises = shown_ticks(gather_debrief(recording, file, None).trajectory)
         plan = plan_of(recording.header())

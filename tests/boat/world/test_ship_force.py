@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
+from helpers.sessions import start_exercise
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.world.hulls import Pose
 from trainer.boat.world.ship_force import (
@@ -20,7 +21,6 @@ from trainer.boat.world.ship_force import (
 )
 from trainer.boat.world.world import World
 from trainer.config.contacts import SHIP_TYPES
-from trainer.config.vessel import load_vessel
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 
@@ -31,7 +31,7 @@ HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s =
 
 @pytest.fixture(scope="module")
 def boat() -> Boat:
-    return Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    return make_boat("bb2", "modified")
 
 
 def test_far_away_a_ship_is_a_dipole_of_its_double_body() -> None:
@@ -139,9 +139,7 @@ def flown(folder: Path, force: str) -> Boat:
     """Return the boat after a tanker has passed."""
     path = folder / f"{force}.toml"
     path.write_text(HEAD + PASSING + f'force = "{force}"\n')
-    plan = plan_run(RunOptions(exercise=str(path)))
-    boat = Boat(plan.file, plan.method)
-    plan.start(boat)
+    boat = start_exercise(path)
     for _ in range(400):
         assert boat.tick() == 0
     return boat

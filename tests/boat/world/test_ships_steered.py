@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from helpers.orders import read_order
 
 from trainer.boat.ship.motion import ShipMotion
 from trainer.boat.world.contacts import Contacts, contacts_of
@@ -14,7 +15,7 @@ from trainer.boat.world.steered_ship import ENGINE_RISE_S, SteeredShip
 from trainer.config.contacts import read_contacts
 from trainer.config.files import ConfigError, Position, read_text, remembering, shipped_path
 from trainer.config.ship import ShipFile, load_ship
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Refused, Reply
 from trainer.units import KNOT
 
 STEP = 0.5  # [s]
@@ -112,8 +113,7 @@ def exercise(folder: Path, **changes: object) -> Contacts:
 
 
 def order(contacts: Contacts, text: str, tick: int) -> Reply:
-    given = parse(text)
-    assert isinstance(given, Order)
+    given = read_order(text)
     return contacts.obey(given, tick)
 
 

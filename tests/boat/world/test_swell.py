@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import make_boat
 
-from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.world.swell import (
     PACKING_DIGITS,
@@ -16,7 +16,6 @@ from trainer.boat.world.swell import (
     swell_round,
 )
 from trainer.config.sea import parse_sea
-from trainer.config.vessel import load_vessel
 from trainer.core.sea.sea import advance_sea
 from trainer.units import KNOT
 
@@ -31,7 +30,7 @@ SEAS = {
 
 def at_sea(text: str, direction: float = 120.0, seed: int = 3) -> Boat:
     """Return BB2 at periscope depth in a sea."""
-    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat = make_boat("bb2", "modified")
     boat.start(6.0 * KNOT, 17.5, 0.3, seed)
     boat.put_to_sea(parse_sea(f"[sea]\n{text}\ndirection_deg = {direction}\n", Path("my-sea.toml")))
     return boat

@@ -1,0 +1,46 @@
+"""Boats for the tests."""
+
+from helpers.places import DATA
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
+from trainer.units import KNOT
+
+
+def make_boat(
+    vessel: str = "bb2",
+    equations: str = "full",
+    rates: str = "lagged",
+    integrator: str = "adams2",
+    step: float = 0.5,
+) -> Boat:
+    """Return a boat not yet started."""
+    path = str(DATA / "vectors" / vessel) if vessel.endswith(".toml") else vessel
+    return Boat(load_vessel(path), Method(equations, rates, "exact", integrator, step))
+
+
+def start_bb2(
+    equations: str = "full",
+    rates: str = "lagged",
+    integrator: str = "adams2",
+    *,
+    depth: float = 60.0,
+) -> Boat:
+    """Return BB2 at 10 kn on course 000, everything automatic."""
+    boat = make_boat("bb2", equations, rates, integrator)
+    boat.start(10.0 * KNOT, depth, 0.0)
+    return boat
+
+
+def take_in_hand(boat: Boat) -> None:
+    """Put every surface and the propeller in hand as they stand."""
+    s = boat.state
+    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+    s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
+    s.ordered_u_c = s.u_c
+
+
+def fly(boat: Boat, seconds: float) -> None:
+    """Let time pass."""
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0

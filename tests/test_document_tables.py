@@ -1,0 +1,46 @@
+"""Tables that documents have from code are those that the code makes now."""
+
+import pytest
+from helpers.document_tables import MAKERS
+from helpers.key_tables import TABLES
+from helpers.places import ROOT
+
+MADE = {"document_tables": MAKERS, "key_tables": TABLES}  # by the module of helpers
+SHOWN = {  # by page
+    ("document_tables", "channels.md"): ["channels"],
+    ("document_tables", "keys.md"): ["keys"],
+    ("document_tables", "nmea-sentences.md"): ["nmea"],
+    ("document_tables", "orders.md"): ["orders"],
+    ("document_tables", "station-tables.md"): [
+        *("order-words", "roles", "events", "range-keys", "exercise-keys"),
+    ],
+    ("key_tables", "ballast-keys.md"): ["ballast"],
+    ("key_tables", "casualty-tables.md"): ["casualties", "casualty-kinds", "casualty-quantities"],
+    ("key_tables", "check-cases.md"): ["check-cases"],
+    ("key_tables", "exercise-keys.md"): ["exercises", "world"],
+    ("key_tables", "hull-keys.md"): ["own-hull"],
+    ("key_tables", "identification-keys.md"): [
+        *("decca", "derivatives", "identification", "nomoto", "nonlinear-ships", "systems"),
+    ],
+    ("key_tables", "measures.md"): ["measures"],
+    ("key_tables", "seas.md"): ["seas"],
+    ("key_tables", "sweep-keys.md"): ["sweeps"],
+    ("key_tables", "vessel-keys.md"): ["documentary", "laws", "vessel-files"],
+}
+
+
+@pytest.mark.parametrize(
+    ("module", "page", "table"),
+    [(module, page, table) for (module, page), tables in SHOWN.items() for table in tables],
+)
+def test_a_page_has_the_table_that_is_made(module: str, page: str, table: str) -> None:
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+
+    assert MADE[module][table]() in text, f"renew: python -m helpers.{module} {table}"
+
+
+@pytest.mark.parametrize("module", MADE)
+def test_every_table_that_is_made_is_in_a_page(module: str) -> None:
+    shown = [table for (by, _), tables in SHOWN.items() if by == module for table in tables]
+
+    assert sorted(shown) == sorted(MADE[module])
