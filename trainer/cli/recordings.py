@@ -96,7 +96,7 @@ def export(
 @click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
 @click.option("--html", type=HTML_OUTPUT, help="[default: beside the recording]")
 @click.option("--pdf", type=PDF_OUTPUT, help="Printed by a browser of this machine.")
-@click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
+@click.option("--branch", type=click.IntRange(1), help="[default: the last that ended]")
 @click.option("--width", type=click.Choice(RATING_WIDTHS), help="[default: the run's own]")
 @click.option(
     "--reference-from",

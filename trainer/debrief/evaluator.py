@@ -160,7 +160,9 @@ class Evaluator:
         orders = self._orders(branch, int(asked["after"]))
         end = self.follower.follow(orders, tick, base64.b64decode(asked["state"]))
         branches = self.recording.branches()
-        events = events_of(self.recording, branches, find_branch(branches, self.source, branch))
+        events = events_of(
+            self.recording, branches, find_branch(self.recording, self.source, branch)
+        )
         marks = [each for each in events if each.kind == "mark"]
         past = self.follower.past(orders, marks, tick)
         so_far = self.follower.judge(past) if tick else None
