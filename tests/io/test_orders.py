@@ -260,9 +260,9 @@ MISTYPED = [
     ("time 0", "0.1 to 100"),
     ("time 101", "0.1 to 100"),
     ("quit now", '"now" is too much after "quit"'),
-    ("depth 80\x1b[A", "unreadable character U+001B at column 9"),
-    ("depth 80°", "unreadable character U+00B0 at column 9"),
-    ("depth ٨٠", "unreadable character U+0668 at column 7"),
+    ("depth 80\x1b[A", "U+001B cannot be sent"),
+    ("depth 80°", '"°" (U+00B0) cannot be sent; type plain letters'),
+    ("depth ٨٠", "(U+0668) cannot be sent"),
     ("d" * 81, "81 characters; the longest is 80"),
 ]
 

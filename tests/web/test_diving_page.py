@@ -119,6 +119,11 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
     expect(page.locator("#answer")).to_contain_text("five degrees down bubble")
     step(instructor, 1)
     await_truth(instructor, "orders.pitch", "-5.0")
+    page.get_by_label("Order in words").fill("mark naïve")
+    work(page, page.locator("#typed-order button"), way)
+    refusal = 'mark naïve: "ï" (U+00EF) cannot be sent; type plain letters'
+    expect(page.locator("#answer")).to_contain_text(refusal)
+    expect(page.get_by_label("Order in words")).to_have_value("mark naïve")
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -259,8 +259,14 @@ def refuse_unreadable(text: str) -> None:
     readable = PRINTABLE_PATTERN.match(text)
     end = readable.end() if readable else 0
     if end < len(text):
-        code = ord(text[end])
-        raise RefusedError(f"unreadable character U+{code:04X} at column {end + 1}")
+        raise RefusedError(describe_sign(text[end]))
+
+
+def describe_sign(sign: str) -> str:
+    """Return why a character is refused, with its code, since a line may show it as "?"."""
+    code = f"U+{ord(sign):04X}"
+    shown = f'"{sign}" ({code})' if sign.isprintable() else code
+    return f"{shown} cannot be sent; type plain letters"
 
 
 def printable(text: str) -> str:

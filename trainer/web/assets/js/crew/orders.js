@@ -2,7 +2,6 @@
 import { ask } from "../controls/question.js";
 import { bearing, clock, html, one, write } from "../draw.js";
 import { depthOrder, pitchOrder } from "../frame.js";
-import { plain } from "../protocol/line.js";
 import { say } from "../words.js";
 
 /**
@@ -59,7 +58,7 @@ function furnishWords(give) {
   form.onsubmit = async (event) => {
     event.preventDefault();
     const field = /** @type {HTMLInputElement} */ (one("input", form));
-    if (await give(plain(field.value))) field.value = "";
+    if (await give(field.value.trim())) field.value = "";
   };
 }
 
