@@ -499,6 +499,7 @@ def test_the_commands_refuse_what_makes_no_sense(
     folder = tmp_path / "submarine-trainer" / "recordings"
     todo = "trainer run EXERCISE makes one, or name a FILE"
     told = f"trainer: --last: no recording is in {folder}: {todo}\n"
-    assert ran("debrief", "--last") == (2, told)
-    assert ran("debrief")[0] == 2
+    for command in ("debrief", "resume"):
+        assert ran(command, "--last") == (2, told)
+        assert "name a recording, or say --last" in ran(command)[1]
     assert "say one" in ran("recordings", "--trainee", "a", "--forget", "b")[1]
