@@ -92,7 +92,7 @@ last_option = click.option(
 
 
 def named_recording(file: Path | None, *, last: bool) -> Path:
-    """Return the recording that was named, or the last; UsageError unless it is one of both."""
+    """Return the recording named, or the last; UsageError unless one is asked for."""
     from trainer.debrief.history import latest_recording
 
     if (file is None) is not last:

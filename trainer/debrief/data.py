@@ -47,13 +47,7 @@ from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
-from trainer.io.recording.facts import (
-    OVER_WORDS,
-    REFERENCE_GIVER,
-    BranchCause,
-    Giver,
-    GiverKind,
-)
+from trainer.io.recording.facts import OVER_WORDS, REFERENCE_GIVER, BranchCause, Giver, GiverKind
 from trainer.io.recording.recording import (
     Branch,
     ExcessRows,

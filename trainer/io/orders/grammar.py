@@ -281,7 +281,7 @@ def refuse_unreadable(text: str) -> None:
 
 
 def describe_sign(sign: str) -> str:
-    """Return why a character is refused, with its code, since a line may show it as "?"."""
+    """Return why a character is refused. Its code is told too: a line may show "?"."""
     code = f"U+{ord(sign):04X}"
     shown = f'"{sign}" ({code})' if sign.isprintable() else code
     return f"{shown} cannot be sent; type plain letters"
