@@ -239,7 +239,7 @@ def understood_order(*words: str) -> Order:
 
 
 def moved_word(tokens: list[str]) -> str:
-    """Return the hint to say a word of an order further ahead, "" where none helps."""
+    """Return the hint to say a word further ahead, "" where none helps."""
     for last, first in ((j, i) for j in range(2, len(tokens)) for i in range(1, j)):
         moved = [*tokens[:first], tokens[last], *tokens[first:last], *tokens[last + 1 :]]
         try:
