@@ -124,6 +124,7 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
     refusal = 'mark naïve: "ï" (U+00EF) cannot be sent; type plain letters'
     expect(page.locator("#answer")).to_contain_text(refusal)
     expect(page.get_by_label("Order in words")).to_have_value("mark naïve")
+    page.get_by_label("Order in words").fill("")  # the page is kept for the next test
 
 
 @pytest.mark.parametrize("way", WAYS)
