@@ -566,6 +566,7 @@ def test_the_manoeuvres_are_listed() -> None:
     ("words", "wrong"),
     [
         (["loop", "bb2"], "no manoeuvre 'loop'"),
+        (["bb2", "turn"], "the manoeuvre comes first: trainer boat manoeuvre turn bb2"),
         (["utmost-acceleration", "bb2", "--speed", "5"], "starts from rest"),
         (["spiral", "bb2", "--duration", "60"], "no such parameter"),
     ],

@@ -206,6 +206,13 @@ def test_a_sweep_that_is_killed_keeps_nobody_from_its_result(tmp_path: Path) -> 
     assert fly(path, out) == [0, 1]
 
 
+def test_a_folder_that_is_not_there_is_told_and_not_made(tmp_path: Path) -> None:
+    out = tmp_path / "none" / "a.parquet"
+    with pytest.raises(ConfigError, match=r"a\.parquet: cannot be written: No such file"):
+        fly(study(tmp_path), out)
+    assert not out.parent.exists()
+
+
 def test_another_core_is_refused_and_told(tmp_path: Path) -> None:
     path, out = study(tmp_path), tmp_path / "a.parquet"
     with pytest.raises(ConfigError):

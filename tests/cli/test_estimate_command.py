@@ -216,6 +216,11 @@ BAD = [  # a part of the file, what takes its place, and what is told
         "length = 20.0\nlenght = 3",
         r"\[hull\] lenght = 3: no such key; nearest is length",
     ),
+    (
+        "[mass]",
+        "[vessel]\n[mass]",
+        r"hull\.toml: is a vessel; wanted is a hull, as `trainer boat e",
+    ),
     ("[mass]", "[masses]", r"masses = .*: no such key; nearest is mass"),
     ("[propeller]", "[screw]", r"screw = .*: no such key; there are name, .*propeller"),
     ("length = 20.0\n", "", r"\[hull\] lacks length"),

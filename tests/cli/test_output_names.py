@@ -250,10 +250,8 @@ def test_settings_of_another_kind_are_not_written_over(
 ) -> None:
     (tmp_path / "mine.toml").write_text(there)
     code, told = typed("boat", "estimate", "small-boat", "-o", "mine.toml", "--draws", "0")
-    assert (code, told) == (
-        2,
-        "trainer: mine.toml is there already, and is of another kind: give a new name\n",
-    )
+    wrong = "cannot be written: a file of another kind is there; give another name"
+    assert (code, told) == (2, f"trainer: mine.toml: {wrong}\n")
     assert (tmp_path / "mine.toml").read_text() == there
 
 

@@ -300,7 +300,7 @@ def test_what_no_order_can_hold_is_refused_and_the_screen_stays(words: str) -> N
     model = sight_of(talk)
     model.hear()
     model.order(words)
-    assert "cannot be sent" in model.journal.entries[-1].text
+    assert ") cannot be sent; type plain letters" in model.journal.entries[-1].text
     model.order("depth 70")
     assert talk.orders == ["depth 70"]
 

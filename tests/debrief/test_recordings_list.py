@@ -17,7 +17,7 @@ from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.debrief import history as history_module
 from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
-from trainer.debrief.data import debrief_figures
+from trainer.debrief.data import debrief_figures, find_branch
 from trainer.debrief.forms import EvaluationForm, read_forms
 from trainer.debrief.history import (
     ListedRecording,
@@ -35,6 +35,7 @@ from trainer.debrief.history import (
 )
 from trainer.debrief.page import (
     DebriefRequest,
+    as_text,
     change_marks,
     debrief_file,
     read_compared,
@@ -42,6 +43,7 @@ from trainer.debrief.page import (
     render,
 )
 from trainer.io.paths import recordings_folder
+from trainer.io.recording.facts import OVER_WORDS
 from trainer.io.recording.recording import Recording
 from trainer.session.header import names_of, open_whole_recording, plan_of, trainees_of
 from trainer.session.options import RunOptions
@@ -219,6 +221,25 @@ def test_a_list_fits_the_terminal_and_shortens_only_what_is_too_long(columns: in
     assert "  Bob  p" in lines[1]
     assert " ".join(" ".join(lines).split()).count("a page is cut") == 9
     assert "Mine " in lines[-1]
+
+
+@pytest.mark.parametrize(("kind", "branch"), [("time", 1), ("mark", 2)])
+def test_the_branch_that_reached_the_end_is_judged_not_one_begun_after_it(
+    kept: Path, kind: str, branch: int
+) -> None:
+    recording = Recording.reopen(kept)
+    recording.event(recording.latest().tick, kind, "", f"{OVER_WORDS}time is up at 600 s")
+    start = recording.moment(1, 0)
+    assert start is not None
+    recording.fork(start, "again")
+    recording.close()
+    told, line = (
+        as_text(read_compared(kept, DebriefRequest())),
+        next(list_lines([list_recording(kept)])),
+    )
+    assert f"This is branch {branch} of 2; --branch {'2' if branch == 1 else 'N'} shows" in told
+    assert line.endswith(" (branch 1 of 2)") is (branch == 1)
+    assert find_branch(Recording.look(kept), kept, None).id == branch
 
 
 def test_a_list_for_a_program_shortens_nothing() -> None:
@@ -477,6 +498,7 @@ def test_the_commands_refuse_what_makes_no_sense(
     folder = tmp_path / "submarine-trainer" / "recordings"
     todo = "trainer run EXERCISE makes one, or name a FILE"
     told = f"trainer: --last: no recording is in {folder}: {todo}\n"
-    assert ran("debrief", "--last") == (2, told)
-    assert ran("debrief")[0] == 2
+    for command in ("debrief", "resume"):
+        assert ran(command, "--last") == (2, told)
+        assert "name a recording, or say --last" in ran(command)[1]
     assert "say one" in ran("recordings", "--trainee", "a", "--forget", "b")[1]

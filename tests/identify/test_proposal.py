@@ -169,6 +169,8 @@ def test_a_study_is_written_beside_its_record_and_never_over_another(tmp_path: P
 def test_a_folder_in_place_of_a_record_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"\.: cannot be read: Is a directory"):
         answered("new", Path())
+    pytest.importorskip("scipy")
+    assert ". is a folder; name a study" in answered(Path(), code=2).stderr
 
 
 def test_a_study_is_fitted_as_it_was_written(tmp_path: Path) -> None:

@@ -251,6 +251,9 @@ MISTYPED = [
     ("course 361", "361: a course is 0 to 360 deg"),
     ("speed 61", "0 to 60 kn"),
     ("rpm 2001", "-2000 to 2000 rpm"),
+    ("rudder 20 left", '"left" after "rudder 20"; did you mean rudder left 20?'),
+    ("rudder 500 deg left", "did you mean rudder left 500 deg? 500: an angle is 0 to 90 deg"),
+    ("order course 045 left", "did you mean order course left 045?"),
     ("step 2.5", "has no decimals"),
     ("step 20 m", '"m" is too much after "step 20"'),
     ("step 0", "1 to 1000"),
@@ -258,9 +261,9 @@ MISTYPED = [
     ("time 0", "0.1 to 100"),
     ("time 101", "0.1 to 100"),
     ("quit now", '"now" is too much after "quit"'),
-    ("depth 80\x1b[A", "unreadable character U+001B at column 9"),
-    ("depth 80°", "unreadable character U+00B0 at column 9"),
-    ("depth ٨٠", "unreadable character U+0668 at column 7"),
+    ("depth 80\x1b[A", "U+001B cannot be sent"),
+    ("depth 80°", '"°" (U+00B0) cannot be sent; type plain letters'),
+    ("depth ٨٠", "(U+0668) cannot be sent"),
     ("d" * 81, "81 characters; the longest is 80"),
 ]
 

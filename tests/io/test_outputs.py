@@ -75,13 +75,22 @@ def test_what_this_program_made_it_may_read_and_make_again(tmp_path: Path) -> No
     """A notebook's cell writes a ship, another sails it, and the first is run again."""
     path, streamed, new = (tmp_path / name for name in ("ship.toml", "out.csv", "new.nmea"))
     open_new(new).close()
-    for text in ("first", "second"):
+    for text in ("first = 1", "second = 2"):
         write_whole(path, text)
         open_output(streamed).close()
         for each in (path, streamed, new):
             note_input(each)
     write_whole(new, "third")
-    assert path.read_text() == "second"
+    assert path.read_text() == "second = 2"
+
+
+def test_settings_take_the_place_of_their_own_kind_alone(tmp_path: Path) -> None:
+    path = tmp_path / "ship.toml"
+    path.write_text('schema = "study/1"\n')
+    with pytest.raises(SameFileError, match="a file of another kind is there; give another name"):
+        write_whole(path, 'schema = "ship/1"\n')
+    write_whole(path, 'schema = "study/1"\nruns = 2\n')
+    assert "runs" in path.read_text()
 
 
 def test_a_file_may_be_renewed_by_what_has_read_it(tmp_path: Path) -> None:

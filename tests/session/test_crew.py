@@ -127,6 +127,13 @@ def test_words_to_the_crew_and_reports_are_told(crew: Make) -> None:
     assert here.heard("instructor")[-1] == "planes reports: stern planes jammed dive"
 
 
+def test_who_comes_late_hears_which_orders_wait(crew: Make) -> None:
+    here = crew("1 order depth 75\n").man("planes").fly(2.0)
+    for words in ([], ["repeated"]):
+        assert [told.fact.what for told in here.session.crew.standing()] == ["crew-order", *words]
+        here.say("planes", "aye")
+
+
 def test_a_schedule_orders_the_crew_and_its_orders_are_in_the_journal(crew: Make) -> None:
     here = crew("1 order depth 75\n2 tell hold her there\n").man("planes")
     here.fly(3.0)
@@ -166,7 +173,7 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
     for number in range(10_000):
         here.session.dispatch.give(given[number % len(given)], giver_at("instructor"))
     here.fly(4.0)
-    last = [told.fact.subject for told in here.session.crew.standing("helm")]
+    last = [told.fact.subject for told in here.session.crew.standing()]
     jumps = [
         order for order in map(parse, ("backtrack 4 s", "branch 1")) if isinstance(order, Order)
     ]
@@ -183,7 +190,7 @@ def test_a_jump_reads_and_understands_no_order_however_many_were_given(
 
     for jump, stands in zip(jumps, (["course 045"] * 2, last), strict=True):
         assert "branch" in str(here.session.dispatch.give(jump, giver_at("instructor")))
-        assert [told.fact.subject for told in here.session.crew.standing("helm")] == stands
+        assert [told.fact.subject for told in here.session.crew.standing()] == stands
     assert (understood, read) == ([], [])
 
 

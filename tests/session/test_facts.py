@@ -86,8 +86,9 @@ def test_attach_leaves_properly_when_every_text_of_the_session_is_reworded(
     port: Rewording, words: str
 ) -> None:
     attach = ["attach", "--connect", f"tcp://127.0.0.1:{port.port}"]
-    done = run_trainer(*attach, typed=f"depth 80\n{words}", timeout=60)
+    done = run_trainer(*attach, typed=f"depth 80\nmark naïve\n{words}", timeout=60)
     assert done.returncode == 0, done.stderr
+    assert '? "?" (U+00EF) cannot be sent; type plain letters' in done.stdout
     assert re.search(OTHER, done.stdout)
 
 

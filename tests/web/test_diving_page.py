@@ -116,6 +116,12 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
     expect(page.locator("#answer")).to_contain_text("five degrees down bubble")
     step(instructor, 1)
     await_truth(instructor, "orders.pitch", "-5.0")
+    page.get_by_label("Order in words").fill("mark naïve")
+    work(page, page.locator("#typed-order button"), way)
+    refusal = 'mark naïve: "ï" (U+00EF) cannot be sent; type plain letters'
+    expect(page.locator("#answer")).to_contain_text(refusal)
+    expect(page.get_by_label("Order in words")).to_have_value("mark naïve")
+    page.get_by_label("Order in words").fill("")  # the page is kept for the next test
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -149,11 +155,14 @@ def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, kept: L
     page.locator("order-keypad .ends").get_by_text("depth, m").click()
     expect(page.locator("#answer")).to_contain_text("80 m")
     step(instructor, 1)
+    assert instructor.ask("order course 080")[0]
     assert "WRONG" in planes.ask("depth 70 m aye")[1]
     expect(page.locator("#standing [data-wrong]")).to_have_text("WRONG REPEAT")
+    expect(page.locator("#standing li").first).to_contain_text("WRONG REPEAT")
+    expect(page.locator("#said li").last).to_be_in_viewport(ratio=1)
     assert planes.ask("aye")[0]
-    expect(page.locator("#standing")).to_contain_text("repeated")
-    expect(page.locator("#standing")).not_to_contain_text("not repeated")
+    expect(page.locator("#standing li", has_text="depth")).to_contain_text("repeated")
+    expect(page.locator("#standing li", has_text="depth")).not_to_contain_text("not repeated")
     expect(page.locator("#said")).to_contain_text("planes: depth 80 m aye")
 
 

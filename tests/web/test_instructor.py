@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from typing import Final
 
 import pytest
 from helpers.browser import Look, Serve
@@ -29,6 +30,28 @@ def caller(shared: Served) -> Iterator[Caller]:
 def opened(session: Served, look: Look, way: str) -> Page:
     """Return the page in a browser that has a touch panel where it is to be touched."""
     return settled(session, look, has_touch=way == "touch")
+
+
+# How far the title of each strip chart reaches over its value, in pixels.
+OVERLAPS: Final = """() => [...document.querySelectorAll("strip-chart")].map((chart) => {
+  const { prototype } = CanvasRenderingContext2D, { fillText } = prototype, ends = {};
+  prototype.fillText = function (text, x, y, most = Infinity) {
+    const wide = Math.min(this.measureText(text).width, most);
+    const end = x + (this.textAlign === "left" ? wide : -wide);
+    if (y < chart.clientHeight / 8) ends[this.textAlign] = end;
+    fillText.call(this, text, x, y, most);
+  };
+  chart.series.actual = [[chart.series.now, -10.5]];
+  chart.draw();
+  prototype.fillText = fillText;
+  return ends.left - ends.right;
+})"""
+
+
+def test_no_title_of_a_chart_reaches_over_its_value(shared: Served, look: Look) -> None:
+    page = settled(shared, look)
+    page.set_viewport_size({"width": 1024, "height": 768})
+    await_that(lambda: max(page.evaluate(OVERLAPS)) <= 0.0, lambda: page.evaluate(OVERLAPS))
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -173,7 +173,7 @@ def test_the_page_s_waves_are_the_session_s(desk: Caller, ahead: Page) -> None:
     assert all(abs(each) < 1.0 for each in levels)
 
 
-@pytest.mark.parametrize("size", sample_cases(SIZES, *OFTEN, "4k"))
+@pytest.mark.parametrize("size", sample_cases(SIZES, *OFTEN, "4k", "phone-side"))
 def test_the_view_and_every_key_have_room_and_no_more_is_painted(ahead: Page, size: str) -> None:
     resize(ahead, size)
     see_whole(ahead, size, BEYOND)

@@ -98,38 +98,15 @@ def show_step(step: int, cost: float) -> None:
 
 
 def write_text(path: Path, text: str, option: str = "") -> None:
-    """Write a file whole; ConfigError, with the option that named it, if that cannot be.
-
-    A file of settings takes the place of its own kind alone: another may be somebody's work.
-    """
+    """Write a file whole; ConfigError, with the option that named it, if that cannot be."""
     from trainer.config.files import ConfigError
     from trainer.io.outputs import write_whole
 
-    if path.suffix == ".toml":
-        _refuse_other_kind(path, text)
     try:
         write_whole(path, text)
     except OSError as error:
         named = f"{option} {path}".lstrip()
         raise ConfigError(f"{named}: cannot be written: {error.strerror}") from None
-
-
-def _refuse_other_kind(path: Path, text: str) -> None:
-    """Raise ConfigError if settings of another kind than ``text`` are in the file."""
-    import tomllib
-
-    from trainer.config.files import ConfigError
-
-    def kind_of(said: str) -> list[object]:
-        tables = tomllib.loads(said)
-        return [tables.get(key) for key in ("schema", "kind")]
-
-    try:
-        same = not path.is_file() or kind_of(path.read_text("utf-8")) == kind_of(text)
-    except (OSError, ValueError, RecursionError):  # what cannot be read was made by somebody else
-        same = False
-    if not same:
-        raise ConfigError(f"{path} is there already, and is of another kind: give a new name")
 
 
 @contextmanager

@@ -175,7 +175,10 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """
     from trainer.analysis.manoeuvres import page
     from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
+    from trainer.config.files import ConfigError
 
+    if vessel in MANOEUVRE_NAMES and name not in MANOEUVRE_NAMES:
+        raise ConfigError(f"the manoeuvre comes first: trainer boat manoeuvre {vessel} {name}")
     report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])

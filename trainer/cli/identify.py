@@ -361,6 +361,8 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
         files = (_example(files, example),)
     if not files:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
+    for folder in filter(Path.is_dir, files):
+        raise click.UsageError(f"{folder} is a folder; name a study, a recording or a CSV file")
     if options["model"] in ships.SHIP_MODELS:
         sys.exit(ships.identify(files, options))
     from trainer.identify.options import IdentifyOptions, study_of

@@ -8,6 +8,7 @@ command line.
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from inspect import signature
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import click
@@ -83,6 +84,20 @@ def seed_option(text: str) -> Decorator:
     """Return the option of the seed of random numbers."""
     seeds = click.IntRange(0, 2**53 - 1)
     return click.option("--seed", type=seeds, default=1, help=text)
+
+
+last_option = click.option(
+    "--last", is_flag=True, help="The recording in the recordings' folder made last."
+)
+
+
+def named_recording(file: Path | None, *, last: bool) -> Path:
+    """Return the recording named, or the last; UsageError unless one is asked for."""
+    from trainer.debrief.history import latest_recording
+
+    if (file is None) is not last:
+        raise click.UsageError("name a recording, or say --last")
+    return latest_recording() if file is None else file
 
 
 method_options = combine_options(

@@ -22,6 +22,8 @@ from trainer.cli.options import (
     TOML_FILE,
     VESSEL_HELP,
     VESSEL_NAME,
+    last_option,
+    named_recording,
 )
 from trainer.cli.types import Duration, File, Output
 from trainer.config.words import EQUATION_SETS
@@ -93,10 +95,10 @@ def export(
 
 @click.command()
 @click.argument("file", type=RECORDING_FILE, required=False)
-@click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
+@last_option
 @click.option("--html", type=HTML_OUTPUT, help="[default: beside the recording]")
 @click.option("--pdf", type=PDF_OUTPUT, help="Printed by a browser of this machine.")
-@click.option("--branch", type=click.IntRange(1), help="[default: the last one]")
+@click.option("--branch", type=click.IntRange(1), help="[default: the last that ended]")
 @click.option("--width", type=click.Choice(RATING_WIDTHS), help="[default: the run's own]")
 @click.option(
     "--reference-from",
@@ -137,7 +139,6 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     The page is one HTML file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
-    from trainer.debrief.history import latest_recording
     from trainer.debrief.page import (
         DebriefRequest,
         as_json,
@@ -147,9 +148,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
         keep_filled_forms,
     )
 
-    if (file is None) is not last:
-        raise click.UsageError("name a recording, or say --last")
-    path = latest_recording() if file is None else file
+    path = named_recording(file, last=last)
     boat = page_text(None, path, "instructor") if how["fly"] else ""
     request = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, request, how["change"], how["change_back"])

@@ -24,6 +24,8 @@ from trainer.cli.options import (
     connect_options,
     console_options,
     exercise_options,
+    last_option,
+    named_recording,
     port_options,
     recording_options,
     rerun_options,
@@ -338,14 +340,15 @@ def serve(**options: Any) -> None:
 
 
 @click.command()
-@click.argument("file", type=RECORDING_FILE)
+@click.argument("file", type=RECORDING_FILE, required=False)
+@last_option
 @time_options
 @console_options
 @rerun_options
 @port_options(listen=None, socket=None)
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
+def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **options: Any) -> None:
     """Go on with a recorded run from its end, now or on another day.
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
@@ -354,14 +357,16 @@ def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
 
     \b
     Example:  trainer resume drill.trainer
+              trainer resume --last
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
+    path = named_recording(file, last=last)
     options["frozen"] = options["frozen"] or not options["headless"]
 
     def go_on(chosen: RunOptions) -> NoReturn:
         from trainer.session.resume import resume_boat
 
-        sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
+        sys.exit(resume_boat(path, chosen, debriefing(), anyway=anyway))
 
     set_out(run_options(options), go_on, lambda asked: asked, teletype=teletype)
 

@@ -273,6 +273,10 @@ def load_hull(path: Path) -> HullFile:
 def read_hull(given: Mapping[str, Any], path: Path) -> HullFile:
     """Return the hull of parsed tables; ConfigError with all that is wrong."""
     position = Position(path.name, "")
+    if "schema" in given or "vessel" in given:  # a hull has neither
+        given_as = "a vessel" if "vessel" in given else f"of the form {given['schema']!r}"
+        text = f"is {given_as}; wanted is a hull, as `trainer boat estimate new FILE` writes one"
+        raise ConfigError(position.problem(text))
     problems = [
         position.wrong(
             key, value, f"no such key{nearest(key, KNOWN_KEYS) or f'; there are {KNOWN_KEYS_TEXT}'}"

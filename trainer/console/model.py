@@ -19,7 +19,7 @@ from trainer.console.journal import AttainablePoint, Journal, Timeline, Timeline
 from trainer.console.past import EVENTS_CHANNEL, PAST_FACT, PastAnswers
 from trainer.console.readings import ChannelReadings
 from trainer.console.vessel import CasualtyOffer, Vessel
-from trainer.io.orders.grammar import name_of
+from trainer.io.orders.grammar import describe_sign, name_of
 from trainer.io.orders.help import NO_ROLE_TEXT
 from trainer.io.orders.sentences import Sentence, unsendable_sign
 
@@ -210,7 +210,7 @@ class SessionModel:
         if not quiet:
             self.journal.add(self.picture.seconds, "sent", words)
         if sign := unsendable_sign(words):
-            self.journal.add(None, "refused", f'"{sign}" cannot be sent; type plain letters')
+            self.journal.add(None, "refused", describe_sign(sign))
             return False
         tag = self.talk.order(words)
         if tag:

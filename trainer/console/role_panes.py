@@ -26,7 +26,7 @@ MAX_KEY_ROWS: Final = 3  # [rows] of keys at most
 CHART_SPANS_S: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 ROLE_PROMPTS: Final = {
     "instructor": "type an order, such as depth 80; F1 shows help",
-    "trainee": "keys move your controls; or type an order, and Enter",
+    "trainee": "keys move your controls; or type : and an order, and Enter",
 }
 DEFAULT_PROMPT: Final = "keys move your controls; Enter to type an order"
 

@@ -47,7 +47,7 @@ from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
-from trainer.io.recording.facts import REFERENCE_GIVER, BranchCause, Giver, GiverKind
+from trainer.io.recording.facts import OVER_WORDS, REFERENCE_GIVER, BranchCause, Giver, GiverKind
 from trainer.io.recording.recording import (
     Branch,
     ExcessRows,
@@ -182,7 +182,7 @@ class DebriefData:
 def gather_debrief(
     recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
-    """Return the data of a branch. None: the latest branch, the width that the run was begun with.
+    """Return the data of a branch. None: that of ``crew_branch``, the width of the run.
 
     The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again.
 
@@ -192,7 +192,7 @@ def gather_debrief(
     begun = header.get("width", "")
     width = width or (begun if begun in WIDTH_FACTORS else "qualified")
     branches = recording.branches()
-    branch = find_branch(branches, source, number)
+    branch = find_branch(recording, source, number)
     wanted = branch.id
     plan = plan_of(header)
     if is_shown(branches, branch):  # by the reference crew: it counts for no mark
@@ -242,12 +242,13 @@ def gather_debrief(
     )
 
 
-def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
-    """Return a branch by its number, the crew's latest for None.
+def find_branch(recording: Recording, source: Path, number: int | None) -> Branch:
+    """Return a branch by its number, that of ``crew_branch`` for None.
 
     ConfigError if there is none such.
     """
-    wanted = crew_branch(branches).id if number is None else number
+    branches = recording.branches()
+    wanted = crew_branch(recording, branches).id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
     if branch is None:
         numbers = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
@@ -343,9 +344,12 @@ def is_shown(branches: list[Branch], branch: Branch) -> bool:
     return any(each.cause is BranchCause.SHOWN for each in _ancestry(branches, branch))
 
 
-def crew_branch(branches: list[Branch]) -> Branch:
-    """Return the latest branch that the crew flew."""
-    return next(each for each in reversed(branches) if not is_shown(branches, each))
+def crew_branch(recording: Recording, branches: list[Branch]) -> Branch:
+    """Return the crew's latest branch that came to the exercise's end, or the latest."""
+    told = (each for each in recording.first_events() if each.kind == "time")
+    ended = {each.branch for each in told if each.text.startswith(OVER_WORDS)}
+    best_first = sorted(branches, key=lambda each: (each.id in ended, each.id), reverse=True)
+    return next(each for each in best_first if not is_shown(branches, each))
 
 
 def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:

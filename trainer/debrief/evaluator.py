@@ -157,8 +157,8 @@ class Evaluator:
         tick, branch = int(asked["tick"]), int(asked["branch"])
         orders = self._orders(branch, int(asked["after"]))
         end = self.follower.follow(orders, tick, base64.b64decode(asked["state"]))
-        branches = self.recording.branches()
-        events = events_of(self.recording, branches, find_branch(branches, self.source, branch))
+        recording, branches = self.recording, self.recording.branches()
+        events = events_of(recording, branches, find_branch(recording, self.source, branch))
         marks = [each for each in events if each.kind == "mark"]
         past = self.follower.past(orders, marks, tick)
         so_far = self.follower.judge(past) if tick else None

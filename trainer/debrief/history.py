@@ -48,7 +48,7 @@ MAX_QUICK_BYTES: Final = 10_000_000  # of a recording that is judged in its turn
 MARK_TYPES: Final[Mapping[str, Any]] = {  # of what is kept
     **dict.fromkeys(("exercise", "width", "outcome"), str),
     **dict.fromkeys(("counts", "changed"), bool),
-    "seed": int,
+    **dict.fromkeys(("seed", "branch", "branches"), int),
     "total": float | int | None,
     "aids": str,
 }
@@ -71,6 +71,8 @@ class RecordedResult:
     counts: bool  # neither free nor practice
     changed: bool  # by the instructor
     aids: str = ""  # that were used
+    branch: int = 1  # that was judged
+    branches: int = 1  # in all
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,8 @@ def came_of(debrief: DebriefData) -> RecordedResult:
         counts=not (debrief.free or debrief.practice or debrief.familiarisation),
         changed=debrief.changed is not None,
         aids=", ".join(debrief.aids),
+        branch=debrief.branch.id,
+        branches=len(debrief.branches),
     )
 
 
@@ -417,6 +421,7 @@ def _row(each: ListedRecording, came: RecordedResult, width: int | None) -> str:
     free = "" if came.counts else " (practice or free)"
     free = " (familiarisation)" if each.familiarisation else free
     free += f" (with {came.aids})" if came.aids else ""
+    free += f" (branch {came.branch} of {came.branches})" if came.branch < came.branches else ""
     free += "".join(f" ({one})" for one in each.excess)
     exercise, who = came.exercise or "-", ", ".join(each.trainees) or "-"
     result = f"{came.outcome or '-':11}  {_mark(came.total):>4}{star:1}"

@@ -157,7 +157,7 @@ def _drawings(debrief: DebriefData) -> Markup:
 class DebriefRequest:
     """How a recording is to be debriefed."""
 
-    branch: int | None = None  # None: the latest
+    branch: int | None = None  # None: that of ``crew_branch``
     width: str | None = None  # of the bands; None: as it was begun with
     reference_from: float | None = None  # [s] where the reference crew takes over, too
     boat: str = ""  # a page with the boat inside, to be put into this one
@@ -215,6 +215,7 @@ def as_text(debrief: DebriefData) -> str:
         lines.append(f"There is no curve: {comparison.no_curve}.")
     else:
         lines += terminal_lines(comparison.curve, debrief.step)
+    lines += sections.branch_notes(debrief)
     lines += [] if sections.is_of_today(debrief) else [sections.OLDER_RULES]
     lines += [each.told for each in debrief.costs]
     lines += compared_lines(debrief.forms, debrief.final)
@@ -277,8 +278,8 @@ def change_marks(
     if not (texts or back):
         return
     with open_whole_recording(path) as recording:
-        plan, branches = plan_of(recording.header()), recording.branches()
-    branch = find_branch(branches, path, asked.branch).id
+        plan = plan_of(recording.header())
+        branch = find_branch(recording, path, asked.branch).id
     changes = read_changes(path)
     for name in back:
         changes = without_changes(changes, name, branch)

@@ -90,8 +90,18 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
         yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
 
 
+def branch_notes(debrief: DebriefData) -> Iterator[str]:
+    """Yield which branch this is, where there are several."""
+    here, latest = debrief.branch.id, debrief.branches[-1][0].id
+    if here != latest:
+        yield f"This is branch {here} of {latest}; --branch {latest} shows what was flown last."
+    elif latest > 1:
+        yield f"This is branch {latest} of {latest}; --branch N shows an earlier one."
+
+
 def _how_flown(debrief: DebriefData) -> Iterator[str]:
-    """Yield what helped the crew: aids, hints, another try."""
+    """Yield what helped the crew: aids, hints, another try; and which branch it is."""
+    yield from branch_notes(debrief)
     if debrief.aids:
         yield f"Flown with {' and '.join(debrief.aids)}."
     for hint in hints_told(debrief.trajectory):

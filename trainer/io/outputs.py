@@ -13,6 +13,7 @@ import os
 import shutil
 import stat
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, Final
@@ -122,9 +123,27 @@ def open_new(path: Path) -> BinaryIO:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write an output, or leave what was there. OSError if it cannot be written."""
+    """Write an output, or leave what was there. OSError if it cannot be written.
+
+    A file of settings takes the place of its own kind alone: another may be somebody's work.
+    """
+    if path.suffix == ".toml" and path.is_file() and not _same_kind(path, str(content)):
+        raise SameFileError(path, "a file of another kind is there; give another name")
     with replacing(path) as made:
         made.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def _same_kind(path: Path, text: str) -> bool:
+    """Return whether the settings in a file are of the same kind as a text."""
+
+    def kind_of(said: str) -> list[object]:
+        tables = tomllib.loads(said)
+        return [tables.get(key) for key in ("schema", "kind")]
+
+    try:
+        return kind_of(path.read_text("utf-8")) == kind_of(text)
+    except (ValueError, RecursionError):  # what cannot be read was made by somebody else
+        return False
 
 
 def renew_whole(path: Path, text: str) -> None:

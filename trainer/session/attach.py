@@ -5,6 +5,7 @@ cannot draw a screen (``console`` has the screens), and input from a pipe.
 """
 
 import os
+import re
 import signal
 import threading
 from typing import Final
@@ -17,6 +18,7 @@ from trainer.io.client import dial
 from trainer.io.line import Inbox, Line, Outbox, reader, writer
 from trainer.io.lines import OverlongLine
 from trainer.io.orders import sentences
+from trainer.io.orders.grammar import describe_sign
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
@@ -59,7 +61,11 @@ def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) ->
             wake.wait()
             wake.clear()
             for typed in inbox.take():
-                if not isinstance(typed, OverlongLine):
+                if isinstance(typed, OverlongLine):
+                    continue
+                if foreign := re.search(r"[^ -~]", typed):
+                    out.send(f"? {describe_sign(foreign[0])}")
+                else:
                     line.send(typed)
             if inbox.ended and not inbox.waiting and not interrupted and not os.isatty(0):
                 interrupted = True

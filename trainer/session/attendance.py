@@ -131,7 +131,7 @@ class Attendance:
         facts += [("range", pair) for pair in ranges(self.history.boat, station.role)]
         facts += [("rate", pair) for pair in ORDER_RATE if station.visits]
         self.log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in facts])
-        self.log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.log.note(station, [each.fact for each in self.crew.standing()])
         self.log.note(station, self.conduct.guide.facts)
         self.log.note(station, self.conduct.marks.facts(station.role))
         if station.role is INSTRUCTOR_ROLE:

@@ -123,12 +123,12 @@ class CrewTalk:
         spoken = self._spoken.get(WORDS_AXIS)
         return spoken.given.subject if spoken else ""
 
-    def standing(self, role: str) -> list[CrewMessage]:
-        """Return the messages that tell a program of that role the orders that stand."""
+    def standing(self) -> list[CrewMessage]:
+        """Return the messages that tell a program the orders that stand."""
         messages = []
         for spoken in self._spoken.values():
             messages.append(CrewMessage("crew", "", Fact("crew-order", spoken.told)))
-            if spoken.repeated or role not in REPEATING_ROLES[spoken.axis]:
+            if spoken.repeated:
                 messages.append(CrewMessage("crew", "", Fact("repeated", spoken.told)))
         return messages
 

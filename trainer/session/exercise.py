@@ -19,6 +19,7 @@ from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.facts import OVER_WORDS
 from trainer.io.recording.recording import Moment
 from trainer.session.control import PRESENT_MOMENT, Control
 from trainer.session.event_log import EventLog
@@ -153,7 +154,7 @@ class ExerciseEnd:
         self.over = f"{how} at {self.control.boat.time:g} s{by}"
         self.control.stop()
         fact = Fact("exercise-over", outcome)
-        self.log.tell("time", f"EXERCISE OVER: {self.over}", fact=fact)
+        self.log.tell("time", f"{OVER_WORDS}{self.over}", fact=fact)
         if why:
             self.log.tell("exercise", f"lost: {why}")
         self.show()

@@ -156,14 +156,14 @@ def writing_alone(out: Path) -> Iterator[None]:
     """Keep other sweeps from a result inside the block; ConfigError if one writes it."""
     folder = folder_of(out)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(exist_ok=True)
         with contextlib.ExitStack() as lock:
             if other := lock.enter_context(holding(folder / LOCK_NAME)):
                 text = f"another sweep writes it, process {other}: wait for it, or give --out"
                 raise ConfigError(f"{out}: {text} another name")
             yield
     except OSError as error:
-        raise ConfigError(f"{folder}: cannot be written: {error.strerror or error}") from None
+        raise ConfigError(f"{out}: cannot be written: {error.strerror or error}") from None
 
 
 def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
@@ -171,7 +171,7 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
     folder = folder_of(out)
     manifest = folder / MANIFEST_NAME
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(exist_ok=True)
         if manifest.exists():
             _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
         else:

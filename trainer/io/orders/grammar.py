@@ -49,6 +49,7 @@ GOING_WORDS = ("go", "come")  # before a direction that says what is meant
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 KEPT_ORDERS = 1024  # of the wordings that were understood last
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
+MAX_MOVED_WORDS = 8  # of an order in which a word is looked for that stands too late
 # the crew's `course left 90` is a course to come to; the autopilot's needs the word `to`
 CREW_TURN_PATTERN = re.compile("^course (left|right)")
 PRINTABLE_PATTERN = re.compile(r"[\t -~]*")
@@ -232,8 +233,25 @@ def understood_order(*words: str) -> Order:
             goes = len(tokens) == 2 and tokens[0] in GOING_WORDS and tokens[1] in MEANT_ORDERS
             near = "" if goes or tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
             reason = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
-            raise RefusedError(reason if near else str(refused)) from None
+            hint = moved_word(tokens) if len(tokens) <= MAX_MOVED_WORDS else ""
+            raise RefusedError(reason if near else hint or str(refused)) from None
     return replace(order(read_form(tokenise(phrase.order))), crew=phrase.crew)
+
+
+def moved_word(tokens: list[str]) -> str:
+    """Return the hint to say a word further ahead, "" where none helps."""
+    for last, first in ((j, i) for j in range(2, len(tokens)) for i in range(1, j)):
+        moved = [*tokens[:first], tokens[last], *tokens[first:last], *tokens[last + 1 :]]
+        try:
+            reading = read_form(moved)
+        except RefusedError:
+            continue
+        hint = f'"{tokens[last]}" after "{" ".join(tokens[:last])}"; did you mean'
+        try:
+            return f"{hint} {order(reading).text}?"
+        except RefusedError as beyond:
+            return f"{hint} {' '.join(moved)}? {beyond}"
+    return ""
 
 
 def to_the_crew(said: Order) -> Order:
@@ -259,8 +277,14 @@ def refuse_unreadable(text: str) -> None:
     readable = PRINTABLE_PATTERN.match(text)
     end = readable.end() if readable else 0
     if end < len(text):
-        code = ord(text[end])
-        raise RefusedError(f"unreadable character U+{code:04X} at column {end + 1}")
+        raise RefusedError(describe_sign(text[end]))
+
+
+def describe_sign(sign: str) -> str:
+    """Return why a character is refused. Its code is told too: a line may show "?"."""
+    code = f"U+{ord(sign):04X}"
+    shown = f'"{sign}" ({code})' if sign.isprintable() else code
+    return f"{shown} cannot be sent; type plain letters"
 
 
 def printable(text: str) -> str:

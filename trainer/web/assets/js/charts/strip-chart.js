@@ -73,7 +73,9 @@ export class StripChart extends Chart {
     const label = this.getAttribute("label") ?? "";
     const names = [`${label}, ${this.unit}`, label];
     const fits = (/** @type {string} */ name) => pen.measureText(name).width < right - left - 4 * size;
-    pen.fillText(names.find(fits) ?? label.split(",")[0], left, size * 0.8);
+    const told = names.find(fits) ?? label.split(",")[0];
+    const from = fits(told) ? left : 0; // over the numbers of the axis, where there is no other room
+    pen.fillText(told, from, size * 0.8, right - from - 4 * size);
   }
 
   /** The unit, as people write it. */

@@ -2,7 +2,6 @@
 import { ask } from "../controls/question.js";
 import { bearing, clock, html, one, write } from "../draw.js";
 import { depthOrder, pitchOrder } from "../frame.js";
-import { plain } from "../protocol/line.js";
 import { say } from "../words.js";
 
 /**
@@ -59,7 +58,7 @@ function furnishWords(give) {
   form.onsubmit = async (event) => {
     event.preventDefault();
     const field = /** @type {HTMLInputElement} */ (one("input", form));
-    if (await give(plain(field.value))) field.value = "";
+    if (await give(field.value.trim())) field.value = "";
   };
 }
 
@@ -107,13 +106,16 @@ function standing(session) {
     return value === null ? [] : [[axis, words(value), state(session, axis)]];
   });
   const told = session.word("orders.told");
-  return told ? [...found, ["words", told, state(session, "tell")]] : found;
+  if (told) found.push(["words", told, state(session, "tell")]);
+  const right = (/** @type {[string, string, string]} */ [, , how]) => Number(how !== say("WRONG REPEAT"));
+  return found.sort((one, other) => right(one) - right(other)); // of a long list the end is not seen
 }
 
 /** @param {Session} session @param {string} axis */
 function state(session, axis) {
-  if (!session.crew.waiting.has(axis)) return say("repeated");
-  return session.crew.wrong ? say("WRONG REPEAT") : say("not repeated yet");
+  const waiting = session.crew.waiting.get(axis);
+  if (!waiting) return say("repeated");
+  return session.crew.wrong.endsWith(waiting.says) ? say("WRONG REPEAT") : say("not repeated yet");
 }
 
 /** @param {[string, string, string]} order @param {Give} give */

@@ -59,7 +59,7 @@ function divide(text, most) {
   return [...parts.slice(0, most), parts.slice(most).join(",")];
 }
 
-/** Leaves out what an order cannot hold, as it is typed or pasted. @param {string} words */
-export function plain(words) {
-  return words.replace(/[^ -~]|[$*]/g, "").trim();
+/** Returns the first character that no order can hold, "" where there is none. @param {string} words */
+export function unsendable(words) {
+  return /[^ -~]|[$*]/u.exec(words)?.[0] ?? "";
 }

@@ -1,5 +1,5 @@
 // The page's line to its session. It is dialled again for ever when it is lost.
-import { orderSentence, plain, read } from "./line.js";
+import { orderSentence, read, unsendable } from "./line.js";
 import { say } from "../words.js";
 
 const WAITS = [0.5, 1, 2, 5]; // [s] until a lost line is dialled again; the last stays
@@ -13,6 +13,12 @@ const SILENCE = 10; // [s] after which an order is not answered any more
  * @typedef {{ ok: boolean, text: string, lines: string[] }} Answer
  * @typedef {{ words: string, lines: string[], settle: (answer: Answer) => void }} Asked
  */
+
+/** Says why a character is refused, as the session does. @param {string} sign */
+function signRefused(sign) {
+  const code = (sign.codePointAt(0) ?? 0).toString(16).toUpperCase().padStart(4, "0");
+  return say("{0} cannot be sent; type plain letters", `"${sign}" (U+${code})`);
+}
 
 /** Sends orders and brings answers and sentences: events `open`, `lost`, `older`, `sentence`. */
 export class Link extends EventTarget {
@@ -57,9 +63,11 @@ export class Link extends EventTarget {
    */
   order(words) {
     if (!this.there) return Promise.resolve({ ok: false, text: say("not sent: no line"), lines: [] });
+    const sign = unsendable(words);
+    if (sign) return Promise.resolve({ ok: false, text: signRefused(sign), lines: [] });
     this.tag = (this.tag % 999_999) + 1;
     const tag = String(this.tag);
-    this.socket?.send(orderSentence(plain(words), tag));
+    this.socket?.send(orderSentence(words.trim(), tag));
     return new Promise((settle) => {
       this.asked.set(tag, { words, lines: [], settle });
       setTimeout(() => this.answer(tag, false, say("no answer")), SILENCE * 1000);

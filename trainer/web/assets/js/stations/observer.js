@@ -9,7 +9,6 @@ import { drawPlots } from "../charts/plots.js";
 import { limitsOf } from "../model/limits.js";
 import { furnish, orderedLine } from "../frame.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
-import { plain } from "../protocol/line.js";
 import { showInstruments } from "./instruments.js";
 import { showTanks } from "../tanks/panel.js";
 import { clock, html, one, write } from "../draw.js";
@@ -45,7 +44,7 @@ const form = /** @type {HTMLFormElement} */ (one("#mark"));
 form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();
   const field = /** @type {HTMLInputElement} */ (one("input", form));
-  const remark = plain(field.value);
+  const remark = field.value.trim();
   if (!(await give(`mark ${remark}`.trim()))) return;
   session.note("mark", say("mark by observer: {0}", remark)); // the session tells it to all but this line
   field.value = "";
