@@ -32,7 +32,7 @@ EXEMPT: Final = {
         r'text.replace(/^tick \d+ \([\d.]+ s\): /, "").replace(/^LIMIT: /, "Limit passed: ")',
     ): BESIDE,
     ("protocol/line.js", "FRAME.exec(line)"): "the frame of a sentence, whatever is in it",
-    ("protocol/line.js", 'words.replace(/[^ -~]|[$*]/g, "")'): "what an order cannot hold",
+    ("protocol/line.js", "/[^ -~]|[$*]/u.exec(words)"): "what an order cannot hold",
     ("scope/sea.js", "DIGITS.indexOf(text[at * count + i])"): "digits of packed numbers",
     ("tab/desk.js", 'order.words !== "take over"'): GRAMMAR,
     ("tab/grammar.js", "REMARK.exec(line)"): GRAMMAR,

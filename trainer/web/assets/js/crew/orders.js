@@ -108,7 +108,7 @@ function standing(session) {
   const told = session.word("orders.told");
   if (told) found.push(["words", told, state(session, "tell")]);
   const right = (/** @type {[string, string, string]} */ [, , how]) => Number(how !== say("WRONG REPEAT"));
-  return found.sort((one, other) => right(one) - right(other)); // of a long list the end is not seen
+  return found.sort((a, b) => right(a) - right(b)); // of a long list the end is not seen
 }
 
 /** @param {Session} session @param {string} axis */
