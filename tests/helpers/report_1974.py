@@ -148,13 +148,13 @@ PROGRAMS: Final = (
         "NUFLET",
         "quasi-Newton with difference gradients; here they are exact",
         "trainer identify FILE --method bfgs",
-        f"{STUDY}::test_every_minimiser_ends_at_the_same_ship",
+        f"{ESTIMATE}::test_every_minimiser_comes_to_the_same_minimum",
     ),
     Row(
         "POWBRE",
         "principal axes, no gradient; here Powell's directions",
         "trainer identify FILE --method direct",
-        f"{STUDY}::test_every_minimiser_ends_at_the_same_ship",
+        f"{ESTIMATE}::test_every_minimiser_comes_to_the_same_minimum",
     ),
     Row(
         "LOOP",
