@@ -169,11 +169,6 @@ def test_a_flag_is_true_or_false(flag: object) -> None:
     assert str(wrong.value) == told
 
 
-def test_an_unknown_keyword_is_told_before_its_value_is_read() -> None:
-    with pytest.raises(trainer.TrainerError, match="no keyword 'unsafe_stp'; nearest is unsafe"):
-        trainer.Boat(unsafe_stp=True)  # type: ignore[call-arg]
-
-
 def test_a_record_is_shown_alone_by_call_as_by_the_command() -> None:
     pytest.importorskip("scipy")
     study = shipped_path("records", "example")
