@@ -109,7 +109,7 @@ INTERVALS = {
 
 
 @pytest.mark.parametrize("integrator", INTERVALS)
-def test_a_real_mode_has_the_interval_of_its_method(integrator: str) -> None:
+def test_a_real_mode_has_the_published_interval(integrator: str) -> None:
     near = 1e-9 if integrator in PUBLISHED else 1e-4
 
     assert largest_step(scheme(integrator), -2.0 + 0.0j) == pytest.approx(
