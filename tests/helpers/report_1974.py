@@ -184,7 +184,7 @@ PROGRAMS: Final = (
         "GRASD",
         "gradient and second derivatives by differences; here of the exact gradient",
         "trainer identify FILE --html FILE",
-        f"{LIKELIHOOD}::test_differences_are_as_exact_as_their_order",
+        f"{ESTIMATE}::test_the_hessian_is_near_the_information",
     ),
     Row(
         "standard deviations, error 6",
