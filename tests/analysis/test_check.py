@@ -46,6 +46,8 @@ from trainer.core.state import MOTION, PAST_CYCLES
 from trainer.units import KNOT
 
 INTEGRATION = json.loads((DATA / "integration.json").read_text())
+# methods whose intervals an independent program has, by its names
+PUBLISHED = {"euler": "euler", "adams2": "ab2", "best2": "best12", "rk4": "rk4"}
 FOOT = 0.3048
 REMUS_SPEEDS = [speed * KNOT for speed in (2.0, 2.5, 3.0, 3.5, 4.0, 4.5)]
 
@@ -87,37 +89,32 @@ def test_largest_steps_are_those_of_an_independent_program(
     )
 
 
-@pytest.mark.parametrize(
-    ("integrator", "key"),
-    [("euler", "euler"), ("adams2", "ab2"), ("best2", "best12"), ("rk4", "rk4")],
-)
-def test_a_real_mode_has_the_published_interval(integrator: str, key: str) -> None:
-    assert largest_step(scheme(integrator), -2.0 + 0.0j) == pytest.approx(
-        -0.5 * INTEGRATION["real_interval"][key], rel=1e-9
-    )
-
-
 # -(4/7)(1 + 2 a3)/(1 - a3) of a parabola through positions and the closed formula of three with a3,
 # errata D6: the report's Table 1 has -.82; of Adams-Bashforth the intervals of any textbook
-@pytest.mark.parametrize(
-    ("integrator", "interval"),
-    [
-        ("bdf2", -4 / 7),
-        ("bdf3", -4 / 7 * (15 / 9)),
-        ("o30c31", -4 / 7 * (1.2532 / 0.8734)),
-        ("adams3", -6 / 11),
-        ("adams4", -3 / 10),
-        ("heun", -2.0),
-        ("abm2", -2.0),
-        ("abm3", -1.72878),
-        ("abm4", -1.2848),
-        ("hamming4", -0.5),
-        ("rk2", -2.0),
-        ("rk3", -2.512745),
-    ],
-)
-def test_a_further_method_has_its_interval(integrator: str, interval: float) -> None:
-    assert largest_step(scheme(integrator), -1.0 + 0.0j) == pytest.approx(-interval, rel=1e-4)
+INTERVALS = {
+    **{ours: INTEGRATION["real_interval"][key] for ours, key in PUBLISHED.items()},
+    "bdf2": -4 / 7,
+    "bdf3": -4 / 7 * (15 / 9),
+    "o30c31": -4 / 7 * (1.2532 / 0.8734),
+    "adams3": -6 / 11,
+    "adams4": -3 / 10,
+    "heun": -2.0,
+    "abm2": -2.0,
+    "abm3": -1.72878,
+    "abm4": -1.2848,
+    "hamming4": -0.5,
+    "rk2": -2.0,
+    "rk3": -2.512745,
+}
+
+
+@pytest.mark.parametrize("integrator", INTERVALS)
+def test_a_real_mode_has_the_published_interval(integrator: str) -> None:
+    near = 1e-9 if integrator in PUBLISHED else 1e-4
+
+    assert largest_step(scheme(integrator), -2.0 + 0.0j) == pytest.approx(
+        -0.5 * INTERVALS[integrator], rel=near
+    )
 
 
 def test_the_manual_has_every_method_with_its_interval() -> None:
@@ -439,8 +436,7 @@ def test_asking_leaves_the_boat_as_it_was_and_takes_no_time() -> None:
 
 
 def test_bb2_has_its_margins_of_stability(bb2: CheckReport) -> None:
-    assert bb2.margins["Gv"] == pytest.approx(0.452, rel=0.01)
-    assert bb2.margins["Gh"] == pytest.approx(0.414, rel=0.01)
+    assert bb2.margins == pytest.approx({"Gv": 0.452, "Gh": 0.414}, rel=0.01)
 
 
 def test_margins_follow_suboffs_convention() -> None:
@@ -465,21 +461,10 @@ def test_a_boat_without_damping_has_no_margins() -> None:
     assert check_module.margins(boat) == {"Gv": None, "Gh": None}
 
 
-def test_critical_speeds_are_those_of_an_independent_program() -> None:
-    # vectors/neutral.json, refsub, in ft/s
-    assert check_module.critical_speed(refsub(), "stern") == pytest.approx(
-        6.29194599167 * FOOT, rel=1e-10
-    )
-    assert check_module.critical_speed(refsub(), "bow") == pytest.approx(
-        20.451454716 * FOOT, rel=1e-10
-    )
-
-
-def test_bb2_reverses_its_stern_planes_at_4_8_knots(bb2: CheckReport) -> None:
+def test_planes_reverse_at_their_critical_speed_and_absent_ones_have_none(
+    bb2: CheckReport, remus: CheckReport
+) -> None:
     assert bb2.critical_speed_kn["stern"] == pytest.approx(4.8, abs=0.05)
-
-
-def test_a_boat_without_bow_planes_has_no_critical_speed_of_them(remus: CheckReport) -> None:
     assert remus.critical_speed_kn["bow"] is None
 
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
@@ -20,6 +21,7 @@ from trainer.analysis.fleet.block import supports_boat, supports_scheme, tanks_r
 from trainer.analysis.fleet.ensemble import (
     NO_ORDERS,
     Fleet,
+    FleetFlight,
     Schedule,
     fly_members,
     orders,
@@ -128,6 +130,32 @@ def names_at(difference: np.ndarray) -> set[str]:
     return {name for name in STATE.names or () if STATE_OFFSETS[name] in places}
 
 
+def fly_as_alone(fleet: Fleet, schedule: Schedule = NO_ORDERS, ticks: int = TICKS) -> FleetFlight:
+    """See that members flown at once end in all as those flown one by one; return the flight."""
+    alone, rows = flown_alone(fleet, schedule, ticks)
+
+    flown = fly_members(fleet, schedule, ticks, 1, ("u", "z", "delta_s"))
+
+    different = fleet.states["whole"].view(np.uint64) != alone["whole"].view(np.uint64)
+    assert names_at(different) == set()
+    assert digest(fleet.states) == digest(alone)
+    assert np.array_equal(flown.rows, rows, equal_nan=True)
+    return flown
+
+
+@pytest.fixture
+def works(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Return where a fleet works, once it has flown."""
+    made: list[Any] = []
+
+    def make() -> Any:
+        made.append(new_work())
+        return made[0]
+
+    monkeypatch.setattr("trainer.analysis.fleet.side_by_side.new_work", make)
+    return made
+
+
 @pytest.mark.parametrize(
     ("vessel", "equations", "trig", "step"),
     [
@@ -145,25 +173,14 @@ def test_every_number_of_a_member_is_that_of_the_boat_flown_alone(
     boat.records.scheme["trig"] = trig
     boat.start(2.0 if vessel != "bb2" else 5.0, 100.0, 0.0)
     fleet = random_fleet(boat, 7)
-    alone, rows = flown_alone(fleet, NO_ORDERS, TICKS)
 
-    flown = fly_members(fleet, NO_ORDERS, TICKS, 1, ("u", "z", "delta_s"))
+    rows = fly_as_alone(fleet).rows
 
-    different = fleet.states["whole"].view(np.uint64) != alone["whole"].view(np.uint64)
-    assert names_at(different) == set()
-    assert digest(fleet.states) == digest(alone)
-    assert np.array_equal(flown.rows, rows, equal_nan=True)
     assert np.isfinite(rows[:, -1]).all(axis=1).sum() > MEMBERS // 2, "most come to the end"
 
 
 @compiled
-def test_ordinary_members_are_not_flown_alone(boat: Boat, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "trainer.analysis.fleet.side_by_side.new_work",
-        lambda: works.append(new_work()) or works[0],  # type: ignore[func-returns-value]
-    )
-    works: list = []  # type: ignore[type-arg]
-
+def test_ordinary_members_are_not_flown_alone(boat: Boat, works: list[Any]) -> None:
     fly_members(fleet_of(boat, LANE_COUNT), NO_ORDERS, 10, 10, ("z",))
 
     assert works[0].alone.tolist() == [0] * LANE_COUNT
@@ -180,24 +197,18 @@ def test_members_obey_at_ticks_of_their_own(boat: Boat) -> None:
         random.integers(0, TICKS, (MEMBERS, 4)), place, random.uniform(0.0, 3.0, place.shape)
     )
     fleet.states["sea_omega"] = 0.6
-    alone, _ = flown_alone(fleet, schedule, TICKS)
 
-    fly_members(fleet, schedule, TICKS, TICKS, ("z",))
-
-    different = fleet.states["whole"].view(np.uint64) != alone["whole"].view(np.uint64)
-    assert names_at(different) == set()
+    fly_as_alone(fleet, schedule)
 
 
 def test_a_member_that_comes_up_from_the_deep_feels_the_surface(boat: Boat) -> None:
     fleet = fleet_of(boat, 4)
     fleet.states["ordered_depth"] = [100.0, 20.0, 100.0, 30.0]
     fleet.states["z"] = [100.0, 41.0, 100.0, 36.0]
-    alone, _ = flown_alone(fleet, NO_ORDERS, TICKS)
 
-    fly_members(fleet, NO_ORDERS, TICKS, TICKS, ("z",))
+    fly_as_alone(fleet)
 
     assert min(fleet.states["z"]) < 35.0
-    assert digest(fleet.states) == digest(alone)
 
 
 @pytest.mark.parametrize(
@@ -224,35 +235,25 @@ def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(
     fleet = fleet_of(boat, 3)
     fleet.states["sea_omega"] = 0.6
     fleet.states[1].whole[STATE_OFFSETS[name]] = value
-    alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
     assert [supports_boat(fleet.vessels, fleet.states[i : i + 1]) for i in range(3)] == [1, 0, 1]
-    fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
-
-    assert digest(fleet.states) == digest(alone)
+    fly_as_alone(fleet, ticks=30)
 
 
 @compiled
 def test_members_off_centre_fly_alone_and_the_others_side_by_side(
-    boat: Boat, monkeypatch: pytest.MonkeyPatch
+    boat: Boat, works: list[Any]
 ) -> None:
-    monkeypatch.setattr(
-        "trainer.analysis.fleet.side_by_side.new_work",
-        lambda: works.append(new_work()) or works[0],  # type: ignore[func-returns-value]
-    )
-    works: list = []  # type: ignore[type-arg]
     fleet = fleet_of(boat, 4)._replace(compacts=np.repeat(boat.records.compact, 4))
     fleet.compacts["off_centre"][1] = 1.0
     fleet.compacts["YB"][1] = 1e5
     fleet.states["water"][2] -= 1.0
     fleet = fleet._replace(vessels=np.repeat(boat.records.vessel, 4))
     fleet.vessels["y"][2] = 0.5  # of the tanks: seen when their water is weighed
-    alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
-    fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
+    fly_as_alone(fleet, ticks=30)
 
     assert works[0].alone[:4].tolist() == [0, 1, 1, 0]
-    assert digest(fleet.states) == digest(alone)
 
 
 def test_a_boat_whose_buoyancy_varies_with_depth_is_no_ordinary_one(boat: Boat) -> None:
@@ -279,12 +280,9 @@ def test_other_ways_to_compute_a_fleet_are_flown_alone(
     boat = make_boat("bb2", equations, rates, integrator)
     boat.start(5.0, 100.0, 0.0)
     fleet = random_fleet(boat, 9)
-    alone, _ = flown_alone(fleet, NO_ORDERS, 20)
 
     assert not supports_scheme(boat.records.scheme)
-    fly_members(fleet, NO_ORDERS, 20, 20, ("z",))
-
-    assert digest(fleet.states) == digest(alone)
+    fly_as_alone(fleet, ticks=20)
 
 
 def test_armed_triggers_fire_in_a_fleet(boat: Boat) -> None:
@@ -305,23 +303,18 @@ def test_gains_follow_the_speed_through_the_schedule(boat: Boat) -> None:
     fleet.states["u"] = fleet.states["ordered_speed"] = [speeds[0], speeds[3], speeds[4] - 0.01]
     fleet.states["ordered_speed"] = [speeds[5], speeds[0], speeds[7]]
     fleet.states["ordered_psi"] = 0.5
-    alone, rows = flown_alone(fleet, NO_ORDERS, 400)
 
-    fly_members(fleet, NO_ORDERS, 400, 400, ("z",))
+    rows = fly_as_alone(fleet, ticks=400).rows
 
     brackets = np.searchsorted(speeds[: int(boat.vessel.gain_count)], rows[:, :, 0])
     assert (np.ptp(brackets, axis=1) >= 1).all(), "each leaves the bracket it began in"
-    assert digest(fleet.states) == digest(alone)
 
 
 def test_a_boat_without_autopilot_may_follow_one_that_has_it(boat: Boat) -> None:
     fleet = random_fleet(boat, 11)
     fleet.vessels["gain_count"][LANE_COUNT:] = 0.0  # in lanes that had one
-    alone, _ = flown_alone(fleet, NO_ORDERS, 30)
 
-    fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
-
-    assert digest(fleet.states) == digest(alone)
+    fly_as_alone(fleet, ticks=30)
 
 
 def test_an_order_acts_before_its_tick(boat: Boat) -> None:
@@ -354,14 +347,11 @@ def test_a_member_lost_on_the_way_has_rows_up_to_there(boat: Boat) -> None:
     )
     fleet.compacts["K_p"][1] *= -5.0  # the water feeds her roll
     fleet.states["p"][1], fleet.states["ordered_psi"] = 0.1, 1.0
-    alone, rows = flown_alone(fleet, NO_ORDERS, TICKS)
 
-    flown = fly_members(fleet, NO_ORDERS, TICKS, 1, ("u", "z", "delta_s"))
+    flown = fly_as_alone(fleet)
 
     assert 0 < flown.lost[1] < TICKS
-    assert np.isnan(rows[1, flown.lost[1] + 1]).all()
-    assert np.array_equal(flown.rows, rows, equal_nan=True)
-    assert digest(fleet.states) == digest(alone)
+    assert np.isnan(flown.rows[1, flown.lost[1] + 1]).all()
 
 
 def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> None:

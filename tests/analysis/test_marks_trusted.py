@@ -102,7 +102,7 @@ def test_eight_seconds_cost_ten_marks_at_most(name: str) -> None:
     own = total(flown(name).crew)
     assert own >= 97.0
     assert total(late(name, 8.0)) >= own - 10.0
-    for seed in (3, 4):
+    for seed in (1, 2, 3, 4):
         assert total(jittering(name, seed)) >= own - 10.0
 
 

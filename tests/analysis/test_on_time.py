@@ -52,6 +52,7 @@ def test_missed_deadlines_are_overruns_slipped_ticks_and_gaps() -> None:
 
 
 @pytest.mark.long
+@pytest.mark.process
 @pytest.mark.slow
 def test_no_deadline_is_missed_among_busy_processes_a_console_and_a_hung_line() -> None:
     crowd = sail_in_crowd(load_vessel("bb2"), SOAK)

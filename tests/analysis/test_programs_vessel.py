@@ -89,6 +89,11 @@ def in_own_units(coefficients: dict[str, float], body: dict[str, float]) -> Vess
     )
 
 
+def exact_boat(file: VesselFile, equations: str = "full") -> Boat:
+    """Return a boat whose rates are of the moment, as the programs take them."""
+    return Boat(file, Method(equations, "exact", "exact", "adams2", 0.5))
+
+
 def boat_of(vectors: dict[str, Any], name: str) -> VesselFile:
     return in_own_units(vectors["sets"][name]["coef"], vectors["sets"][name]["phys"])
 
@@ -120,7 +125,7 @@ def test_the_flattest_neutral_flight_is_that_of_the_reference(case: dict[str, An
 def test_the_trim_of_the_boats_own_equations_is_that_of_the_reference(
     case: dict[str, Any],
 ) -> None:
-    boat = Boat(SI_REFSUB, Method("full", "exact", "exact", "adams2", 0.5))
+    boat = exact_boat(SI_REFSUB)
 
     found = trim_at(boat, case["u"] * FOOT)
 
@@ -400,7 +405,7 @@ def test_thrust_and_acceleration_are_those_of_the_reference(case: dict[str, Any]
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
 def test_the_thrust_of_the_table_is_the_one_that_is_flown(name: str) -> None:
     file = SI_REFSUB if name == "refsub" else load_vessel(name)
-    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
+    boat = exact_boat(file)
 
     for u, u_c in product((-2.0, 0.0, 0.5, 3.0, 8.0), (-6.0, -0.1, 0.0, 0.2, 1.5, 4.0, 9.0)):
         boat.state.u, boat.state.u_c = u, u_c
@@ -523,7 +528,7 @@ def test_the_listing_has_every_number_of_the_vessel_record() -> None:
 @pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
 def test_a_listed_constant_is_the_one_that_is_flown(name: str) -> None:
     file = SI_REFSUB if name == "refsub" else load_vessel(name)
-    flown = Boat(file, Method("full", "exact", "exact", "adams2", 0.5)).vessel
+    flown = exact_boat(file).vessel
     report = constants_program.list_vessel_constants(file)
 
     for one in (one for group in report.groups.values() for one in group):
@@ -580,12 +585,13 @@ def test_the_compact_constants_are_those_of_both_sets() -> None:
 # --- the calm surface: Tables 12 and 13
 
 
-def surface_of(name: str, speed: float, depth: float) -> tuple[float, float]:
+def surface_of(file: VesselFile, u: float, depth: float, w: float = 0.0) -> tuple[float, float]:
     """Return the force [N] and moment [N m] that a tick of the core has from the surface."""
-    boat = Boat(load_vessel(name), Method("full", "exact", "exact", "adams2", 0.5))
-    boat.state.u, boat.state.z = speed, depth
+    boat = exact_boat(file)
+    boat.state.u, boat.state.w, boat.state.z = u, w, depth
     force = np.zeros(6)
     surface_forces(boat.records.vessel, boat.records.state, force)
+    assert np.count_nonzero(force[[0, 1, 3, 5]]) == 0
     return float(force[2]), float(force[4])
 
 
@@ -613,20 +619,14 @@ def slanting() -> VesselFile:
 @pytest.mark.parametrize("depth", [11.0, 14.2, 30.0, 35.0624, 60.0])
 def test_a_surface_that_changes_z_w_and_m_w_pushes_as_their_differences(depth: float) -> None:
     file, level = slanting(), load_vessel("bb2")
-    pushed = []
-    for one in (file, level):
-        boat = Boat(one, Method("full", "exact", "exact", "adams2", 0.5))
-        boat.state.u, boat.state.w, boat.state.z = 3.0, 0.2, depth
-        force = np.zeros(6)
-        surface_forces(boat.records.vessel, boat.records.state, force)
-        pushed.append(force)
+    pushed, plain = (np.array(surface_of(one, 3.0, depth, w=0.2)) for one in (file, level))
 
     near = near_surface(file, 3.0, depth).coefficients
     area, arm = 0.5 * file.fluid.rho * file.hull.length**2, file.hull.length
     Z = area * (near["Z_w"] - level.coefficients["Z_w"]) * 3.0 * 0.2
     M = area * arm * (near["M_w"] - level.coefficients["M_w"]) * 3.0 * 0.2
     assert (depth < 35.0) == (Z != 0.0)
-    assert pushed[0] - pushed[1] == pytest.approx([0.0, 0.0, Z, 0.0, M, 0.0], rel=1e-9, abs=1e-6)
+    assert pushed - plain == pytest.approx([Z, M], rel=1e-9, abs=1e-6)
 
 
 def test_modes_near_a_surface_that_changes_z_w_and_m_w_are_of_these() -> None:
@@ -640,26 +640,16 @@ def test_modes_near_a_surface_that_changes_z_w_and_m_w_are_of_these() -> None:
 
 
 @pytest.mark.parametrize("depth", [11.0, 13.8724, 14.2, 16.0, 30.0, 35.0624, 60.0])
-@pytest.mark.parametrize("knots", [1.0, 4.5, 10.0, 15.0])
-def test_the_surface_of_the_programs_is_that_of_the_core(knots: float, depth: float) -> None:
-    found = surface_at(load_vessel("bb2"), knots * KNOT, depth)
+@pytest.mark.parametrize("knots", [1.0, 4.5, 8.0, 10.0, 15.0])
+@pytest.mark.parametrize("file", [load_vessel("bb2"), uneven()], ids=["even", "by speed"])
+def test_the_surface_of_the_programs_is_that_of_the_core(
+    file: VesselFile, knots: float, depth: float
+) -> None:
+    found = surface_at(file, knots * KNOT, depth)
 
-    expected = surface_of("bb2", knots * KNOT, depth)
+    expected = surface_of(file, knots * KNOT, depth)
 
     assert (found.Z_N, found.M_N_m) == pytest.approx(expected, rel=1e-12, abs=1e-6)
-
-
-@pytest.mark.parametrize("knots", [1.0, 4.5, 8.0, 15.0])
-def test_a_surface_that_changes_with_speed_is_that_of_the_core(knots: float) -> None:
-    file = uneven()
-    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
-    boat.state.u, boat.state.z = knots * KNOT, 16.0
-    force = np.zeros(6)
-    surface_forces(boat.records.vessel, boat.records.state, force)
-
-    found = surface_at(file, knots * KNOT, 16.0)
-
-    assert (found.Z_N, found.M_N_m) == pytest.approx((force[2], force[4]), rel=1e-12)
 
 
 def test_modes_near_the_surface_feel_how_its_force_changes_with_depth() -> None:
@@ -668,7 +658,7 @@ def test_modes_near_the_surface_feel_how_its_force_changes_with_depth() -> None:
 
     near = characteristic.under_surface(deep, file, speed, depth)
 
-    low, high = (np.array(surface_of("bb2", speed, depth + h)) for h in (-0.1, 0.1))
+    low, high = (np.array(surface_of(file, speed, depth + h)) for h in (-0.1, 0.1))
     assert (near.F - deep.F)[:2, 3] == pytest.approx((high - low) / 0.2, rel=1e-9)
     assert np.count_nonzero(near.F - deep.F) == 2
     assert len(near.polynomial) == 5
@@ -693,7 +683,7 @@ def test_neutral_angles_near_the_surface_balance_its_force_and_moment(
 ) -> None:
     file, speed = load_vessel("bb2"), knots * KNOT
     area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
-    Z, M = surface_of("bb2", speed, 15.0)
+    Z, M = surface_of(file, speed, 15.0)
 
     (flight,) = (one for one in report_neutral(file, [knots], 15.0).flights if one.plane == plane)
 
@@ -711,7 +701,7 @@ def test_the_trim_near_the_surface_leaves_no_acceleration_there(
     equations: str, vessel: VesselFile
 ) -> None:
     file, speed = vessel, 6.0 * KNOT
-    boat = Boat(file, Method(equations, "exact", "exact", "adams2", 0.5))
+    boat = exact_boat(file, equations)
     deep_water = boat.vessel.tobytes(), boat.records.compact.tobytes()
 
     found = trim_at(boat, speed, 15.0)

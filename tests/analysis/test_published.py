@@ -7,7 +7,6 @@ and the columns "2510 model" of 1a (horizontal zig-zag), 1c (vertical zig-zag), 
 import csv
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -30,10 +29,12 @@ SEEN = ("u", "q", "r", "y", "z", "phi", "theta", "psi")
 # The steady turn, from the CSV of a headless run
 
 
-def turn(folder: Path, step: str) -> dict[str, float]:
+@pytest.fixture(scope="module")
+def steady_turn(tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
     """Return the last five minutes of a 15 degree turn at the revolutions of 10 kn."""
+    folder = tmp_path_factory.mktemp("turn")
     (folder / "orders.txt").write_text("0 turns 10\n0 rudder right 15\n")
-    options = f"run --headless --equations full --duration 20m --speed max --step {step}"
+    options = "run --headless --equations full --duration 20m --speed max --step 0.5"
     files = ("--orders", "orders.txt", "--csv", "turn.csv")
     done = run_trainer(*options.split(), *files, cwd=folder, env=environment())
     assert done.returncode == 0, done.stderr
@@ -51,11 +52,6 @@ def turn(folder: Path, step: str) -> dict[str, float]:
     }
 
 
-@pytest.fixture(scope="module")
-def steady_turn(tmp_path_factory: pytest.TempPathFactory) -> dict[str, float]:
-    return turn(tmp_path_factory.mktemp("turn"), "0.5")
-
-
 @pytest.mark.process
 @pytest.mark.parametrize(
     ("quantity", "published"),
@@ -71,16 +67,6 @@ def test_the_steady_turn_is_the_published_one(
 ) -> None:
     assert steady_turn["depth lost [m]"] < 0.5  # the published turn keeps its depth
     assert steady_turn[quantity] == pytest.approx(published, rel=0.02)
-
-
-@pytest.mark.process
-def test_a_step_of_one_second_gives_the_same_turn(
-    steady_turn: dict[str, float], tmp_path: Path
-) -> None:
-    coarse = turn(tmp_path, "1")
-
-    for quantity in ("diameter [m]", "speed [kn]", "yaw rate [deg/s]", "heel [deg]"):
-        assert coarse[quantity] == pytest.approx(steady_turn[quantity], rel=1e-3), quantity
 
 
 # Zig-zags: exact rates and Runge-Kutta, every surface in hand

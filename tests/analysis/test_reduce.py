@@ -606,6 +606,7 @@ def test_a_second_search_broken_off_ends_in_the_same_bits(
     assert after == reduction.search(slim, 1, None, lambda _: None)
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
     factors = np.ones(len(Candidate(slim, "modified").terms))

@@ -93,6 +93,14 @@ def breaking(after: int) -> object:
     return crew
 
 
+def begun(folder: Path) -> tuple[Path, Path]:
+    """Return a study, and its result of which one chunk is finished."""
+    path, out = study(folder), folder / "a.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(1))
+    return path, out
+
+
 def test_members_finished_before_an_interruption_are_not_flown_again(tmp_path: Path) -> None:
     path, out, whole = study(tmp_path), tmp_path / "a.parquet", tmp_path / "b.parquet"
     with pytest.raises(ConfigError):
@@ -118,9 +126,7 @@ def test_processes_in_any_order_give_the_file_of_one(tmp_path: Path) -> None:
 
 
 def test_a_chunk_half_written_is_flown_again(tmp_path: Path) -> None:
-    path, out = study(tmp_path), tmp_path / "a.parquet"
-    with pytest.raises(ConfigError):
-        fly(path, out, breaking(1))
+    path, out = begun(tmp_path)
     half = folder_of(out) / "000002.parquet.77.part"
     half.write_bytes(b"PAR1")
 
@@ -129,9 +135,7 @@ def test_a_chunk_half_written_is_flown_again(tmp_path: Path) -> None:
 
 
 def test_a_changed_study_is_refused_with_what_differs(tmp_path: Path) -> None:
-    path, out = study(tmp_path), tmp_path / "a.parquet"
-    with pytest.raises(ConfigError):
-        fly(path, out, breaking(1))
+    path, out = begun(tmp_path)
     path.write_text(path.read_text().replace("std = 0.1", "std = 0.2"))
 
     with pytest.raises(ConfigError) as refused:
@@ -157,9 +161,7 @@ def test_a_study_is_the_same_from_wherever_it_is_typed(
 
 
 def test_what_an_earlier_version_began_under_a_path_goes_on(tmp_path: Path) -> None:
-    path, out = study(tmp_path), tmp_path / "a.parquet"
-    with pytest.raises(ConfigError):
-        fly(path, out, breaking(1))
+    path, out = begun(tmp_path)
     manifest = folder_of(out) / "manifest.json"
     facts = json.loads(manifest.read_text())
     facts["files"][str(path)] = facts["files"].pop("turns.toml")
@@ -214,9 +216,7 @@ def test_a_folder_that_is_not_there_is_told_and_not_made(tmp_path: Path) -> None
 
 
 def test_another_core_is_refused_and_told(tmp_path: Path) -> None:
-    path, out = study(tmp_path), tmp_path / "a.parquet"
-    with pytest.raises(ConfigError):
-        fly(path, out, breaking(1))
+    path, out = begun(tmp_path)
     manifest = folder_of(out) / "manifest.json"
     facts = json.loads(manifest.read_text())
     manifest.write_text(json.dumps({**facts, "core": "0123456789abcdef"}))

@@ -110,6 +110,7 @@ def test_the_loop_in_c_sleeps_and_spins_as_the_clock_does() -> None:
     assert int(spin[1]) == SPIN_TIME_NS
 
 
+@pytest.mark.process
 @pytest.mark.slow
 @needs_compiler
 def test_the_standard_hour_ends_in_the_same_bits_in_every_way_and_in_c() -> None:

@@ -1,17 +1,15 @@
 """Every keyword of every call of the Python face reaches the option of its name."""
 
 from collections.abc import Callable
-from dataclasses import asdict, fields
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
 import trainer
-from trainer.cli import boat, calls, guide, identify
-from trainer.cli import sweep as sweep_command
+from trainer.cli import boat, calls
 from trainer.config.files import shipped_path
-from trainer.identify.options import IdentifyOptions
 from trainer.units import KNOT
 
 RECORD = shipped_path("records", "example").with_suffix(".csv")
@@ -93,16 +91,21 @@ class ArrivedError(Exception):
     """Ends a call where its options have arrived."""
 
 
-def told_apart(cases: dict[str, Case]) -> list[Any]:
-    """Return the cases as parameters of a test."""
-    return [pytest.param(keyword, *case, id=keyword) for keyword, case in cases.items()]
+class Face(NamedTuple):
+    """A call of the Python face, and what takes the options that it sends, as its last argument."""
+
+    call: Callable[..., object]
+    cases: dict[str, Case]
+    taker: str
+    needs: str = "numpy"
 
 
-def options_at(call: Callable[[], object], heard: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that have arrived when a call ends there."""
-    with pytest.raises(ArrivedError):
-        call()
-    return heard
+FACES = {
+    "boat": Face(trainer.Boat, RUN, "boat.plan_run"),
+    "manoeuvre": Face(partial(trainer.manoeuvre, "turn"), MANOEUVRE, "guide.fly"),
+    "sweep": Face(partial(trainer.sweep, "turn-uncertainty"), SWEEP, "sweep.fly", "pyarrow"),
+    "fit": Face(partial(trainer.identify_ship, RECORD), IDENTIFY, "identify.fit_ship", "scipy"),
+}
 
 
 @pytest.mark.parametrize(
@@ -118,79 +121,37 @@ def test_every_keyword_has_a_case(cases: dict[str, Case], options: type[Any]) ->
     assert cases.keys() == options.__annotations__.keys()
 
 
-@pytest.mark.parametrize(("keyword", "value", "option", "wanted"), told_apart(RUN))
-def test_a_keyword_of_a_boat_reaches_its_option(
-    keyword: str, value: object, option: str, wanted: object, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("face", "keyword"),
+    [(face, keyword) for face, found in FACES.items() for keyword in found.cases],
+)
+def test_a_keyword_reaches_its_option(
+    face: str, keyword: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    heard: dict[str, Any] = {}
+    call, cases, taker, needs = FACES[face]
+    pytest.importorskip(needs)
+    value, option, wanted = cases[keyword]
+    taken: list[Any] = []
 
-    def plan_run(options: Any) -> None:
-        heard.update(asdict(options))
+    def arrive(*given: object) -> None:
+        taken.append(given[-1])
         raise ArrivedError
 
-    monkeypatch.setattr(boat, "plan_run", plan_run)
+    monkeypatch.setattr(f"trainer.cli.{taker}", arrive)
+    monkeypatch.setattr("trainer.identify.options.study_of", lambda _file, _options: None)
+    with pytest.raises(ArrivedError):
+        call(**{keyword: value})
 
-    call = options_at(lambda: trainer.Boat(**{keyword: value}), heard)  # type: ignore[arg-type]
-    assert call[option] == wanted
+    (options,) = taken
+    found = options[option] if isinstance(options, dict) else getattr(options, option)
+    assert found == wanted
 
 
-@pytest.mark.parametrize(("keyword", "value", "number", "wanted"), told_apart(BEGIN))
-def test_a_keyword_of_the_start_is_where_the_boat_begins(
-    keyword: str, value: float, number: str, wanted: float
-) -> None:
+@pytest.mark.parametrize("keyword", BEGIN)
+def test_a_keyword_of_the_start_is_where_the_boat_begins(keyword: str) -> None:
+    value, number, wanted = BEGIN[keyword]
     options: dict[str, Any] = {keyword: value}
     assert trainer.Boat(**options).state[number] == pytest.approx(wanted, rel=1e-9)
-
-
-@pytest.mark.parametrize(("keyword", "value", "option", "wanted"), told_apart(MANOEUVRE))
-def test_a_keyword_of_a_manoeuvre_reaches_its_option(
-    keyword: str, value: object, option: str, wanted: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    heard: dict[str, Any] = {}
-
-    def fly(_vessel: str, _name: str, options: dict[str, Any]) -> None:
-        heard.update(options)
-        raise ArrivedError
-
-    monkeypatch.setattr(guide, "fly", fly)
-
-    call = options_at(lambda: trainer.manoeuvre("turn", **{keyword: value}), heard)  # type: ignore[arg-type]
-    assert call[option] == wanted
-
-
-@pytest.mark.parametrize(("keyword", "value", "option", "wanted"), told_apart(SWEEP))
-def test_a_keyword_of_a_sweep_reaches_its_option(
-    keyword: str, value: object, option: str, wanted: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    pytest.importorskip("pyarrow")
-    heard: dict[str, Any] = {}
-
-    def fly(_job: object, _out: Path, options: dict[str, Any]) -> None:
-        heard.update(options)
-        raise ArrivedError
-
-    monkeypatch.setattr(sweep_command, "fly", fly)
-
-    call = options_at(lambda: trainer.sweep("turn-uncertainty", **{keyword: value}), heard)  # type: ignore[arg-type]
-    assert call[option] == wanted
-
-
-@pytest.mark.parametrize(("keyword", "value", "option", "wanted"), told_apart(IDENTIFY))
-def test_a_keyword_of_a_fit_reaches_its_option(
-    keyword: str, value: object, option: str, wanted: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    pytest.importorskip("scipy")
-    heard: dict[str, Any] = {}
-    monkeypatch.setattr("trainer.identify.options.study_of", lambda _file, _options: None)
-
-    def fit_ship(_study: object, options: IdentifyOptions) -> None:
-        heard.update({item.name: getattr(options, item.name) for item in fields(options)})
-        raise ArrivedError
-
-    monkeypatch.setattr(identify, "fit_ship", fit_ship)
-
-    call = options_at(lambda: trainer.identify_ship(RECORD, **{keyword: value}), heard)  # type: ignore[call-overload]
-    assert call[option] == wanted
 
 
 @pytest.mark.parametrize("flag", [False, None])
@@ -206,11 +167,6 @@ def test_a_flag_is_true_or_false(flag: object) -> None:
 
     told = f"Invalid value for 'unsafe_step': {flag!r} is not one of False, True."
     assert str(wrong.value) == told
-
-
-def test_an_unknown_keyword_is_told_before_its_value_is_read() -> None:
-    with pytest.raises(trainer.TrainerError, match="no keyword 'unsafe_stp'; nearest is unsafe"):
-        trainer.Boat(unsafe_stp=True)  # type: ignore[call-arg]
 
 
 def test_a_record_is_shown_alone_by_call_as_by_the_command() -> None:

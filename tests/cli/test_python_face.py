@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from typing import Any, assert_type
 
@@ -217,11 +218,6 @@ def test_a_later_moment_has_its_ships_and_its_words_again_after_an_earlier_one()
     assert boat.order("belay") == "no longer ordered: course 045"
 
 
-def test_another_boat_s_moment_is_refused() -> None:
-    with pytest.raises(trainer.TrainerError, match="another boat"):
-        trainer.Boat().restore(trainer.Boat().snapshot())
-
-
 def test_a_recording_by_call_replays_to_the_bit_with_its_branches(tmp_path: Path) -> None:
     with trainer.Boat(record=tmp_path / "it.trainer", sea="sea-state-2") as boat:
         boat.run(30)
@@ -340,20 +336,50 @@ def test_what_is_wrong_is_told_in_the_command_line_s_words(
     assert done.stderr.partition(" (trainer run --help")[0].strip() == f"trainer: {wrong.value}"
 
 
+fit = partial(trainer.identify_ship, "nix.trainer")
+turn = partial(trainer.manoeuvre, "turn")
+
+
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("call", "options", "told"),
     [
-        ({"speed": -1.0}, "Boat: speed = -1.0: must be 0.001 to 60 kn"),
-        ({"depth": math.nan}, "Boat: depth = nan: must be finite, 0 to 12000 m"),
-        ({"depth": 5000}, "Boat: depth = 5000 m: must be less than collapse_depth_m = 450 m"),
-        ({"course": "north"}, "Boat: course = "),
-        ({"speeed": 5}, "no keyword 'speeed'; nearest is speed; there are course, depth, "),
-        ({"speed": 5, "record": "it.trainer"}, "record=: a recorded run begins as"),
+        (trainer.Boat, {"speed": -1.0}, "Boat: speed = -1.0: must be 0.001 to 60 kn"),
+        (trainer.Boat, {"depth": math.nan}, "Boat: depth = nan: must be finite, 0 to 12000 m"),
+        (
+            trainer.Boat,
+            {"depth": 5000},
+            "Boat: depth = 5000 m: must be less than collapse_depth_m = 450 m",
+        ),
+        (trainer.Boat, {"course": "north"}, "Boat: course = "),
+        (
+            trainer.Boat,
+            {"speeed": 5},
+            "no keyword 'speeed'; nearest is speed; there are course, depth, ",
+        ),
+        (trainer.Boat, {"unsafe_stp": "yes"}, "no keyword 'unsafe_stp'; nearest is unsafe_step"),
+        (trainer.Boat, {"speed": 5, "record": "a.trainer"}, "record=: a recorded run begins as"),
+        (
+            trainer.manoeuvre,
+            {"name": "turning-circl"},
+            "no manoeuvre 'turning-circl'; nearest is t",
+        ),
+        (turn, {"direction": "up"}, "Invalid value for 'direction': 'up' is not one of"),
+        (turn, {"angle": 91}, "Invalid value for '--angle': 91.0 is not in the range"),
+        (turn, {"angel": 9}, "no keyword 'angel'; nearest is angle"),
+        (turn, {"csv": "x"}, "no keyword 'csv'"),
+        (turn, {"execute": 9}, "--execute: turn has no such parameter"),
+        (turn, {"vessel": "bb3"}, 'no vessel "bb3"; nearest is bb2'),
+        (trainer.sweep, {"study": "turn-uncertain"}, 'no study "turn-uncertain"'),
+        (fit, {"modell": "1"}, "no keyword 'modell'; nearest is model"),
+        (fit, {"model": "7"}, "Invalid value for '--model'"),
+        (fit, {"model": "nomoto1", "vessel": "bb2"}, "nix.trainer: "),
     ],
 )
-def test_a_wrong_keyword_is_told_with_what_is_right(options: Any, told: str) -> None:
-    with pytest.raises(trainer.TrainerError) as wrong:
-        trainer.Boat(**options)
+def test_a_wrong_keyword_is_told_with_what_is_right(
+    call: Callable[..., object], options: Any, told: str
+) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        call(**options)
 
     assert str(wrong.value).startswith(told)
 
@@ -385,12 +411,6 @@ def test_what_an_exercise_has_in_hand_is_refused_as_at_the_console() -> None:
     assert boat.order("stern planes rise 2") == "stern planes rise 2, by hand"
 
 
-@pytest.mark.parametrize("seconds", [0.0, -1.0, math.inf, math.nan])
-def test_a_run_is_longer_than_nothing_and_ends(seconds: float) -> None:
-    with pytest.raises(trainer.TrainerError, match="longer than 0 s, and ends"):
-        trainer.Boat().run(seconds)
-
-
 @pytest.mark.parametrize(
     ("call", "told"),
     [
@@ -400,7 +420,13 @@ def test_a_run_is_longer_than_nothing_and_ends(seconds: float) -> None:
         (lambda boat: boat.run(10**400), "run(1000000000"),
         (lambda boat: boat.run(10**5000), "run((too long to show)): a run lasts longer than 0 s"),
         (lambda boat: boat.run(1e300), "run(1e+300): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.run(0.0), "run(0.0): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.run(-1.0), "run(-1.0): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.run(math.inf), "run(inf): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.run(math.nan), "run(nan): a run lasts longer than 0 s, and ends"),
+        (lambda boat: boat.run(), "say run(seconds)"),
         (lambda boat: boat.restore(5), "restore: this is no snapshot"),
+        (lambda boat: boat.restore(trainer.Boat().snapshot()), "another boat"),
     ],
 )
 def test_what_a_boat_cannot_be_given_is_told_in_one_line(
@@ -411,15 +437,10 @@ def test_what_a_boat_cannot_be_given_is_told_in_one_line(
     with pytest.raises(trainer.TrainerError) as wrong:
         call(boat)
 
-    assert str(wrong.value).startswith(told)
+    assert told in str(wrong.value)
     assert "\n" not in str(wrong.value)
     boat.run(1)
     assert boat.time == 1.0
-
-
-def test_a_run_without_an_end_asks_for_one() -> None:
-    with pytest.raises(trainer.TrainerError, match=r"say run\(seconds\)"):
-        trainer.Boat().run()
 
 
 # Recordings and frames
@@ -469,25 +490,6 @@ def test_a_manoeuvre_by_call_is_that_of_the_command() -> None:
     assert turn.columns["t"].size == turn.columns["z"].size
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ({"name": "turning-circl"}, "no manoeuvre 'turning-circl'; nearest is turning-circle"),
-        ({"name": "turn", "direction": "up"}, "Invalid value for 'direction': 'up' is not one of"),
-        ({"name": "turn", "angle": 91}, "Invalid value for '--angle': 91.0 is not in the range"),
-        ({"name": "turn", "angel": 9}, "no keyword 'angel'; nearest is angle"),
-        ({"name": "turn", "csv": "x"}, "no keyword 'csv'"),
-        ({"name": "turn", "execute": 9}, "--execute: turn has no such parameter"),
-        ({"name": "turn", "vessel": "bb3"}, 'no vessel "bb3"; nearest is bb2'),
-    ],
-)
-def test_a_wrong_manoeuvre_is_told_in_the_command_line_s_words(options: Any, told: str) -> None:
-    with pytest.raises(ConfigError) as wrong:
-        trainer.manoeuvre(**options)
-
-    assert str(wrong.value).startswith(told)
-
-
 @pytest.mark.process  # fleets are compiled
 def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -503,17 +505,6 @@ def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
     for name in study.figures:
         assert study.columns[name].tobytes() == kept.columns[name].tobytes()
         assert study.figures[name].mean == pytest.approx(study.columns[name].mean())
-    with pytest.raises(trainer.TrainerError, match="no study"):
-        trainer.sweep("turn-uncertain")
-
-
-def test_a_fit_by_call_asks_for_what_is_there(tmp_path: Path) -> None:
-    with pytest.raises(trainer.TrainerError, match="no keyword 'modell'; nearest is model"):
-        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-overload]
-    with pytest.raises(trainer.TrainerError, match="Invalid value for '--model'"):
-        trainer.identify_ship("x.trainer", model="7")  # type: ignore[call-overload]
-    with pytest.raises(trainer.TrainerError, match="nix"):
-        trainer.identify_ship(tmp_path / "nix.trainer", model="nomoto1", vessel="bb2")
 
 
 def test_what_is_shipped_is_listed_by_name() -> None:

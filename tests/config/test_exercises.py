@@ -614,10 +614,6 @@ def test_the_exercises_of_the_page_are_exercises() -> None:
         assert parse_exercise(text, Path("page.toml")).schedule_of(1)
 
 
-def test_the_page_names_every_shipped_exercise() -> None:
-    assert all(f"`{name}`" in page("exercises.md") for name in NAMES)
-
-
 def test_a_sea_above_nyquist_for_the_step_is_refused_before_the_run(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"^sea-state-3\.toml: a sea above Nyquist for the step"):
         plan_run(RunOptions(sea="sea-state-3", step=1.0, given=frozenset({"sea", "step"})))

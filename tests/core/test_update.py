@@ -166,6 +166,7 @@ for equations in ("full", "modified", "basic", "longitudinal"):
 """
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     # the call from Python itself wraps its arguments: what counts is what more ticks add to that

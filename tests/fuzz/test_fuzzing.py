@@ -70,22 +70,28 @@ def test_a_tally_that_is_no_number_is_told(tally: Tally, tmp_path: Path) -> None
         tally.read()
 
 
+# what stands for the fuzzer, the end of the failure that is told, and the inputs that are kept
+ENDS = {
+    "killed": (
+        "import os; print('#8\\tNEW', flush=True); os.kill(os.getpid(), 9)",
+        "killed by SIGKILL",
+        8,
+    ),
+    "gives up": ("import sys; print('INFO: begun'); sys.exit(72)", "INFO: begun\nexit code 72", 0),
+    "tries nothing": ("print('INFO: so')", "INFO: so\nit ended without an input", 0),
+}
+
+
 @pytest.mark.process
 @posix
-def test_a_fuzzer_that_was_killed_says_by_which_signal(tally: Tally) -> None:
+@pytest.mark.parametrize("end", ENDS)
+def test_a_fuzzer_that_ends_too_early_says_how(end: str, tally: Tally) -> None:
+    program, told, inputs = ENDS[end]
     found = Found("orders", "a line")
-    told_by("import os; print('#8\\tNEW', flush=True); os.kill(os.getpid(), 9)", found, tally)
+    told_by(program, found, tally)
 
-    assert found.failure.endswith("killed by SIGKILL")
-    assert tally.read() == 8
-
-
-@pytest.mark.process
-def test_a_fuzzer_that_gives_up_says_with_which_exit_code(tally: Tally) -> None:
-    found = Found("orders", "a line")
-    told_by("import sys; print('INFO: begun'); sys.exit(72)", found, tally)
-
-    assert found.failure == "INFO: begun\nexit code 72"
+    assert found.failure.endswith(told)
+    assert tally.read() == inputs
 
 
 @pytest.mark.process
@@ -102,14 +108,6 @@ def test_an_exception_told_beside_the_fuzzer_s_own_words_is_kept(tally: Tally) -
 
     assert "ValueError: here" in found.failure
     assert found.saved == "/x/crash-1"
-
-
-@pytest.mark.process
-def test_a_fuzzer_that_tried_nothing_has_failed(tally: Tally) -> None:
-    found = Found("orders", "a line")
-    told_by("print('INFO: nothing to do')", found, tally)
-
-    assert found.failure == "INFO: nothing to do\nit ended without an input"
 
 
 def test_without_atheris_the_words_that_install_it_are_told(

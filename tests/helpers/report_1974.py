@@ -148,13 +148,13 @@ PROGRAMS: Final = (
         "NUFLET",
         "quasi-Newton with difference gradients; here they are exact",
         "trainer identify FILE --method bfgs",
-        f"{STUDY}::test_every_minimiser_ends_at_the_same_ship",
+        f"{ESTIMATE}::test_every_minimiser_comes_to_the_same_minimum",
     ),
     Row(
         "POWBRE",
         "principal axes, no gradient; here Powell's directions",
         "trainer identify FILE --method direct",
-        f"{STUDY}::test_every_minimiser_ends_at_the_same_ship",
+        f"{ESTIMATE}::test_every_minimiser_comes_to_the_same_minimum",
     ),
     Row(
         "LOOP",
@@ -184,7 +184,7 @@ PROGRAMS: Final = (
         "GRASD",
         "gradient and second derivatives by differences; here of the exact gradient",
         "trainer identify FILE --html FILE",
-        f"{LIKELIHOOD}::test_differences_are_as_exact_as_their_order",
+        f"{ESTIMATE}::test_the_hessian_is_near_the_information",
     ),
     Row(
         "standard deviations, error 6",

@@ -1,6 +1,7 @@
 """Ships whose coefficients are known, and their records."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -178,3 +179,17 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     first = np.array([*table[0, :4], *table[0, 10:]])
     table[:, [0, 1, 2, 3, 10, 11]] += ROLL_NOISE[4:] * stream.standard_normal((samples, 6))
     return Trial(f"rolled {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
+
+
+def write_columns(columns: Mapping[str, Numbers], path: Path) -> Path:
+    """Write columns as a CSV file, an empty field for each NaN; return its path."""
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    path.write_text("\n".join(lines).replace("nan", "") + "\n", encoding="utf-8")
+    return path
+
+
+def trainer_columns(trial: Trial) -> dict[str, Numbers]:
+    """Return a record's columns as the trainer writes them, of a ship that does not roll."""
+    u, v, r, psi, rudder, n = trial.table.T[:6]
+    return {"t": trial.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}

@@ -8,6 +8,7 @@ import pytest
 from helpers.places import environment
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_a_first_fit_compiles_the_kernels_of_its_own_model_alone(tmp_path: Path) -> None:
     pytest.importorskip("scipy")

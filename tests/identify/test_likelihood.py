@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases.reference_ships import TANKER, TANKER_RUDDER
-from helpers.differences import gradient_and_hessian, refined, relative_steps
+from helpers.differences import fourth_order
 from helpers.lanes import sample_cases
 from numpy.testing import assert_allclose
 
@@ -134,18 +134,6 @@ def assert_slope(cost: Any, theta: Any, share: Any = 1e-3) -> None:
     rounding = 1e-13 * abs(value) / steps
     assert value == pytest.approx(cost.value(theta), rel=1e-12)
     assert np.all(np.abs(slope - expected) <= 1e-6 * np.abs(expected) + 3.0 * rounding)
-
-
-def fourth_order(function: Any, theta: Any, steps: Any) -> Any:
-    """Return the gradient with an error of order step^4."""
-    found = []
-    for place, step in enumerate(steps):
-        move = np.zeros_like(theta)
-        move[place] = step
-        near = function(theta + move) - function(theta - move)
-        far = function(theta + 2.0 * move) - function(theta - 2.0 * move)
-        found.append((8.0 * near - far) / (12.0 * step))
-    return np.array(found)
 
 
 def stepped(problem: Any, place: Any) -> Any:
@@ -331,22 +319,6 @@ def test_a_model_left_alone_is_its_transfer_function_in_the_long_run() -> None:
     drift = problem.plant.blocks(problem.values.astype(complex)[None]).drift[0].real
     rest = np.linalg.solve(drift[:2, :2], -drift[:2, 3] * 2.0 - drift[:2, 4])
     assert steady[:2] == pytest.approx(rest, rel=1e-9)
-
-
-def test_differences_are_as_exact_as_their_order() -> Any:
-    def function(x: Any) -> Any:
-        return math.sin(x[0]) * math.exp(x[1])
-
-    theta = np.array([0.7, 0.4])
-    exact = math.exp(0.4) * np.array([math.cos(0.7), math.sin(0.7)])
-    steps = relative_steps(theta, 0.1)
-    plain, fine = gradient_and_hessian(function, theta, steps), refined(function, theta, steps)
-    mixed = math.exp(0.4) * math.cos(0.7)
-    assert_allclose(fine[0], exact, rtol=1e-6)
-    assert abs(plain[0][0] - exact[0]) > 1e-4
-    assert fine[1][0, 1] == pytest.approx(mixed, rel=1e-5)
-    with pytest.raises(ConfigError, match="parameter 2 is 0"):
-        relative_steps(np.array([1.0, 0.0]))
 
 
 def test_errors_too_large_to_be_squared_are_no_likelihood() -> None:

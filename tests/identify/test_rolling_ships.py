@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from helpers.differences import fourth_order
 from helpers.places import ROOT
 from helpers.ships import (
     COEFFICIENTS,
@@ -19,6 +20,8 @@ from helpers.ships import (
     made_record,
     published,
     rolled_zigzag,
+    trainer_columns,
+    write_columns,
 )
 
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
@@ -66,17 +69,15 @@ def test_gradient_and_information_are_those_of_differences(name: str) -> None:
     problem, a = rolling_problem(name)
     _, g, H = problem.slopes(a)
     known = np.sqrt(np.diag(H))
-    found, e_by = [], []
+    found, e_by = fourth_order(problem.cost, a, 1e-3 / known), []
     for e in np.diag(1e-3 / known):
-        at = [problem.cost(a + n * e) for n in (-2, -1, 1, 2)]
-        found.append((at[0] - 8.0 * at[1] + 8.0 * at[2] - at[3]) / 12.0 / e.sum())
         two = [problem.innovations(a + n * e, 0) for n in (-1, 1)]
         e_by.append((two[1] - two[0])[np.isfinite(two[0])] / 2.0 / e.sum())
 
     assert problem.model.states == 6
     assert np.isfinite(problem.cost(a))
     assert known.min() > 0.0
-    assert np.max(np.abs((np.array(found) - g) / known)) < 1e-6
+    assert np.max(np.abs((found - g) / known)) < 1e-6
     # where only the error moves, its square is the information
     moved = np.array([e_by[problem.names.index(each)] for each in ("K_0", "K_v", "Y_phi")])
     places = [problem.names.index(each) for each in ("K_0", "K_v", "Y_phi")]
@@ -138,9 +139,8 @@ def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: ShipFit) ->
 
 def rolled_columns(trial: Trial) -> dict[str, Numbers]:
     """Return a record's columns as the trainer writes them."""
-    u, v, r, psi, rudder, n, *_, p, phi = trial.table.T
-    own = {"t": trial.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
-    return {**own, "p": p, "phi": phi}
+    p, phi = trial.table.T[-2:]
+    return {**trainer_columns(trial), "p": p, "phi": phi}
 
 
 @pytest.fixture(scope="module")
@@ -148,18 +148,11 @@ def columns() -> dict[str, Numbers]:
     return rolled_columns(rolled_zigzag(20.0, seed=1)[0])
 
 
-def written(columns: dict[str, Numbers], path: Path) -> Path:
-    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    path.write_text("\n".join(lines).replace("nan", "") + "\n", encoding="utf-8")
-    return path
-
-
 def test_roll_is_read_where_the_ship_has_a_gm_and_only_there(
     columns: dict[str, Numbers], tmp_path: Path
 ) -> None:
     part = columns | {"phi": np.where(np.arange(300) == 7, math.nan, columns["phi"])}
-    path = written(part, tmp_path / "a.csv")
+    path = write_columns(part, tmp_path / "a.csv")
     rolled, plain = load_trial(path, ROLLING), load_trial(path, SHIP)
 
     own = {"t": "s", "rudder": "rad", "revolutions": "1/s", "speed": "m/s", "sway": "m/s"}
@@ -185,11 +178,11 @@ def test_roll_is_read_where_the_ship_has_a_gm_and_only_there(
 def test_a_bad_roll_is_refused_with_its_remedy(columns: dict[str, Numbers], tmp_path: Path) -> None:
     def refused(change: dict[str, Numbers], every: int = 1, ship: ShipFile = ROLLING) -> str:
         with pytest.raises(ConfigError) as wrong:
-            load_trial(written(columns | change, tmp_path / "bad.csv"), ship, every)
+            load_trial(write_columns(columns | change, tmp_path / "bad.csv"), ship, every)
         return str(wrong.value)
 
     without = {name: one for name, one in columns.items() if name != "phi"}
-    path = written(without, tmp_path / "none.csv")
+    path = write_columns(without, tmp_path / "none.csv")
     with pytest.raises(ConfigError, match=r"none.csv: no roll was recorded, and ship.toml has \["):
         load_trial(path, ROLLING)
     phi, none = columns["phi"], np.full(300, math.nan)
@@ -197,7 +190,7 @@ def test_a_bad_roll_is_refused_with_its_remedy(columns: dict[str, Numbers], tmp_
     assert re.search(r"bad.csv: row 2 on: .*is it in deg, not rad", refused({"phi": phi * 57.3}))
     assert "fewer than 30 rows have one" in refused({"phi": none})
     assert re.search(r"a sample each 6 s, and a roll of ship.toml lasts 29.8 s", refused({}, 3))
-    leaning = load_trial(written(columns | {"phi": -phi}, tmp_path / "a.csv"), ROLLING)
+    leaning = load_trial(write_columns(columns | {"phi": -phi}, tmp_path / "a.csv"), ROLLING)
     assert any("leans into the turn" in text for text in leaning.findings)
 
 

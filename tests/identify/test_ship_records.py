@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers import ships
 from helpers.places import ROOT
-from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
+from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag, trainer_columns, write_columns
 
 import trainer
 from trainer.analysis.manoeuvres.catalogue import adjust_manoeuvre
@@ -49,22 +49,13 @@ Columns = dict[str, Numbers]
 @pytest.fixture(scope="module")
 def columns() -> Columns:
     """Return the columns of a zig-zag as the trainer writes them."""
-    trial, _ = sailed_zigzag(20.0, seed=1)
-    u, v, r, psi, rudder, n = trial.table.T[:6]
-    return {"t": trial.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
-
-
-def written(columns: Columns, path: Path) -> Path:
-    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    path.write_text("\n".join(lines).replace("nan", "") + "\n", encoding="utf-8")
-    return path
+    return trainer_columns(sailed_zigzag(20.0, seed=1)[0])
 
 
 def test_a_record_of_the_trainer_is_read_with_the_rudder_to_starboard(
     columns: Columns, tmp_path: Path
 ) -> None:
-    trial = load_trial(written(columns, tmp_path / "a.csv"), SHIP)
+    trial = load_trial(write_columns(columns, tmp_path / "a.csv"), SHIP)
 
     assert trial.table[:, 0] == pytest.approx(columns["u"])
     assert trial.inputs[:, 0] == pytest.approx(-columns["delta_r"])
@@ -73,7 +64,7 @@ def test_a_record_of_the_trainer_is_read_with_the_rudder_to_starboard(
 
 
 def test_rows_are_averaged_around_the_one_taken(columns: Columns, tmp_path: Path) -> None:
-    trial = load_trial(written(columns, tmp_path / "a.csv"), SHIP, every=5)
+    trial = load_trial(write_columns(columns, tmp_path / "a.csv"), SHIP, every=5)
 
     assert trial.t[:2] == pytest.approx([4.0, 14.0])
     assert trial.table[0, 0] == pytest.approx(columns["u"][:5].mean())
@@ -87,7 +78,7 @@ def test_velocities_over_ground_are_turned_into_the_ship_where_the_water_stands(
     north, east = u * np.cos(psi) - v * np.sin(psi), u * np.sin(psi) + v * np.cos(psi)
     ground = {key: columns[key] for key in ("t", "r", "psi", "delta_r")}
     ground |= {"vx": north, "vy": east, "rpm": 60.0 * columns["n"]}
-    path = written(ground, tmp_path / "a.csv")
+    path = write_columns(ground, tmp_path / "a.csv")
     own = {"t": "t", "rudder": "delta_r", "yaw_rate": "r", "heading": "psi", "revolutions": "rpm"}
     own |= {"north_velocity": "vx", "east_velocity": "vy"}
     units = {"rudder": "rad", "yaw_rate": "rad/s", "heading": "rad", "revolutions": "rpm", "t": "s"}
@@ -110,7 +101,7 @@ def test_wind_by_speed_and_direction_comes_from_ahead_and_starboard(
     columns: Columns, tmp_path: Path
 ) -> None:
     wind = {"wind_ahead": columns["u"], "wind_starboard": 0.0 * columns["u"] + 2.0}
-    trial = load_trial(written({**columns, **wind}, tmp_path / "a.csv"), SHIP)
+    trial = load_trial(write_columns({**columns, **wind}, tmp_path / "a.csv"), SHIP)
 
     assert trial.windy
     assert trial.inputs[:, 3] == pytest.approx(2.0)
@@ -155,7 +146,7 @@ def test_a_bad_record_is_refused_with_its_remedy(
     name: str, columns: Columns, tmp_path: Path
 ) -> None:
     change, told = BAD[name]
-    path = written(change(columns), tmp_path / "bad.csv")
+    path = write_columns(change(columns), tmp_path / "bad.csv")
 
     with pytest.raises(ConfigError, match=told) as wrong:
         load_trial(path, SHIP)
@@ -366,7 +357,7 @@ def asked(*words: str) -> Result:
 
 
 def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path) -> None:
-    record, ship = str(written(columns, tmp_path / "a.csv")), str(tmp_path / "ship.toml")
+    record, ship = str(write_columns(columns, tmp_path / "a.csv")), str(tmp_path / "ship.toml")
     Path(ship).write_text(ship_text(SHIP, ""), encoding="utf-8")
 
     answers = {
@@ -385,7 +376,7 @@ def test_what_the_models_do_not_know_is_refused(columns: Columns, tmp_path: Path
 def test_a_fit_has_a_page_of_its_own_in_which_markup_is_text(
     columns: Columns, tmp_path: Path
 ) -> None:
-    record, ship = str(written(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
+    record, ship = str(write_columns(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
     ship.write_text(ship_text(replace(SHIP, name="<b>tanker</b> & co"), ""), encoding="utf-8")
     page, command = tmp_path / "fit.html", ("identify", record, "--model", "linear")
     more = ("--ship", str(ship), "--predict", record, "--html", str(page), "--json")
@@ -408,7 +399,7 @@ def test_a_fit_has_a_page_of_its_own_in_which_markup_is_text(
 def test_a_fit_that_has_no_slope_answers_null_and_says_why(
     columns: Columns, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    record, ship = str(written(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
+    record, ship = str(write_columns(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
     ship.write_text(ship_text(SHIP, ""), encoding="utf-8")
     own = fit.held_slopes
 
@@ -432,7 +423,7 @@ def test_a_fit_that_has_no_slope_answers_null_and_says_why(
 
 
 def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:
-    record = written(columns, tmp_path / "a.csv")
+    record = write_columns(columns, tmp_path / "a.csv")
 
     with pytest.raises(ConfigError, match="model mmg: is fitted by the command"):
         trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[call-overload]
@@ -486,11 +477,9 @@ def test_a_record_of_another_ship_is_not_fitted_with_it(
     monkeypatch.setattr(
         ships, "COEFFICIENTS", {**COEFFICIENTS, "N_F": 0.3, "N_v": -1.0, "N_r": -4.0}
     )
-    other, _ = sailed_zigzag(20.0, seed=2)
-    u, v, r, psi, rudder, n = other.table.T[:6]
-    strange = {"t": other.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
-    first = str(written(columns, tmp_path / "a.csv"))
-    second = str(written(strange, tmp_path / "b.csv"))
+    strange = trainer_columns(sailed_zigzag(20.0, seed=2)[0])
+    first = str(write_columns(columns, tmp_path / "a.csv"))
+    second = str(write_columns(strange, tmp_path / "b.csv"))
     (tmp_path / "ship.toml").write_text(ship_text(SHIP, ""), encoding="utf-8")
 
     answer = asked(

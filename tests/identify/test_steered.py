@@ -52,13 +52,18 @@ def nomoto_file(**changes: Any) -> Any:
     return NomotoFile(**{**numbers, **changes})
 
 
+def steered(ship: NomotoShip, rudder: float, ticks: int) -> dict[str, float]:
+    """Return what a ship shows after so many ticks with a rudder [rad]."""
+    ship.start(SPEED)
+    ship.order("rudder", rudder)
+    for _ in range(ticks):
+        ship.advance()
+    return dict(zip(ship.columns, ship.observe(), strict=True))
+
+
 def test_a_nomoto_ship_turns_at_its_gain_after_long() -> None:
     ship = NomotoShip(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
-    ship.start(SPEED)
-    ship.order("rudder", math.radians(10.0))
-    for _ in range(1200):
-        ship.advance()
-    seen = dict(zip(ship.columns, ship.observe(), strict=True))
+    seen = steered(ship, math.radians(10.0), 1200)
     # starboard rudder is negative: r = K delta, v = K_v delta
     assert seen["r"] == pytest.approx(0.05 * math.radians(10.0), rel=1e-6)
     assert seen["v"] == pytest.approx(-2.0 * math.radians(10.0), rel=1e-6)
@@ -69,34 +74,25 @@ def test_a_nomoto_ship_turns_at_its_gain_after_long() -> None:
 def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
     # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
     ship = NomotoShip(nomoto_file(kappa_s2=400.0, **second))
-    ship.start(SPEED)
-    ship.order("rudder", 0.2)
-    for _ in range(2000):
-        ship.advance()
+    seen = steered(ship, 0.2, 2000)
     r = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * 0.01)) / 40.0
-    assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
+    assert seen["r"] == pytest.approx(r, rel=1e-9)
 
 
 def test_a_ship_with_bech_s_curve_turns_as_its_steady_helm_says() -> None:
     curve = {"H1_s": 9.0, "H2_s2": -700.0, "H3_s3": -4e4}
     ship = NomotoShip(nomoto_file(K_per_s=0.11, T1_s=-300.0, T2_s=13.0, T3_s=33.0, **curve))
-    ship.start(SPEED)
-    ship.order("rudder", -0.3)  # to port
-    for _ in range(4000):
-        ship.advance()
-    r = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    seen = steered(ship, -0.3, 4000)  # to port
+    r = seen["r"]
     assert 9.0 * r - 700.0 * abs(r) * r - 4e4 * r**3 == pytest.approx(0.3, rel=1e-6)
     assert r < 0.0
 
 
 def test_a_first_order_ship_follows_its_exponential() -> None:
     ship = NomotoShip(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
-    ship.start(SPEED)
-    ship.order("rudder", 0.1)
-    for _ in range(60):
-        ship.advance()
+    seen = steered(ship, 0.1, 60)
     # after T1 = 30 s, less the step in which the rudder moves
-    rate = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    rate = seen["r"]
     assert rate == pytest.approx(0.05 * 0.1 * (1.0 - math.exp(-1.0)), rel=0.02)
 
 
@@ -108,17 +104,10 @@ def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle() -> None:
     assert flight.lost == ""
 
 
-def spin(ship: Any) -> None:
-    for _ in range(2000):
-        ship.advance()
-
-
 def test_an_unstable_ship_is_lost_and_another_speed_refused() -> None:
     ship = NomotoShip(nomoto_file(T1_s=-5.0, K_per_s=0.05))
-    ship.start(SPEED)
-    ship.order("rudder", 0.3)
     with pytest.raises(LostError, match="spins"):
-        spin(ship)
+        steered(ship, 0.3, 2000)
     with pytest.raises(ConfigError, match="identified at 10 kn, not at 15 kn"):
         ship.start(15.0 * KNOT)
 
@@ -194,6 +183,12 @@ def test_a_plot_of_a_nomoto_ship_leaves_out_what_she_has_not(tmp_path: Path) -> 
     assert plot.stat().st_size > 0
 
 
+def steering_of_file(path: Path, *more: str) -> Any:
+    """Return the report of ``trainer ship steering`` about a file."""
+    words = [str(path), *more, "--json"]
+    return json.loads(CliRunner().invoke(steering, words, catch_exceptions=False).stdout)
+
+
 def fernstrom(folder: Path) -> Path:
     """Write the page's file of A K Fernstrom, unstable, section 8; return its path."""
     path = folder / "fernstrom.toml"
@@ -209,8 +204,7 @@ def flown(name: str, path: Path) -> dict[str, float]:
 @pytest.mark.long
 def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path) -> None:
     path = fernstrom(tmp_path)
-    result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
-    at = json.loads(result.stdout)["speeds"][0]
+    at = steering_of_file(path)["speeds"][0]
     rate, fold_rate, fold = at["loop"]
     # by hand: 1/(1230 0.114), half of it, and 1/(4 1230 0.114^2)
     assert (rate * DEGREE, fold_rate * DEGREE) == pytest.approx((0.0071317, 0.0035658), rel=1e-4)
@@ -292,8 +286,7 @@ def tabled(folder: Path, row: Any) -> tuple[Path, float, float]:
 def test_a_table_of_derivatives_gives_the_gains_printed_beside_it(row: Any, tmp_path: Path) -> None:
     """Tables 8.1, 9.1 and 10.2 give 9.2 and 10.3, within what the digits printed leave open."""
     path, L, V = tabled(tmp_path, row)
-    result = CliRunner().invoke(steering, [str(path), "--json"], catch_exceptions=False)
-    numbers = json.loads(result.stdout)["speeds"][0]["numbers"]
+    numbers = steering_of_file(path)["speeds"][0]["numbers"]
     units = {"K": V / L, "Kv": V}
     compared = 0
     for name, told in row["comparison"].items():
@@ -379,9 +372,8 @@ def by_old_methods(path: Path, manoeuvre_name: str, *arguments: str) -> dict[Any
 
 
 def recorded(path: Path, record: Path) -> dict[Any, Any]:
-    asked = [str(path), "--record", str(record), "--json"]
-    result = CliRunner().invoke(steering, asked, catch_exceptions=False)
-    return {(one["method"], one["name"]): one for one in json.loads(result.stdout)["recorded"]}
+    found = steering_of_file(path, "--record", str(record))["recorded"]
+    return {(one["method"], one["name"]): one for one in found}
 
 
 def test_a_turn_of_sea_splendour_has_the_gain_and_lag_of_table_9_2(tmp_path: Path) -> None:
@@ -471,8 +463,7 @@ def test_a_record_without_helm_is_refused(tmp_path: Path) -> None:
 def test_the_third_order_model_has_the_numbers_of_table_6_2(tmp_path: Path) -> None:
     """Atlantic Song: K' -2.38, T' 8.32, 1.11 and 4.61 are K -0.115 1/s, T 172.3, 22.9, 95.5 s."""
     ship = printed_ship(tmp_path, "Atlantic Song", SONG)
-    result = CliRunner().invoke(steering, [str(ship), "--json"], catch_exceptions=False)
-    numbers = json.loads(result.stdout)["speeds"][0]["numbers"]
+    numbers = steering_of_file(ship)["speeds"][0]["numbers"]
     printed = {"K": (-0.115, 0.0005), "T1": (172.3, 0.15), "T2": (22.9, 0.1), "T3": (95.5, 0.1)}
     for name, (value, within) in printed.items():
         assert numbers[name] == pytest.approx(value, abs=within)

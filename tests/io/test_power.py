@@ -272,6 +272,7 @@ def test_a_recording_that_is_begun_is_on_the_disk_with_its_header(
         assert recording.header()["vessel"] == "x" * 50_000
 
 
+@pytest.mark.process
 @pytest.mark.slow
 def test_power_lost_many_times_takes_nothing_that_is_older_than_a_second(
     tmp_path: Path, layer: Path

@@ -185,7 +185,7 @@ def test_who_takes_no_answer_is_cut_off() -> None:
 
 @pytest.mark.usefixtures("hurried")
 def test_an_open_line_may_be_silent() -> None:
-    with pages() as stub, dialled(stub.port) as line:
+    with pages(ws_ping_interval=0.1, ws_ping_timeout=2.0) as stub, dialled(stub.port) as line:
         await_that(lambda: stub.sessions)
         with contextlib.suppress(TimeoutError):
             line.recv(3.0 * SHORT_S)
@@ -194,15 +194,17 @@ def test_an_open_line_may_be_silent() -> None:
 
 
 @pytest.mark.usefixtures("hurried")
-def test_a_line_that_is_not_read_is_closed_for_good() -> None:
+@pytest.mark.parametrize("told", [0, 100_000], ids=["told nothing", "told much"])
+def test_a_line_that_answers_no_ping_is_closed_for_good(told: int) -> None:
     line = b"$TRE,1,0.5,order,%s*00\n" % (b"x" * 1000)
     with (
         pages(ws_ping_interval=0.1, ws_ping_timeout=0.5) as stub,
         upgraded(stub.port),
     ):
         await_that(lambda: stub.sessions)
+        assert stub.sessions[0].recv(4096).startswith(b"PROXY TCP4 127.0.0.1 ")  # whose line it is
         with contextlib.suppress(OSError):  # the line is closed meanwhile
-            for _ in range(100_000):
+            for _ in range(told):
                 stub.sessions[0].sendall(line)
         await_that(lambda: not stub.machines)
 

@@ -38,7 +38,6 @@ from soak.session_process import Caller
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
-from trainer import __version__
 from trainer.cli.main import cli
 from trainer.config import extras
 from trainer.config.files import ConfigError
@@ -599,28 +598,6 @@ def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> Non
         page.goto(f"{shared.url}/{name}")
         expect(page.locator("#older")).to_be_visible()
         expect(page.locator("#older a")).to_have_text("Load it again")
-
-
-def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> None:
-    with (
-        pages(ws_ping_interval=0.1, ws_ping_timeout=2.0) as stub,
-        dialled(stub.port) as idle,
-        socket.socket() as asleep,
-    ):
-        await_that(lambda: len(stub.sessions) == 1)
-        asleep.connect(("127.0.0.1", stub.port))
-        asleep.sendall(
-            f"GET /line?version={__version__} HTTP/1.1\r\nHost: 127.0.0.1:{stub.port}\r\n"
-            f"Origin: http://127.0.0.1:{stub.port}\r\nConnection: Upgrade\r\n"
-            "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
-        )
-        await_that(lambda: len(stub.sessions) == 2)
-        assert stub.sessions[1].recv(4096).startswith(b"PROXY TCP4 127.0.0.1 ")  # whose line it is
-        assert stub.sessions[1].recv(1) == b""  # it answers no ping
-
-        stub.sessions[0].sendall(b"still here\n")  # after a dozen pings
-        assert idle.recv(PATIENCE) == "still here"
 
 
 # What comes back, and what ends
