@@ -134,7 +134,7 @@ def order_of(tick: int, giver: Giver, text: str, entry: int | None = None) -> Re
 
 
 class FreeRun(NoCurve):
-    """A branch has no marks; one that begins before what made it free may have them."""
+    """A branch has no marks; another one may have them."""
 
 
 @dataclass
