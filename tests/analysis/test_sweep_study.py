@@ -11,7 +11,14 @@ from click.testing import CliRunner, Result
 from helpers.places import ROOT
 
 from trainer.analysis.sweep.job import job_of, open_job
-from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
+from trainer.analysis.sweep.report import (
+    SweepReport,
+    effects_of,
+    panels,
+    render,
+    report_of,
+    spread_of,
+)
 from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.analysis.sweep.sweep import check_pyarrow
 from trainer.cli.main import cli
@@ -214,6 +221,13 @@ def test_the_plot_has_the_distribution_and_the_tornado(tmp_path: Path, form: str
     assert again.read_bytes() == data
     wrong = ask(tmp_path, "--plot", str(plot), "--measure", "stedy speed")
     assert "nearest is steady speed" in str(wrong.exception)
+
+
+def test_what_came_to_nothing_is_counted_as_people_count() -> None:
+    troubles = {"it broke": 1, "it sank": 3}
+    page = render(SweepReport("a study", "a.parquet", "grid", 1, 9, 4, troubles, (), {}))
+
+    assert "4 of 9 came to nothing:\n    once: it broke\n    3 times: it sank" in page
 
 
 def test_a_spread_is_of_the_members_that_came_to_it() -> None:

@@ -6,6 +6,7 @@ import pytest
 from helpers.screens import (
     CREW,
     VALUES,
+    ScriptedLine,
     Tape,
     at_the_console,
     pressed,
@@ -19,7 +20,10 @@ from textual.pilot import Pilot
 
 from trainer.console.app import Console
 from trainer.console.client import LineLoss, RoleTaken
-from trainer.console.pane import Pane
+from trainer.console.drawing.dials import Gauge, dial
+from trainer.console.layouts import LAYOUTS
+from trainer.console.model import SessionModel
+from trainer.console.pane import Pane, plain
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Refused
 
@@ -145,6 +149,25 @@ def test_a_colon_begins_an_order_also_while_one_is_to_be_repeated() -> None:
     talk = ordered("helm", COURSE)
     new(talk, "course 045")
     assert pressed(("colon", *typed("rudder right 9"), "enter"), "helm", talk) == ["rudder right 9"]
+
+
+def test_a_colon_before_an_order_on_a_line_that_is_open_is_no_part_of_it() -> None:
+    order = (*typed("rudder right 9"), "enter")
+    assert pressed(("colon", "colon", *order), "helm", ordered("helm", COURSE)) == [
+        "rudder right 9"
+    ]
+
+
+def test_a_narrow_chart_leaves_out_its_unit_before_it_touches_the_value() -> None:
+    told = {"course": "0", "course_error": "0.2"}
+    screen_of(ordered("trainee", told), "trainee", "╌╌ 000     2 min", size=(60, 20))
+
+
+def test_a_rate_is_shown_with_its_side_or_not_at_all() -> None:
+    gauge = Gauge("depth", "depth", "60.0", "m", "", "0.44 m/s down")
+    model = SessionModel(ScriptedLine(), "trainee", LAYOUTS["trainee"].charts)
+    assert plain(dial(model, gauge, 26)[:1]) == " depth  m  0.44 m/s down"
+    assert plain(dial(model, gauge, 20)[:1]) == " depth  m"
 
 
 def test_enter_on_the_open_and_empty_line_repeats_too() -> None:

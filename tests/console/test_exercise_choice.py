@@ -8,14 +8,18 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from helpers.places import environment
+from helpers.recorded import record
 from helpers.screens import run_aside, typed
 from textual import events
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
+from trainer.cli.main import cli
 from trainer.cli.run import trained
 from trainer.config.course import Lesson, course, lessons
 from trainer.config.files import shipped_names
@@ -298,3 +302,16 @@ def test_who_trains_is_remembered_by_the_name_of_his_account(
     assert trained(RunOptions()).trainee == ()
     monkeypatch.setattr("getpass.getuser", lambda: "CORP\\ann")  # no name of a file
     assert trained(alone).trainee == ()
+
+
+@pytest.mark.parametrize(("names", "told"), [(("Ada",), ("Ada",)), ((), ("ann",))])
+def test_who_trains_alone_goes_on_under_the_name_of_the_recording(
+    names: tuple[str, ...], told: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = record(tmp_path / "a.trainer", "first-depth-change", {}, duration=1.0, trainee=names)
+    begun: list[RunOptions] = []
+    monkeypatch.setattr(command, "account_names", lambda: ("ann",))
+    monkeypatch.setattr(command, "set_out", lambda asked, *_, **__: begun.append(asked))
+    for words in ([], ["--train"]):
+        assert CliRunner().invoke(cli, ["resume", str(kept), *words]).exit_code == 0
+    assert [(each.train, each.trainee) for each in begun] == [(False, ()), (True, told)]

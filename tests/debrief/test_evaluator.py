@@ -1,6 +1,7 @@
 """What a careful crew could still earn, found of a recording while it is being written."""
 
 import base64
+import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -82,6 +83,14 @@ def test_a_wrong_order_costs_what_it_would_bring_and_one_that_is_refused_says_wh
     assert blown["refused"] == ""
     assert "greatest depth" in evaluator.answer(asked(recording, 180, "depth 2000"))["refused"]
     assert evaluator.answer(asked(recording, 180)) == alone
+
+
+def test_a_run_that_is_flown_on_without_marks_says_so_apart(tmp_path: Path) -> None:
+    free = {20.0: "casualty stern-stuck"}
+    path = record(tmp_path / "free.trainer", "first-depth-change", free, duration=40.0)
+    with open_recording(path) as opened:
+        line = json.dumps(asked(opened, 60))
+    assert list(answers(path, iter([line]))) == [{"free": "a free run has no marks"}]
 
 
 def test_a_run_without_a_curve_says_why_on_every_line(tmp_path: Path) -> None:

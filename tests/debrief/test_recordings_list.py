@@ -237,7 +237,8 @@ def test_the_branch_that_reached_the_end_is_judged_not_one_begun_after_it(
         as_text(read_compared(kept, DebriefRequest())),
         next(list_lines([list_recording(kept)])),
     )
-    assert f"This is branch {branch} of 2; --branch {'2' if branch == 1 else 'N'} shows" in told
+    command = f"trainer debrief {kept.name} --branch {'2' if branch == 1 else 'N'}"
+    assert f"This is branch {branch} of 2; {command} shows" in " ".join(told.split())
     assert line.endswith(" (branch 1 of 2)") is (branch == 1)
     assert find_branch(Recording.look(kept), kept, None).id == branch
 

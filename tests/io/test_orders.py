@@ -252,6 +252,9 @@ MISTYPED = [
     ("speed 61", "0 to 60 kn"),
     ("rpm 2001", "-2000 to 2000 rpm"),
     ("rudder 20 left", '"left" after "rudder 20"; did you mean rudder left 20?'),
+    ("35 left rudder", '"35 left rudder" is no order; did you mean rudder left 35?'),
+    ("80 depth", '"80 depth" is no order; did you mean depth 80 m?'),
+    ("dive 10 stern", '"dive 10 stern" is no order; did you mean stern planes dive 10?'),
     ("rudder 500 deg left", "did you mean rudder left 500 deg? 500: an angle is 0 to 90 deg"),
     ("order course 045 left", "did you mean order course left 045?"),
     ("step 2.5", "has no decimals"),
@@ -383,7 +386,9 @@ def test_an_answer_is_the_one_that_all_orders_together_give(line: str, data: st.
     answer = parse(mistyped)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            grammar, "HEAD_READINGS", dict.fromkeys(tokenise(mistyped)[:1], FORM_READINGS)
+            grammar,
+            "HEAD_READINGS",
+            grammar.HEAD_READINGS | dict.fromkeys(tokenise(mistyped)[:1], FORM_READINGS),
         )
         assert parse(mistyped) == answer
 

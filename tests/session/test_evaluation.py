@@ -154,6 +154,20 @@ def test_a_process_that_dies_is_told_and_begun_again_three_times(ship: Crewed) -
     assert "ended 3 times" in ship.refused("what if planes zero")
 
 
+def test_a_branch_without_marks_is_told_once_and_the_next_one_is_evaluated(ship: Crewed) -> None:
+    Answering.answer = {"free": "a free run has no marks"}
+    ship.fly(1)
+    ship.settle(lambda: ship.facts(ship.instructor, "no-attainable"))
+    ship.fly(40)
+    ship.order("status")
+    assert "evaluation: a free run has no marks" in ship.said
+    Answering.answer = ANSWER
+    ship.order("freeze")
+    ship.order("backtrack 10")
+    ship.settle(lambda: ship.facts(ship.instructor, "attainable"))
+    assert ship.facts(ship.instructor, "no-attainable") == ["a free run has no marks"]
+
+
 def test_a_fall_of_the_marks_is_told_in_words_and_recorded(ship: Crewed) -> None:
     for count, ticks in enumerate((1, 19), 1):
         ship.fly(ticks)

@@ -168,6 +168,9 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     assert told.count("outcome") == 1  # nothing was flown of the other
     assert told.index("outcome") < told.index("simulated")
     assert re.search(r"outcome     time is up at 20 s; \d+ marks of 100\n +Time to 65 m: ", told)
+    reasons = [line for line in told.splitlines() if line.startswith(" " * 12)]
+    assert any(line.startswith(" " * 14) for line in reasons)
+    assert max(map(len, reasons)) <= 80
     assert len(list(exercise.parent.rglob("recordings/*.trainer"))) == 2
 
 

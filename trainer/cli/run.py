@@ -346,6 +346,7 @@ def serve(**options: Any) -> None:
 @console_options
 @rerun_options
 @port_options(listen=None, socket=None)
+@click.option("--train", is_flag=True, help="Who trains alone goes on: nothing hidden is told.")
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
 def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **options: Any) -> None:
@@ -353,11 +354,11 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
     nobody could say run, it goes on at once unless --frozen is given. On a terminal it shows the
-    instructor's console, as `trainer run` does.
+    instructor's console, as `trainer run` does; with --train that of who trains alone.
 
     \b
     Example:  trainer resume drill.trainer
-              trainer resume --last
+              trainer resume --last --train
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
     path = named_recording(file, last=last)
@@ -368,7 +369,18 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
 
         sys.exit(resume_boat(path, chosen, debriefing(), anyway=anyway))
 
-    set_out(run_options(options), go_on, lambda asked: asked, teletype=teletype)
+    chosen = run_options(options)
+    if chosen.train:
+        chosen = replace(chosen, trainee=trained_before(path) or account_names())
+    set_out(chosen, go_on, lambda asked: asked, teletype=teletype)
+
+
+def trained_before(path: Path) -> tuple[str, ...]:
+    """Return the names of who is trained in a recording."""
+    from trainer.session.header import open_recording, trainees_of
+
+    with open_recording(path) as recording:
+        return trainees_of(recording.header())
 
 
 @click.command()

@@ -151,7 +151,7 @@ class Entry(Input):
 
     def _submit(self) -> None:
         """Send the line before any key that follows, and keep it for those that want it again."""
-        words = self.value.strip()
+        words = self.value.strip().removeprefix(":").lstrip()  # of who types it as at the controls
         if words and self._history[-1:] != [words]:
             self._history.append(words)
         self._index = len(self._history)

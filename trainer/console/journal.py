@@ -109,6 +109,11 @@ class Timeline:
             if math.isfinite(seconds := float(when)):
                 self.plans.append(TimelineMoment(seconds, sign, text))
 
+    def take_attainable(self, _seconds: float, subject: str) -> None:
+        """Take the marks still to be had; there are some again where there were none."""
+        self.attainable.append(AttainablePoint.of(subject))
+        self.unevaluated = ""
+
     def take_unevaluated(self, _seconds: float, reason: str) -> None:
         """Take why no marks still to be had are told."""
         self.unevaluated = reason

@@ -15,7 +15,7 @@ from trainer.console.charts import Charts, Quantity
 from trainer.console.client import Greeting, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.crew import CrewOrders
 from trainer.console.exercise import Exercise
-from trainer.console.journal import AttainablePoint, Journal, Timeline, TimelineMoment, entry_of
+from trainer.console.journal import Journal, Timeline, TimelineMoment, entry_of
 from trainer.console.past import EVENTS_CHANNEL, PAST_FACT, PastAnswers
 from trainer.console.readings import ChannelReadings
 from trainer.console.vessel import CasualtyOffer, Vessel
@@ -130,7 +130,7 @@ class SessionModel:
             "snapshot": lambda s, name: timeline.coming.append(TimelineMoment(s, "S", name)),
             "plans": lambda *_: timeline.plans.clear(),  # the whole list comes anew
             "planned": timeline.take_plan,
-            "attainable": lambda _, text: timeline.attainable.append(AttainablePoint.of(text)),
+            "attainable": timeline.take_attainable,
             "no-attainable": timeline.take_unevaluated,
             "range": vessel.take_range,
             "casualty": lambda _, text: vessel.coming.append(CasualtyOffer(*text.split(",", 2))),

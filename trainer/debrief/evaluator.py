@@ -133,6 +133,10 @@ def order_of(tick: int, giver: Giver, text: str, entry: int | None = None) -> Re
     return RecordedOrder(0, 1, tick, giver, text, entry, None, "")
 
 
+class FreeRun(NoCurve):
+    """A branch has no marks; another one may have them."""
+
+
 @dataclass
 class Evaluator:
     """The answers about one recording that is being written."""
@@ -174,7 +178,7 @@ class Evaluator:
     def _marks(self, past: Trajectory, run: Rehearsal) -> dict[str, Any]:
         card = self.follower.judge(join_runs(past, run.trajectory))
         if card.verdict is not None and card.verdict.free:
-            raise NoCurve("a free run has no marks")
+            raise FreeRun("a free run has no marks")
         point = point_of(0, card)
         return {"marks": point.marks, "won": point.won, "lost": point.lost}
 
@@ -199,6 +203,8 @@ def answers(source: Path, lines: Iterator[str]) -> Iterator[dict[str, Any]]:
             try:
                 evaluator = evaluator or Evaluator.of(recording, source)
                 yield evaluator.answer(json.loads(line))
+            except FreeRun as free:
+                yield {"free": free.why}
             except (NoCurve, ConfigError) as none:
                 yield {"why": getattr(none, "why", str(none))}
 

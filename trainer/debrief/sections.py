@@ -93,10 +93,11 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
 def branch_notes(debrief: DebriefData) -> Iterator[str]:
     """Yield which branch this is, where there are several."""
     here, latest = debrief.branch.id, debrief.branches[-1][0].id
+    words = f"trainer debrief {plain(debrief.source.name)} --branch"
     if here != latest:
-        yield f"This is branch {here} of {latest}; --branch {latest} shows what was flown last."
+        yield f"This is branch {here} of {latest}; {words} {latest} shows what was flown last."
     elif latest > 1:
-        yield f"This is branch {latest} of {latest}; --branch N shows an earlier one."
+        yield f"This is branch {latest} of {latest}; {words} N shows an earlier one."
 
 
 def _how_flown(debrief: DebriefData) -> Iterator[str]:

@@ -6,6 +6,7 @@ returns. A run without any trouble gets one line; ``--verbose`` adds the load an
 
 import math
 import shlex
+import textwrap
 from dataclasses import dataclass
 
 import click
@@ -21,6 +22,7 @@ from trainer.session.session import Session
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
+RESULT_WIDTH = 80  # [columns] of the reasons of a result
 # duty cycle of the report's program on its own machine, by step
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
@@ -94,7 +96,9 @@ def outcome_lines(session: Session) -> list[str]:
     lost = f": {ending.why}" if ending.why else ""
     ended = f"{ending.over}{lost}" if ending.over else f"left at {session.boat.time:g} s"
     outcome = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
-    return [outcome, *(f"            {each}" for each in (marks.reasons if marks else ()))]
+    shape = textwrap.TextWrapper(RESULT_WIDTH, " " * 12, " " * 14, break_on_hyphens=False)
+    reasons = marks.reasons if marks else ()
+    return [outcome, *(line for each in reasons for line in shape.wrap(each))]
 
 
 def describe_missing(recording: Recording | NoRecording) -> str:

@@ -109,6 +109,7 @@ class Evaluation:
     _thread: threading.Thread | None = None
     _process: EvaluatorProcess | None = None
     _behind: bool = False
+    _free: int = 0  # the branch that was told to have no marks
     _best: tuple[int, float, float] | None = None  # branch, marks [%] and time [s] told last
 
     def begin(self, words: Sequence[str], kept: Path | None, plan: Plan) -> None:
@@ -166,6 +167,8 @@ class Evaluation:
         """Return what is known, in a line."""
         if self.why_none or self.latest is None:
             return f"evaluation: {self.why_none.reason if self.why_none else 'not yet known'}"
+        if self.latest.what == "no-attainable":
+            return f"evaluation: {self.latest.subject}"
         seconds, marks, so_far, _, branch, left_out = self.latest.subject.split(",")
         behind = f", {left_out} moments left out" if self.left_out else ""
         return (
@@ -252,10 +255,22 @@ class Evaluation:
             if question.asked:
                 self._answer(question, Refused(f"no evaluation: {why}"))
             self._give_up(why)
+        elif free := answer.get("free", ""):
+            self._take_free(question, free)
         elif question.asked:
             self._answer(question, answer_in_words(question, answer))
         else:
             self._take_marks(question, answer)
+
+    def _take_free(self, question: Question, why: str) -> None:
+        """Tell once that a branch has no marks. After a jump back there may be marks again."""
+        if question.asked:
+            self._answer(question, Refused(f"no evaluation: {why}"))
+        branch = self.history.recording.branch
+        if question.moment.branch == branch != self._free:
+            self._free = branch
+            self._note(Fact("no-attainable", why))
+            self._tell(f"no evaluation: {why}")
 
     def _take_marks(self, question: Question, answer: Mapping[str, Any]) -> None:
         branch, marks, seconds = question.moment.branch, answer["marks"], question.seconds

@@ -163,7 +163,8 @@ def render(report: SweepReport) -> str:
     if report.troubled:
         lines += ["", f"{INDENT}{report.troubled} of {report.members} came to nothing:"]
         for text, count in report.troubles.items():
-            lines += wrap(f"{count} times: {text}", 2 * INDENT, 3 * INDENT)
+            times = "once" if count == 1 else f"{count} times"
+            lines += wrap(f"{times}: {text}", 2 * INDENT, 3 * INDENT)
     return "\n".join(lines)
 
 

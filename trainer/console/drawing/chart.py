@@ -15,7 +15,7 @@ from trainer.console.drawing.aids import interpolated_way, way_ahead
 from trainer.console.drawing.crew_orders import in_feet
 from trainer.console.drawing.values import NO_VALUE, course, number
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, Run, beside, fit, line
+from trainer.console.pane import Line, Lines, Run, beside, fit, length, line
 from trainer.console.readings import CIRCULAR_FIELDS
 from trainer.units import FOOT
 
@@ -164,8 +164,10 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     ghost_text = "" if ghost == NO_VALUE else f" {GHOST_SIGN} {ghost}"
     inks = ("heading", "heading-value", "heading-ordered", "heading-dim")
     name_line = line(*zip((f" {name} ", actual, ordered_text, ghost_text), inks, strict=True))
-    right = line((f"{unit}  {minutes(span)} ", "heading-dim"))
-    return beside(name_line, right, width, "heading")
+    right = f"{unit}  {minutes(span)} "
+    if length(name_line) + len(right) >= width:
+        right = f" {minutes(span)} "
+    return beside(name_line, line((right, "heading-dim")), width, "heading")
 
 
 def unit_of(drawn: Quantity, model: SessionModel) -> tuple[str, float]:

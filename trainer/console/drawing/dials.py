@@ -75,8 +75,11 @@ def dial(model: SessionModel, gauge: Gauge, room: int) -> Lines:
     rows = large(gauge.text)
     if len(rows[0]) >= room:  # half a digit is another
         rows = "", gauge.text, ""
+    name, unit, rate = f" {gauge.label}", f"  {gauge.unit}", f"  {gauge.rate}"
+    if len(name + unit + rate) > room:  # a rate without its side says too little
+        rate = ""
     return [
-        line((f" {gauge.label}", "heading"), (f"  {gauge.unit}  {gauge.rate}", "heading-dim")),
+        line((name, "heading"), (unit + rate, "heading-dim")),
         *(line((f" {row}", "value")) for row in rows),
         order_beside(model, gauge.axis, gauge.automatic, room),
     ]

@@ -239,14 +239,22 @@ def understood_order(*words: str) -> Order:
 
 
 def moved_word(tokens: list[str]) -> str:
-    """Return the hint to say a word further ahead, "" where none helps."""
-    for last, first in ((j, i) for j in range(2, len(tokens)) for i in range(1, j)):
-        moved = [*tokens[:first], tokens[last], *tokens[first:last], *tokens[last + 1 :]]
+    """Return the hint to say a word further ahead, "" where none helps.
+
+    The last word may be meant as the first, or all words in reverse, as in "35 left rudder".
+    """
+    places = [(j, i) for j in range(2, len(tokens)) for i in range(1, j)]
+    moves = [(j, [*tokens[:i], tokens[j], *tokens[i:j], *tokens[j + 1 :]]) for j, i in places]
+    for last, moved in [*moves, (0, [tokens[-1], *tokens[:-1]]), (0, tokens[::-1])]:
+        if not last and moved[0] not in ORDER_HEADS:
+            continue
         try:
             reading = read_form(moved)
         except RefusedError:
             continue
-        hint = f'"{tokens[last]}" after "{" ".join(tokens[:last])}"; did you mean'
+        before = f' after "{" ".join(tokens[:last])}"'
+        said = f'"{tokens[last]}"{before}' if last else f'"{" ".join(tokens)}" is no order'
+        hint = f"{said}; did you mean"
         try:
             return f"{hint} {order(reading).text}?"
         except RefusedError as beyond:
