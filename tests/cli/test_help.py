@@ -15,6 +15,7 @@ from helpers.decca_run import write_run
 from helpers.nursery import start_trainer
 from helpers.places import ROOT
 from helpers.shell import FILES, Done, shell_environment, trainer_words, typed, understand
+from helpers.waiting import eventually
 
 from trainer.cli.main import cli
 from trainer.report.pdf import find_browser
@@ -83,7 +84,8 @@ FIRST = {  # what is typed before
     "trainer exercise validate": ("trainer exercise new drill.toml",),
     "trainer debrief": (DRILL, f"{FLIGHT.format('depth-changes')} --record {KEPT}/kept.trainer"),
     "trainer recordings": (DRILL, f"cp drill.trainer {KEPT}", "mv drill.trainer drills"),
-    "trainer resume": (DRILL,),
+    "trainer resume": (DRILL, f"cp drill.trainer {KEPT}"),
+    "trainer boat estimate": ("rm -f hull.toml boat.toml",),
     "trainer replay": (DRILL,),
     "trainer export": (DRILL,),
     "trainer boat export-page": (DRILL,),
@@ -108,6 +110,8 @@ FIRST = {  # what is typed before
         "rm -rf lesson trial.toml study.toml",
         "trainer identify --example lesson",
         "cp lesson/example.csv trial.csv",
+        "trainer boat manoeuvre zigzag-20 known.toml --duration 800 --csv zz20.csv",
+        "rm -f ship.toml",
     ),
 }
 PATIENCE = 5.0  # [s] from one Ctrl-C to the next
@@ -307,6 +311,8 @@ def typist(tmp_path: Path) -> Iterator[Typist]:
 def test_the_examples_of_a_help_page_work(page: str, typist: Typist) -> None:
     for line in FIRST.get(page, ()):
         assert typist.type(line).returncode == 0, line
+    if DRILL in FIRST.get(page, ()):  # whose progress is kept beside it, and after its end
+        assert eventually(lambda: [*typist.folder.rglob("a. jones.json")])
 
     for line in examples(PAGES[page]):
         done = typist.type(line)

@@ -114,10 +114,10 @@ class Served:
         if "quit again" in answer[1]:  # others are attached
             answer = by.ask("quit")
         assert answer[:2] == ["ok", "ending"]
-        out, _ = self.process.communicate(timeout=PATIENCE)
-        self._reader.join()
-        assert self.process.returncode == 0, self.told
-        return out
+        assert self.process.wait(timeout=PATIENCE) == 0, self.told
+        self._reader.join()  # before what it reads is closed
+        with self.process:
+            return self.process.stdout.read() if self.process.stdout else ""
 
     def memory(self) -> int:
         """Return the memory [kB] of the process, 0 where the system does not tell."""
