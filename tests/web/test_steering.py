@@ -218,8 +218,8 @@ def test_no_order_of_a_lever_comes_after_the_one_that_gives_it_away(
     page = opened(look, shared, "helm")
     page.evaluate(COUNT)
     lever = "document.querySelector('order-lever[name=rudder]')"
-    page.evaluate(f"() => {{ {lever}.choose(3); {lever}.choose(5); }}")  # 5 waits for its turn
-    page.evaluate("document.querySelector('[data-auto=rudder]').click()")
+    give_away = "document.querySelector('[data-auto=rudder]').click()"  # at once: 5 waits its turn
+    page.evaluate(f"() => {{ {lever}.choose(3); {lever}.choose(5); {give_away}; }}")
     await_truth(instructor, "steering.rudder_mode", "auto")
     page.wait_for_function(f"{lever}.classList.contains('automatic')")
     page.wait_for_timeout(200.0)  # [ms] twice the time between two orders
