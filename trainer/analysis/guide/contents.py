@@ -73,7 +73,7 @@ WATCHED_CONTROLS: Final = {  # the control's own column, and that of the motion
     "engine": ("u_c", "u"),
 }
 MAX_TICKS: Final = 60
-MOVED: Final = 1e-9  # [SI] a number that was still has moved
+LEAST_MOVE: Final = 1e-9  # [SI] of a number that was still
 REDUCED_SETS: Final = ("modified", "basic")  # sets judged by the full one
 VERDICT_SET: Final = "modified"  # the one that runs, on which the guide's verdict rests
 NAMED_LIBRARIES: Final = ("numpy", "numba")
@@ -134,7 +134,7 @@ def _measure(file: VesselFile, control: str, step: float) -> DelaySheet:
                 boat.advance()
             still, moved = (boat.observe() for boat in boats)
             for index in indices:
-                if abs(moved[index] - still[index]) > MOVED:
+                if abs(moved[index] - still[index]) > LEAST_MOVE:
                     ticks.setdefault(index, tick)
             if len(ticks) == len(indices):
                 break
