@@ -222,6 +222,21 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
     expect(page.locator("#answer")).to_contain_text("stern dive 5")
 
 
+@pytest.mark.parametrize("role", ["trainee", "instructor"])
+def test_an_order_begun_before_the_last_is_answered_is_typed_on(
+    serve: Serve, look: Look, drill: str, role: str
+) -> None:
+    page = look(serve(drill), role)
+    page.locator("#order").fill("run")
+    page.keyboard.press("Enter")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    page.locator("#order").fill("rudder right 10")
+    page.keyboard.press("Enter")  # it is answered at the next tick, half a second later
+    page.keyboard.type("rudder left 5", delay=60)
+    expect(page.locator("#order")).to_have_value("rudder left 5")
+    expect(page.locator("#order")).to_be_focused()
+
+
 def test_an_order_that_has_come_is_repeated_by_enter_on_the_empty_line(
     serve: Serve, look: Look, tmp_path: Path
 ) -> None:
