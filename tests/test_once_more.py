@@ -18,6 +18,7 @@ def test_flaky():
     MARK.touch()
     assert seen, "the machine was busy"
 """
+BUSY = "  E       AssertionError: the machine was busy"
 TEARDOWN = """
 import pathlib, pytest
 MARK = pathlib.Path(__file__).with_name("torn")
@@ -42,7 +43,7 @@ def test_wrong():
     assert False
 """
 CASES: dict[str, tuple[list[str], int, list[str]]] = {  # tests; exit code, what is told
-    "flaky": ([FLAKY], 0, ["FLAKY, passed alone: test_0.py::test_flaky", "1 flaky"]),
+    "flaky": ([FLAKY], 0, ["FLAKY, passed alone: test_0.py::test_flaky", BUSY, "1 flaky"]),
     "flaky at its end": ([TEARDOWN], 0, ["FLAKY, passed alone"]),
     "fails twice": ([TWICE], 1, ["FAILED TWICE, beside others and alone: test_0.py", "1 failed"]),
     "one of two fails twice": ([FLAKY, TWICE], 1, ["FLAKY, passed alone", "FAILED TWICE"]),

@@ -106,16 +106,17 @@ def test_a_check_finds_nothing_wrong_in_a_lesson(name: str) -> None:
     assert any(line.startswith("step ") for line in check_exercise(name))
 
 
+@pytest.mark.parametrize("reading", [12, 40])  # [ticks] at most before he does what is said
 @pytest.mark.parametrize("name", NAMES)
 def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
-    crewed: Begin, name: str
+    crewed: Begin, name: str, reading: int
 ) -> None:
     ship, trainee = at_sea(crewed, planned(name))
     done: list[str] = []
 
     def act() -> None:
         told = ship.facts(trainee, "step")
-        if told and told[-1] not in done and ship.boat.ticks % 12 == 0:
+        if told and told[-1] not in done and ship.boat.ticks % reading == 0:
             done.append(told[-1])
             for words in re.findall(r"`([^`]+)`", told[-1]):
                 assert ship.say(trainee, words)[0] == "ok", words
@@ -124,6 +125,8 @@ def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
 
     assert ship.conduct.ending.over
     count = len(planned(name).steps)
+    unread = [each for each in ship.facts(trainee, "step") if each not in done]
+    assert not [each for each in unread if "`" in each], "what it says is over before it is read"
     assert [each.split(",")[0] for each in ship.facts(trainee, "step")] == [
         *map(str, range(1, count + 1)),
         "0",

@@ -61,9 +61,15 @@ class FailureLog:
                 passed = again[report.nodeid]
                 terminal.stats.setdefault("flaky" if passed else kind, []).append(report)
                 if passed:
-                    terminal.write_line(f"  {report.longreprtext.strip().splitlines()[-1]}")
+                    terminal.write_line("\n".join(error_lines(report)))
         with (self._config.cache.mkdir("flaky") / LIST_NAME).open("a", encoding="utf-8") as kept:
             kept.writelines(f"{test}\n" for test, passed in again.items() if passed)
+
+
+def error_lines(report: pytest.TestReport) -> list[str]:
+    """Return what a failure said, which nobody sees again, and where."""
+    lines = report.longreprtext.strip().splitlines()
+    return [f"  {line}" for line in lines if line.startswith("E ")] + [f"  {lines[-1]}"]
 
 
 def waits_for_clock(report: pytest.TestReport) -> bool:

@@ -92,12 +92,14 @@ def test_the_first_page_follows_the_session_to_another_exercise(serve: Serve, lo
     session = serve("steady-course")
     page = look(session)
     expect(page.locator("#wanted a")).to_have_count(1)
+    page.locator("#ask a").first.focus()
     caller = session.attach()
     assert caller.ask("end exercise")[0]
     assert caller.ask("next stern-plane-jam")[0]
     expect(page.locator("#title")).to_have_text("Passage, fast and deep")
     expect(page.locator("#wanted a")).to_have_count(3)
     expect(page.locator("#about")).to_have_text(re.compile(r"^On passage: .*as ordered\.$"))
+    expect(page.locator("#ask a").first).to_be_focused()
 
 
 @pytest.mark.parametrize("address", ["helmet", "debrief/none/watch.html"])

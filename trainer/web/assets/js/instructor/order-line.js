@@ -106,7 +106,8 @@ class OrderLine {
     this.field.value = "";
     this.suggest();
     const answer = await this.desk.give(words);
-    if (!answer.ok && !this.field.value) this.field.value = words;
-    this.field.select();
+    if (answer.ok || this.field.value) return; // what is typed meanwhile stays
+    this.field.value = words;
+    if (document.activeElement === this.field) this.field.select();
   }
 }

@@ -93,6 +93,7 @@ function arrange() {
   const kiosk = /** @type {HTMLElement} */ (one("[data-name=kiosk]").closest("li"));
   kiosk.hidden = exercise.visitors !== "yes"; // only where a visitor may begin the exercise again
   const chosen = wantedStations().map((name) => one(`[data-name=${name}]`));
+  const focused = /** @type {HTMLElement | null} */ (document.activeElement);
   for (const [key, home] of homes) home.append(/** @type {Element} */ (key.closest("li")));
   one("#wanted ul").append(...chosen.map((key) => /** @type {Element} */ (key.closest("li"))));
   one("#wanted").hidden = one("#others summary").hidden = chosen.length === 0;
@@ -100,6 +101,7 @@ function arrange() {
   for (const group of document.querySelectorAll("#others section")) {
     group.toggleAttribute("hidden", !group.querySelector("li"));
   }
+  focused?.focus(); // what is moved loses it
 }
 
 /** Returns the names of the stations that the exercise wants: those that work what is in hand. */

@@ -75,7 +75,7 @@ furnishOrderLine({
   session,
   give: async (words) => {
     const ok = await give(words);
-    if (ok) setTimeout(() => field.blur(), 0); // keys work the boat again
+    if (ok && !field.value) field.blur(); // keys work the boat again, unless the next order is begun
     return { ok };
   },
 });
