@@ -243,7 +243,6 @@ def test_a_file_of_no_case_and_a_folder_of_none_are_named(tmp_path: Path) -> Non
         ('integrator = "rk4"', 'integrator = "rk5"', "--integrator 'rk5'"),
         ("turn.rk4.csv", "turn.none.csv", "turn.none.csv: cannot be read"),
         ('vessel = "remus100"', 'vessel = "remus"', "no vessel"),
-        ("[spread]", "[spred]", "no such key"),
         ('equations = "full"', 'equations = "ful"', r"line \d+: equations = "),
     ],
 )

@@ -430,9 +430,12 @@ def test_rows_that_join_are_said_to_join_and_others_by_how_much_they_do_not() ->
 
 def test_the_reference_tanks_have_the_reference_balance_through_any_filling() -> None:
     case = TOOLS["tanks"]
-    hull = tanks.Weight(case["W0"], *case["r0"])
-    found = tanks.limits(hull, [tanks.Weight(*row) for row in case["tanks"]])
+    hull, full = tanks.Weight(case["W0"], *case["r0"]), [tanks.Weight(*r) for r in case["tanks"]]
+    now, found = tanks.balance(hull, full), tanks.limits(hull, full)
 
+    assert now.weight == pytest.approx(case["W"], rel=1e-10)
+    assert now.centre == pytest.approx(case["rG"], rel=1e-10)
+    assert now.moments == pytest.approx(case["moments"], rel=1e-10)
     for name, limit in (
         ("W", found.weight),
         ("xG", found.x_g),

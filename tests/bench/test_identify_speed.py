@@ -10,7 +10,7 @@ from helpers.typed import type_command
 
 from bench import identify, sections
 from bench.__main__ import bench as bench_command
-from bench.identify import Paces, Row, Speed, by_statsmodels, likelihoods_of_a_fit
+from bench.identify import by_statsmodels
 from trainer.identify.fitting.likelihood import Likelihood
 
 
@@ -35,39 +35,6 @@ def test_the_likelihood_of_statsmodels_is_ours(name: Any) -> None:
     value = Likelihood(problem).value(problem.start)
     # its gain is kept from when its covariance changes by less than 1e-19, in squares of knots
     assert by_statsmodels(kalman, problem, problem.start)() == pytest.approx(value, rel=1e-6)
-
-
-def test_a_minimiser_by_differences_asks_for_many_likelihoods(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    pytest.importorskip("scipy.optimize")
-    monkeypatch.setattr(identify, "MOST", 2)
-    problem = record_of("whole")
-    asked = likelihoods_of_a_fit(Likelihood(problem), TANKER.start())
-    assert asked >= 3 * (1 + len(problem.free))
-
-
-def test_a_ratio_is_the_median_of_rounds() -> None:
-    paces = Paces(((8.0, 4.0), (12.0, 12.0), (40.0, 10.0)))
-    assert (paces.median(0), paces.ratio(0, 1)) == (12.0, 2.0)
-
-
-def test_works_take_turns_in_batches_long_enough(monkeypatch: pytest.MonkeyPatch) -> Any:
-    clock, done = [0.0], []
-    monkeypatch.setattr(identify, "ROUNDS", 2)
-    monkeypatch.setattr(identify.time, "thread_time", lambda: clock[0])  # type: ignore[attr-defined]
-
-    def work(name: Any, seconds: Any) -> Any:
-        def run() -> None:
-            clock[0] += seconds
-            done.append(name)
-
-        return run
-
-    paces = identify.time_in_turn([work("slow", 2e-3), work("quick", 1e-3)])
-
-    assert done[-12:] == 2 * ["slow", "slow", *4 * ["quick"]]
-    assert paces.ratio(0, 1) == pytest.approx(2.0)
 
 
 @pytest.fixture
@@ -108,16 +75,3 @@ def test_what_is_not_here_is_left_out_and_says_why(monkeypatch: pytest.MonkeyPat
     assert "fit, of statsmodels' BFGS                            -      1/50  left out" in page
     assert page.count("statsmodels is not installed") == 3
     assert max(map(len, page.splitlines())) <= 79
-
-
-def test_a_figure_beyond_what_is_wanted_is_missed() -> None:
-    rows = Row("a", 0.021, 0.02), Row("b", 1.5, 1.5), Row("c", None, 5.0, "why")
-    page = identify.lines(Speed(2000, 19, 65.4, rows))
-
-    assert [row.word for row in rows] == ["MISSED", "holds", "left out"]
-    assert [" ".join(line.split()) for line in page[-4:]] == [
-        "a 1/47.6 1/50 MISSED",
-        "b 1.5 1.5 holds",
-        "c - 5 left out",
-        "why",
-    ]

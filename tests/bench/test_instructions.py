@@ -1,6 +1,5 @@
 """The instructions of a tick are counted the same twice, and told beside those that are kept."""
 
-import json
 import shutil
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import pytest
 from helpers.installation import installed
 
 from bench import instructions
-from bench.instructions import Instructions, build_host, count, lines
+from bench.instructions import build_host, count
 from trainer.boat import machine_code
 from trainer.boat.platforms import platform_name
 from trainer.config.files import ConfigError
@@ -40,13 +39,3 @@ def test_without_valgrind_that_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path
 
     with pytest.raises(ConfigError, match="there is no valgrind here"):
         build_host(tmp_path)
-
-
-def test_the_kept_figures_stand_beside_those_of_now() -> None:
-    kept = json.loads(instructions.KEPT.read_text())
-
-    page = lines(Instructions({name: 2.0 * number for name, number in kept.items()}, kept))
-
-    assert set(kept) == set(instructions.PLACES)
-    assert len(page) == 3 + len(kept)
-    assert f"{2 * kept['bb2, calm, 60 m']:,.0f}" in page[3]

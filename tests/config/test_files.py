@@ -379,22 +379,12 @@ def test_an_empty_compensation_table_is_not_filled_from_the_defaults() -> None:
         ("length =", "lenth = 1\nlength =", "[vessel] lenth = 1: no such key; nearest is length"),
         ("X_udot = -1.2e-3", "a1 = 0.1", "[coefficients.X] a1 = 0.1: no such coefficient"),
         ("[fluid]", "[flud]\n[fluid]", "[flud]: no such table; nearest is fluid"),
-        ("[fluid]", "knid = 1\n[fluid]", "knid = 1: no such key; nearest is kind"),
         ("rho = 1025.0", 'rho = "x"', '[fluid] rho = "x": must be a number, 900 to 1100 kg/m3'),
         ("rho = 1025.0", "rho = true", "[fluid] rho = true: must be a number, 900 to 1100 kg/m3"),
         ("rho = 1025.0", "rho = nan", "[fluid] rho = nan: must be finite, 900 to 1100 kg/m3"),
-        ("rho = 1025.0", "rho = 1.99", "[fluid] rho = 1.99: must be 900 to 1100 kg/m3"),
-        ("g = 9.81", "g = 32.2", "[fluid] g = 32.2: must be 9.7 to 9.9 m/s2"),
-        ("length = 70.2", "length = 0", "[vessel] length = 0: must be 0.3 to 400 m"),
-        ("mass = 4418825.0", "mass = -5", "[vessel] mass = -5: must be 0.001 to 1e+09 kg"),
         ("Ix = 5.23e7", "Ix = 0", "[vessel] Ix = 0: must be 1e-09 to 1e+13 kg m2"),
         ("mass = 4418825.0", "", "[vessel] lacks mass"),
         ("cg = [0, 0, 0]", "cg = [0, 0]", "[vessel] cg = [0, 0]: must be a list of 3 numbers"),
-        (
-            "cg = [0, 0, 0]",
-            "cg = [0, 0, inf]",
-            "[vessel] cg[2] = inf: must be finite, -200 to 200 m",
-        ),
         (
             "cg = [0, 0, 0]",
             "cg = [71, 0, 0]",
@@ -450,11 +440,7 @@ def test_a_decimal_comma_is_told_with_the_number_as_it_must_be_written() -> None
             "[control_surfaces]\nrudder_limit_deg = 0",
             "rudder_limit_deg = 0: must be 0.1 to 90 deg",
         ),
-        ("[control_surfaces]\nrate_deg_s = -1", "rate_deg_s = -1: must be 0.01 to 1000 deg/s"),
         ("[control_surfaces]\ntail = 'y'", 'tail = "y": must be x or cruciform'),
-        ("[run]\nstep_s = 0", "step_s = 0: must be 0.001 to 2 s"),
-        ("[run]\nstep_s = 3", "step_s = 3: must be 0.001 to 2 s"),
-        ("[run]\nstart_speed_kn = 0", "start_speed_kn = 0: must be 0.01 to 60 kn"),
         (
             "[run]\nstart_speed_kn = 2",
             "start_speed_kn = 2 kn: must be within speed_range_kn, 3 to 20",
@@ -491,7 +477,6 @@ def test_a_decimal_comma_is_told_with_the_number_as_it_must_be_written() -> None
             "[propulsion.bells_kn]\nastern_full = 8",
             "astern_full = 8 kn: must be further astern than astern_two_thirds",
         ),
-        ("[propulsion.bells_kn]\nahead_slow = 1", "ahead_slow = 1: no such key"),
     ],
 )
 def test_one_wrong_addition_gets_one_line(added: str, message: str) -> None:
@@ -663,7 +648,6 @@ def test_the_shipped_boats_have_test_depths_and_all_but_the_flooded_one_collapse
             "collapse_depth_m = 299 m: must be deeper than max_depth_m = 300 m",
         ),
         ("test_depth_m = 0", "test_depth_m = 0: must be 0.1 to 12000 m"),
-        ("collapse_depth_m = 13000", "collapse_depth_m = 13000: must be 0.1 to 12000 m"),
         ('test_depth_m = "deep"', 'test_depth_m = "deep": must be a number, 0.1 to 12000 m'),
     ],
 )

@@ -1,9 +1,9 @@
 """The tables of the documents that are made of the trainer's own tables, in Markdown.
 
-    python -m helpers.document_tables orders > ../docs/orders.md
+    python -m helpers.document_tables orders
 
-prints a whole page; the other names print a part of one, to be put in its place by hand. Tests
-compare each with its document, so that the two cannot differ for long.
+prints a part of a page, to be put in its place by hand. Tests compare each with its document, so
+that the two cannot differ for long.
 """
 
 import re
@@ -11,9 +11,9 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
+from helpers.places import ROOT
 from trainer.console.keys import KEYS
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.help import limits_and_units, synonyms, usage
 from trainer.io.orders.phrases import PHRASES, meaning
 from trainer.io.orders.quantities import NUMBER_KINDS
@@ -30,45 +30,6 @@ from trainer.session.stations.roles import (
     INSTRUCTOR_ROLE,
     ROLES,
 )
-
-INTRODUCTION_TEXT = f"""# Orders
-
-<!-- Made of the tables of trainer/io/orders and trainer/session/dispatch; a test compares them. -->
-
-After this page you can give any order, in full, cut short, or as it is said in a control room.
-
-An order is one line of at most {MAX_LINE_LETTERS} characters: plain words, in capitals or not. \
-Any word may
-be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
-unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
-What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other; NAME, LABEL and
-CHANNEL are a word of letters, digits and dashes; TOKEN is a word of any characters but `#`, `$`,
-`*` and commas.
-
-A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
-"""
-
-PHRASES_TEXT = """## Phrases
-
-The words of a control room are understood too. A station means the order of the second column. The
-instructor, the diving officer and a schedule mean the order to the crew of the third column, where
-there is one. Numbers may be words: `zero four five`, `one eighty`, `two hundred`. An unknown phrase
-is refused, with the nearest. `meet her` puts the rudder against the swing, and amidships when the
-swing has stopped; `ease` and `shift` keep the side of the rudder that is on.
-"""
-
-PROGRAMS_TEXT = f"""## Lines of programs
-
-A program sends the same words in a frame, and is answered in frames. The two hexadecimal digits
-after `*` are the exclusive or of all characters between `$` and `*`. A tag of one to six digits may
-stand before the words; every answer to that order carries it. A damaged line is answered without
-a tag, which cannot be trusted either. A line in has at most {MAX_LINE_LETTERS} characters, \
-a line out
-{sentences.MAX_ANSWER_LETTERS}.
-
-The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
-sent as `?`. In a field before others a comma is sent as `;`.
-"""
 
 EXAMPLE_ORDERS = (
     ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
@@ -110,81 +71,55 @@ EXAMPLE_ORDERS = (
     ),
 )
 
-RANGE_KEYS: Final = {  # keys of the fact `range`
-    "length": "of the hull [m]",
-    "mass": "of the boat with the water in it [t]",
-    "rudder": "largest angle either way [deg]",
-    "stern": "that of the stern planes [deg]",
-    "bow": "that of the bow planes [deg]",
-    "depth": "the greatest depth that may be ordered [m]",
-    "test-depth": "test depth [m]; for instructor, diving officer and observer",
-    "periscope": "periscope depth [m]",
-    "speed": "turns at most, ahead [kn]",
-    "astern": "turns at most, astern [kn]",
-    "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
-    "tank": "a tank, a colon and what it holds [t]; one fact each",
-    "trim-arm": "distance between the centres of the trim tanks [m]",
-}
 
-EXERCISE_KEYS: Final = {  # keys of the fact `exercise`
-    "name": "the exercise's file; for the instructor",
-    "title": "its title",
-    "line": "a line of its briefing; one fact each",
-    "hand": "the axes that are worked by hand now",
-    "hand-from": "when they come into hand [s]; for the instructor",
-    "allowed": "automatic orders and axes that are allowed all the same",
-    "free": "`yes`: the instructor has allowed what was in hand; there are no marks",
-    "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
-    "lost": "a condition that loses it; one fact each",
-    "wins": "what wins it; one fact each",
-    "visitors": "`yes`: a visitor may begin it again; there is a kiosk",
-    "way": "`yes`: there is a reference crew, which can show the way",
-    "hint": "the marks that each `hint` costs",
-    "aids": "the aids that are allowed, `ghost,predictor`",
-    "steps": "how many steps lead who trains",
-    "duration": "its length [s]",
-    "left": "what is left of it [s], at the time of the fact",
-}
-
-
-def orders_page(obeyed_by: Mapping[str, str]) -> str:
-    """Return docs/orders.md; ``obeyed_by`` says of each order word who obeys it."""
-    escaped = [
-        (usage(form).replace("|", "\\|"), name, obeyed_by[name], form.says)
-        for form in FORMS
-        if not form.refusal and (name := form.name or heading_word(form))
-    ]
-    refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
-    return "\n".join(
+def form_table() -> str:
+    """Return the table of the wordings, as docs/orders.md shows it, and the next five too."""
+    return table_lines(
+        ("wording", "order", "obeyed by", "what it does"),
         [
-            INTRODUCTION_TEXT,
-            *table_lines(("wording", "order", "obeyed by", "what it does"), escaped),
-            "## Numbers\n",
-            *table_lines(
-                ("in the table", "is"),
-                [(name, limits_and_units(n)) for name, n in NUMBER_KINDS.items()],
-            ),
-            "The boat's own limits are narrower, and are applied later.\n",
-            "## Other spellings\n",
-            *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
-            "",
-            PHRASES_TEXT,
-            *table_lines(("said", "order", "said by instructor or diving officer"), phrase_table()),
-            PROGRAMS_TEXT,
-            *table_lines(
-                ("line", "what it is", "example"),
-                [(line, says, f"`{example}`") for line, says, example in EXAMPLE_ORDERS],
-            ),
-            "## Refused with advice\n",
-            *table_lines(("wording", "answer"), refused),
-        ]
+            (usage(form).replace("|", "\\|"), name, ORDERS[name].obeyer.value, form.says)
+            for form in FORMS
+            if not form.refusal and (name := form.name or heading_word(form))
+        ],
     )
 
 
-def table_lines(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    """Return a Markdown table, its first column as code, and a blank line."""
+def number_table() -> str:
+    """Return the table of the kinds of numbers."""
+    rows = [(name, limits_and_units(kind)) for name, kind in NUMBER_KINDS.items()]
+    return table_lines(("in the table", "is"), rows)
+
+
+def spelling_list() -> str:
+    """Return the list of the other spellings."""
+    words = " ".join(form.pattern for form in FORMS).split()
+    return "".join(f"- {same}\n" for same in synonyms(words))
+
+
+def example_table() -> str:
+    """Return the table of the lines of programs."""
+    rows = [(line, says, f"`{example}`") for line, says, example in EXAMPLE_ORDERS]
+    return table_lines(("line", "what it is", "example"), rows)
+
+
+def refusal_table() -> str:
+    """Return the table of what is refused with advice."""
+    rows = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
+    return table_lines(("wording", "answer"), rows)
+
+
+def fact_keys(fact: str) -> set[str]:
+    """Return the keys of a fact that docs/station-tables.md tells."""
+    text = (ROOT / "docs" / "station-tables.md").read_text(encoding="utf-8")
+    table = text.partition(f"\n| {fact} | is |\n")[2].partition("\n\n")[0]
+    return set(re.findall(r"^\| `([a-z-]+)` \|", table, re.MULTILINE))
+
+
+def table_lines(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    """Return a Markdown table, its first column as code."""
     lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
-    return [*lines, *(f"| `{row[0]}` | {' | '.join(row[1:])} |" for row in rows), ""]
+    lines += [f"| `{row[0]}` | {' | '.join(row[1:])} |" for row in rows]
+    return "\n".join(lines) + "\n"
 
 
 def phrase_table() -> list[tuple[str, str, str]]:
@@ -267,12 +202,6 @@ def channel_table(channel: Channel) -> str:
     )
 
 
-def fact_table(fact: str, keys: Mapping[str, str]) -> str:
-    """Return the Markdown table of a fact's keys, as docs/station-tables.md shows it."""
-    rows = [f"| `{key}` | {says} |" for key, says in keys.items()]
-    return "\n".join([f"| {fact} | is |", "|---|---|", *rows]) + "\n"
-
-
 def sentence_table() -> str:
     """Return the table of the sentences, as docs/nmea-sentences.md shows it."""
     rows = ["| sentence | tells | fields | source |", "|---|---|---|---|"]
@@ -296,19 +225,19 @@ def key_tables() -> str:
     return "\n".join(f"#### {role.capitalize()}\n\n{key_table(role)}" for role in shown)
 
 
-def obeyed_by() -> dict[str, str]:
-    """Return who obeys each order word."""
-    return {word: rule.obeyer.value for word, rule in ORDERS.items()}
-
-
 MAKERS: Final[Mapping[str, Callable[[], str]]] = {
-    "orders": lambda: orders_page(obeyed_by()),  # docs/orders.md
+    "orders": form_table,  # docs/orders.md, as the next ones
+    "order-numbers": number_table,
+    "order-spellings": spelling_list,
+    "order-phrases": lambda: table_lines(
+        ("said", "order", "said by instructor or diving officer"), phrase_table()
+    ),
+    "order-lines": example_table,
+    "order-refusals": refusal_table,
     "order-words": order_table,  # docs/station-tables.md, as the next ones
     "roles": role_table,
     "events": event_table,
     "channels": channel_tables,  # docs/channels.md
-    "range-keys": lambda: fact_table("range", RANGE_KEYS),
-    "exercise-keys": lambda: fact_table("exercise", EXERCISE_KEYS),
     "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea-sentences.md
 }

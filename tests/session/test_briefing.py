@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from helpers.boats import make_boat
-from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
+from helpers.document_tables import fact_keys
 from helpers.line import Line, fields_of
 from helpers.orders import read_order
 from helpers.sessions import session_over, start_plan
@@ -164,7 +164,7 @@ def test_a_program_is_told_exercise_and_vessel_with_its_role() -> None:
     assert ("name", "stern-plane-jam") in whole
     assert ("wins", "First answer") in whole
     assert any("cure" in value for key, value in whole if key == "line")
-    assert {key for key, _ in whole} <= set(EXERCISE_KEYS)
+    assert {key for key, _ in whole} <= fact_keys("exercise")
 
     limits = here.facts("planes", "range")
     assert ("rudder", "30") in limits
@@ -241,7 +241,7 @@ def test_without_an_exercise_nothing_is_told_of_one() -> None:
     assert dict(here.facts("helm", "range"))["stern"] == "30"
     assert dict(here.facts("helm", "range"))["trim-arm"] == "52"
     remus = make_boat("remus100")
-    assert {key for key, _ in ranges(remus, INSTRUCTOR_ROLE)} <= set(RANGE_KEYS) - {
+    assert {key for key, _ in ranges(remus, INSTRUCTOR_ROLE)} <= fact_keys("range") - {
         "trim-arm",
         "tank",
     }
