@@ -304,14 +304,24 @@ def test_who_trains_is_remembered_by_the_name_of_his_account(
     assert trained(alone).trainee == ()
 
 
+@pytest.mark.parametrize("alone", [False, True])
 @pytest.mark.parametrize(("names", "told"), [(("Ada",), ("Ada",)), ((), ("ann",))])
-def test_who_trains_alone_goes_on_under_the_name_of_the_recording(
-    names: tuple[str, ...], told: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_who_sat_there_goes_on_under_the_name_of_the_recording_unless_another_does(
+    *,
+    names: tuple[str, ...],
+    told: tuple[str, ...],
+    alone: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    kept = record(tmp_path / "a.trainer", "first-depth-change", {}, duration=1.0, trainee=names)
+    path, name = tmp_path / "a.trainer", "first-depth-change"
+    kept = record(path, name, {}, duration=1.0, trainee=names, train=alone)
     begun: list[RunOptions] = []
     monkeypatch.setattr(command, "account_names", lambda: ("ann",))
     monkeypatch.setattr(command, "set_out", lambda asked, *_, **__: begun.append(asked))
-    for words in ([], ["--train"]):
+    for words in ([], ["--train"], ["--instruct"]):
         assert CliRunner().invoke(cli, ["resume", str(kept), *words]).exit_code == 0
-    assert [(each.train, each.trainee) for each in begun] == [(False, ()), (True, told)]
+    trains, instructs = (True, told), (False, ())
+    before = trains if alone else instructs
+    assert [(each.train, each.trainee) for each in begun] == [before, trains, instructs]
+    assert CliRunner().invoke(cli, ["resume", str(kept), "--train", "--instruct"]).exit_code == 2

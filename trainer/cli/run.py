@@ -10,7 +10,7 @@ import math
 import mmap
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -101,13 +101,18 @@ def run(*, teletype: bool, **options: Any) -> None:
     the exercise is lost, or the recording failed, 2 wrong input.
     """
     choices = run_options(options)
-    if choices.train and choices.instruct:
-        raise click.UsageError("--train and --instruct exclude each other: say who you are")
+    refuse_both(choices)
     if choices.browse or choices.web:
         refuse_other_screens(choices)
         take_to_sea(without_console(with_pages(replace(choices, browse=True))))
     with_pages(choices)
     set_out(choices, take_to_sea, choose, teletype=teletype)
+
+
+def refuse_both(asked: RunOptions) -> None:
+    """Refuse to be both who trains and who instructs; UsageError."""
+    if asked.train and asked.instruct:
+        raise click.UsageError("--train and --instruct exclude each other: say who you are")
 
 
 def with_pages(asked: RunOptions) -> RunOptions:
@@ -176,6 +181,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
     if own_session.can_fork():
         return own_session.sail(serve_at, chosen.socket, token, role)
     begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
+    begun += ["--train"] if chosen.train and not asked.train else []
     begun += ["--frozen"] if trained(chosen).frozen and not asked.frozen else []
     begun += [f"--trainee={name}" for name in trained(chosen).trainee if not asked.trainee]
     return own_session.sail_beside([*sys.argv[1:], *begun], token, role)
@@ -347,6 +353,7 @@ def serve(**options: Any) -> None:
 @rerun_options
 @port_options(listen=None, socket=None)
 @click.option("--train", is_flag=True, help="Who trains alone goes on: nothing hidden is told.")
+@click.option("--instruct", is_flag=True, help="The instructor's console, whoever sat there.")
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
 def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **options: Any) -> None:
@@ -354,7 +361,7 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
     nobody could say run, it goes on at once unless --frozen is given. On a terminal it shows the
-    instructor's console, as `trainer run` does; with --train that of who trains alone.
+    console of who sat there, who trains alone or an instructor; --train and --instruct change that.
 
     \b
     Example:  trainer resume drill.trainer
@@ -370,17 +377,22 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
         sys.exit(resume_boat(path, chosen, debriefing(), anyway=anyway))
 
     chosen = run_options(options)
-    if chosen.train:
-        chosen = replace(chosen, trainee=trained_before(path) or account_names())
+    refuse_both(chosen)
+    header = header_from(path)
+    from trainer.session.header import ALONE_KEY, trainees_of
+
+    if chosen.train or (ALONE_KEY in header and not chosen.instruct):
+        names = trainees_of(header) or account_names()
+        chosen = replace(chosen, train=True, trainee=names)
     set_out(chosen, go_on, lambda asked: asked, teletype=teletype)
 
 
-def trained_before(path: Path) -> tuple[str, ...]:
-    """Return the names of who is trained in a recording."""
-    from trainer.session.header import open_recording, trainees_of
+def header_from(path: Path) -> Mapping[str, str]:
+    """Return the header of a recording."""
+    from trainer.session.header import open_recording
 
     with open_recording(path) as recording:
-        return trainees_of(recording.header())
+        return recording.header()
 
 
 @click.command()

@@ -4,7 +4,8 @@ A header holds these texts: ``plan``, the form of the header; ``trainer``, ``cor
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
-Some have ``width``, by which it is judged, and ``trainees``, names as JSON; ``nomoto`` is the form
+Some have ``width``, by which it is judged, ``trainees``, names as JSON, and ``alone``, where who
+trains sat alone at the console; ``nomoto`` is the form
 of the equation by which Nomoto ships went, the first where there is none; ``rules``, the same of
 the rules of marking.
 
@@ -61,6 +62,7 @@ PLAN_OPTIONS: Final[Mapping[str, Any]] = {
 }
 TRAINEES_KEY: Final = "trainees"
 FAMILIARISATION_KEY: Final = "familiarisation"  # there in a run that has no marks
+ALONE_KEY: Final = "alone"  # there where who trains sat alone at the console
 # form 1 differentiated a rudder that stood still within each step
 NOMOTO_FORM: Final = "2"
 MAX_NAME_LETTERS: Final = 60  # [characters]
@@ -131,6 +133,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "rules": RULES_FORM,
         **({TRAINEES_KEY: json.dumps(names_of(options.trainee))} if options.trainee else {}),
         **({FAMILIARISATION_KEY: "yes"} if options.familiarisation else {}),
+        **({ALONE_KEY: "yes"} if options.train else {}),
     }
 
 
