@@ -40,6 +40,7 @@ from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
 from trainer.console.entry import Entry, complete_word, hint, offer
 from trainer.console.journal import TimelineMoment
+from trainer.console.key_orders import TypedKeys
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
@@ -217,6 +218,39 @@ def test_a_letter_that_is_no_key_begins_an_order_at_every_station() -> None:
     typing = (*typed("course 090"), "enter", "1")
     assert pressed(typing, "helm") == ["course 090", "bell ahead one-third"]
     assert pressed((*typed("depth 80"), "enter", "a"), "planes") == ["depth 80", "planes auto"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "ordered", "told"),
+    [
+        ("35 left rudder", ["bell ahead standard", "bell ahead flank"], '"35"'),
+        ("mark why", ["rudder amidships"], '"m"'),
+        ("left rudder", [], ""),
+    ],
+)
+def test_who_types_an_order_without_a_colon_is_told_which_letters_were_keys(
+    keys: str, ordered: list[str], told: str
+) -> None:
+    async def press(pilot: Pilot[Refused], _app: Console) -> None:
+        await pilot.press(*typed(keys))
+
+    app, talk = at_the_console(press, tape("trainee"), "trainee")
+    assert talk.orders == ordered
+    said = [each.text for each in app.model.journal.entries if "begin an order with :" in each.text]
+    assert len(said) == bool(told)
+    assert all(told in text for text in said)
+
+
+def test_a_key_pressed_a_while_before_an_order_is_not_taken_for_its_first_letter() -> None:
+    time = 0.0
+    keys = TypedKeys(lambda: time)
+    keys.take("m", OrderAction("rudder amidships"))
+    time = 2.0
+    assert keys.why_lost() == ""
+    keys.take(None, MoveAction("rudder", -1))  # an arrow is no letter
+    keys.take("0", OrderAction("bell stop"))
+    assert '"0"' in keys.why_lost()
+    assert keys.why_lost() == ""  # once
 
 
 # The order line

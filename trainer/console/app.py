@@ -26,7 +26,7 @@ from trainer.console.dialogs import (
     sea_choice,
 )
 from trainer.console.guide import EndView, PlanView, TextView, answer, briefing, guide
-from trainer.console.key_orders import KeyOrders
+from trainer.console.key_orders import KeyOrders, TypedKeys
 from trainer.console.keys import (
     DialogAction,
     KeyAction,
@@ -79,6 +79,7 @@ class Console(App[Refused], inherit_bindings=False):
         self.own = own
         self._keys = by_name(model.role)
         self._orders = KeyOrders(model)
+        self._typed = TypedKeys(model.clock)
         self._panes = RolePanes(model, self.act, self._open, self._submit)
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
@@ -117,10 +118,13 @@ class Console(App[Refused], inherit_bindings=False):
         if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
             key = self._keys.get(event.key)
             if key is not None:
+                self._typed.take(event.character, key.act)
                 self.act(key.act)
                 return
             if event.character and event.character.isalpha():  # no key, so it begins an order
                 self._panes.entry.begin(event.character)
+                if why := self._typed.why_lost():
+                    self.model.journal.add(None, "refused", why)
                 return
         await super().on_event(event)
 
