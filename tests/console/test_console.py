@@ -231,11 +231,16 @@ def test_a_letter_that_is_no_key_begins_an_order_at_every_station() -> None:
 def test_who_types_an_order_without_a_colon_is_told_which_letters_were_keys(
     keys: str, ordered: list[str], told: str
 ) -> None:
-    async def press(pilot: Pilot[Refused], _app: Console) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
         await pilot.press(*typed(keys))
+        above = app.query_one("#line", Pane)
+        above.look()
+        assert (told in plain(above.lines)) and bool(told) == ("with :" in plain(above.lines))
+        await pilot.press("enter")
 
     app, talk = at_the_console(press, tape("trainee"), "trainee")
-    assert talk.orders == ordered
+    *by_keys, _typed = talk.orders
+    assert by_keys == ordered
     said = [each.text for each in app.model.journal.entries if "begin an order with :" in each.text]
     assert len(said) == bool(told)
     assert all(told in text for text in said)

@@ -122,8 +122,9 @@ class Console(App[Refused], inherit_bindings=False):
                 self.act(key.act)
                 return
             if event.character and event.character.isalpha():  # no key, so it begins an order
-                self._panes.entry.begin(event.character)
-                if why := self._typed.why_lost():
+                why = self._typed.why_lost()
+                self._panes.entry.begin(event.character, why)
+                if why:
                     self.model.journal.add(None, "refused", why)
                 return
         await super().on_event(event)
