@@ -405,6 +405,19 @@ def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> Non
     at_the_console(resize, role=role)
 
 
+@pytest.mark.parametrize("role", ["instructor", "trainee", "diving"])
+def test_the_line_of_orders_and_the_keys_stand_at_the_bottom_of_a_short_screen(role: str) -> None:
+    async def resize(pilot: Pilot[Refused], app: Console) -> None:
+        for size in ((60, 20), (80, 22), (80, 24)):
+            await pilot.resize_terminal(*size)
+            await pilot.pause(0.12)
+            entry, foot = app.query_one(Entry).region, app.query_one("#foot", Pane).region
+            assert (entry.height, entry.bottom, foot.bottom) == (1, foot.y, size[1]), size
+            assert app.query_one("#log", Pane).region.height
+
+    at_the_console(resize, tape(role), role)
+
+
 def test_the_first_screen_says_the_state_at_a_glance() -> None:
     async def look(_pilot: Pilot[Refused], app: Console) -> None:
         text = shown(app)

@@ -67,7 +67,9 @@ class Console(App[Refused], inherit_bindings=False):
     AUTO_FOCUS = ""  # a station's keys are its controls
     # lists, as the library has them
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (60, "-narrow"), (126, "-wide")]  # noqa: RUF012
-    VERTICAL_BREAKPOINTS = [(0, "-flat"), (20, "-low"), (36, "-tall"), (50, "-high")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
+        *((0, "-flat"), (20, "-short"), (24, "-low"), (36, "-tall"), (50, "-high")),
+    ]
     # None of the library's: its Ctrl-Q would end the console, but users press Ctrl-Q to wake a
     # terminal that Ctrl-S has stopped.
     BINDINGS: ClassVar[list[BindingType]] = []

@@ -71,7 +71,7 @@ class RolePanes:
                 yield Vertical(*map(self._pane, layout.aside), id="aside")
         if model.instructs:
             yield Pane(partial(evaluation, model), "evaluation")
-        yield from (self._line, self.entry, self._foot)
+        yield Vertical(self._line, self.entry, self._foot, id="bottom")
 
     def widen(self, steps: int) -> None:
         """Show charts over a longer time, by so many steps."""
