@@ -16,7 +16,7 @@ from trainer.console.exercise import LESSON_END
 from trainer.console.journal import clock
 from trainer.console.keys import KEYS
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, fit, length, line
+from trainer.console.pane import Line, Lines, first_fitting, fit, length, line
 
 Text = Callable[[], list[Line]]  # lines of any length; the window breaks them
 
@@ -162,17 +162,22 @@ class TextView:
         shown += [line()] * (room - len(shown))
         return [
             fit(drawn_row, width)
-            for drawn_row in (line((f" {self.title}", "title")), *shown, self._foot(lines, room))
+            for drawn_row in (line((f" {self.title}", "title")), *shown, self._foot(lines, room, width))
         ][:height]
 
-    def _foot(self, lines: Sequence[Line], room: int) -> Line:
-        """Return what more there is, and the keys."""
+    def _foot(self, lines: Sequence[Line], room: int, width: int) -> Line:
+        """Return what more there is, and the keys; where there is no room, in fewer words."""
         below = len(lines) - self.top - room
         more = f" {below} more lines below: Down or Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
         does = "".join(f"   {says}" for _, says in self.keys.values() if says)
         closes = " Esc closes; or type an order" if self.typing else " Esc closes"
-        return line((f"{more}{back}", "warning"), (closes, "dim"), (does, "title"))
+        short = f" {below} more: Down;" if below > 0 else back
+        return first_fitting(
+            width,
+            line((f"{more}{back}", "warning"), (closes, "dim"), (does, "title")),
+            line((short, "warning"), (does, "title"), (f"  {closes}", "dim")),
+        )
 
 
 def break_line(drawn: Line, width: int) -> Lines:
