@@ -235,7 +235,8 @@ def test_who_types_an_order_without_a_colon_is_told_which_letters_were_keys(
         await pilot.press(*typed(keys))
         above = app.query_one("#line", Pane)
         above.look()
-        assert (told in plain(above.lines)) and bool(told) == ("with :" in plain(above.lines))
+        assert told in plain(above.lines)
+        assert bool(told) == ("with :" in plain(above.lines))
         await pilot.press("enter")
 
     app, talk = at_the_console(press, tape("trainee"), "trainee")

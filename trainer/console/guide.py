@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.config.loss_words import word_loss
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
 from trainer.console.exercise import LESSON_END
@@ -162,7 +163,11 @@ class TextView:
         shown += [line()] * (room - len(shown))
         return [
             fit(drawn_row, width)
-            for drawn_row in (line((f" {self.title}", "title")), *shown, self._foot(lines, room, width))
+            for drawn_row in (
+                line((f" {self.title}", "title")),
+                *shown,
+                self._foot(lines, room, width),
+            )
         ][:height]
 
     def _foot(self, lines: Sequence[Line], room: int, width: int) -> Line:
@@ -283,7 +288,7 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
         ("time left", time_left),
         ("what wins", "; ".join(lists.get("wins", []))),
         ("limits", limits_said(exercise.get("limits", ""))),
-        ("it is lost at", " or ".join(map(loss_said, lists.get("lost", [])))),
+        ("it is lost at", " or ".join(map(word_loss, lists.get("lost", [])))),
         ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
         ("a hint costs", f"{exercise['hint']} marks" if "hint" in exercise else ""),
@@ -304,11 +309,6 @@ def by_hand(told: str, *, alone: bool = False) -> str:
     stations = dict.fromkeys(AXIS_STATIONS[axis] for axis in axes if axis in AXIS_STATIONS)
     pilot = ", or one pilot" if {"helm", "planes"} == set(stations) else ""
     return f"{', '.join(axes)}; needs: {' and '.join(stations)}{pilot}"
-
-
-def loss_said(told: str) -> str:
-    """Return what loses an exercise in words: "showing > 0" is the sail."""
-    return told.replace("showing > 0", "sail or deck out of the water")
 
 
 def limits_said(told: str) -> str:
