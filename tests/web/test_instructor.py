@@ -54,6 +54,19 @@ def test_no_title_of_a_chart_reaches_over_its_value(shared: Served, look: Look) 
     await_that(lambda: max(page.evaluate(OVERLAPS)) <= 0.0, lambda: page.evaluate(OVERLAPS))
 
 
+def test_the_keys_of_alerts_and_aids_share_a_row_on_a_laptop(serve: Serve, look: Look) -> None:
+    page = look(serve("stern-plane-jam"), "instructor", size="laptop")
+    alerts, hint = page.locator("alert-bar .bell"), page.locator("#hint")
+    expect(hint).to_have_text("Hint: 5 marks")
+    upper, lower = sorted((alerts.bounding_box() or {}, hint.bounding_box() or {}), key=top_of)
+    assert lower["y"] < upper["y"] + upper["height"]
+
+
+def top_of(box: dict[str, float]) -> float:
+    """Return where a box begins, from the top [px]."""
+    return box["y"]
+
+
 @pytest.mark.parametrize("way", WAYS)
 def test_time_is_let_go_made_faster_stepped_and_stopped(
     shared: Served, caller: Caller, look: Look, way: str

@@ -162,6 +162,30 @@ def test_a_page_knows_each_instrument_that_a_step_may_light_up() -> None:
     assert lighted_places().keys() == set(LIGHTED_INSTRUMENTS)
 
 
+# A long briefing
+
+LENGTHEN = """(text) => text.append(...Array.from({ length: 60 }, () => {
+  const line = document.createElement("p");
+  line.textContent = "One more line.";
+  return line;
+}))"""
+
+
+@pytest.mark.parametrize("size", ["laptop", "phone"])
+def test_the_keys_of_a_long_briefing_stay_in_sight(
+    serve: Serve, look: Look, drill: str, size: str
+) -> None:
+    page = look(serve(drill), "trainee", size=size)
+    expect(page.locator("#briefing")).to_be_visible()
+    page.locator("#briefing-text").evaluate(LENGTHEN)
+    place = page.locator("#briefing").bounding_box()
+    for key in ("#begin", "#close-briefing"):
+        box = page.locator(key).bounding_box()
+        assert box
+        assert place
+        assert box["y"] + box["height"] <= place["y"] + place["height"], key
+
+
 # Led through a lesson
 
 
