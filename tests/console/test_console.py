@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
 import pytest
 from helpers.contrast import contrast
@@ -406,15 +407,32 @@ def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> Non
     at_the_console(resize, role=role)
 
 
-@pytest.mark.parametrize("role", ["instructor", "trainee", "diving"])
-def test_the_line_of_orders_and_the_keys_stand_at_the_bottom_of_a_short_screen(role: str) -> None:
+STYLED: Final = (
+    ("instructor", ""),
+    ("diving", ""),
+    ("pilot", ""),
+    ("ballast", ""),
+    ("trainee", ""),
+)
+LED: Final = (("trainee", "lesson"), ("trainee", "tanks"), ("trainee", "lesson tanks"))
+
+
+@pytest.mark.parametrize(("role", "styles"), (*STYLED, *LED))
+def test_the_log_the_line_of_orders_and_the_keys_have_room_on_a_short_screen(
+    monkeypatch: pytest.MonkeyPatch, role: str, styles: str
+) -> None:
+    monkeypatch.setattr(Console, "_lead_in", lambda _app: None)  # it would take the styles off
+
     async def resize(pilot: Pilot[Refused], app: Console) -> None:
-        for size in ((60, 20), (80, 22), (80, 24)):
+        app.screen_stack[0].add_class(*styles.split())
+        for size in ((60, 20), (60, 24), (80, 22), (80, 24), (100, 30)):
             await pilot.resize_terminal(*size)
             await pilot.pause(0.12)
-            entry, foot = app.query_one(Entry).region, app.query_one("#foot", Pane).region
-            assert (entry.height, entry.bottom, foot.bottom) == (1, foot.y, size[1]), size
-            assert app.query_one("#log", Pane).region.height
+            log, line, foot = (app.query_one(f"#{name}").region for name in ("log", "line", "foot"))
+            assert log.height, size
+            assert log.bottom <= line.y, size
+            assert (line.bottom, line.bottom + 1) == (app.query_one(Entry).region.y, foot.y), size
+            assert foot.bottom == size[1], size
 
     at_the_console(resize, tape(role), role)
 

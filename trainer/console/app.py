@@ -68,7 +68,8 @@ class Console(App[Refused], inherit_bindings=False):
     # lists, as the library has them
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (60, "-narrow"), (126, "-wide")]  # noqa: RUF012
     VERTICAL_BREAKPOINTS = [  # noqa: RUF012
-        *((0, "-flat"), (20, "-short"), (24, "-low"), (36, "-tall"), (50, "-high")),
+        *((0, "-flat"), (20, "-short"), (24, "-low")),
+        *((26, "-middle"), (36, "-tall"), (50, "-high")),
     ]
     # None of the library's: its Ctrl-Q would end the console, but users press Ctrl-Q to wake a
     # terminal that Ctrl-S has stopped.
