@@ -430,6 +430,7 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     assert "There is no curve: a free run has no marks." in told
     assert "Casualty rudder-stuck at 1:10, by instructor at a desk." in told
     assert "<b>Free</b>, no marks" in told
+    assert "go back to before that order, or begin again" in told
 
 
 @pytest.mark.slow
