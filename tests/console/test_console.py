@@ -417,7 +417,7 @@ STYLED: Final = (
 LED: Final = (("trainee", "lesson"), ("trainee", "tanks"), ("trainee", "lesson tanks"))
 
 
-@pytest.mark.parametrize(("role", "styles"), (*STYLED, *LED))
+@pytest.mark.parametrize(("role", "styles"), [*STYLED, *LED])
 def test_the_log_the_line_of_orders_and_the_keys_have_room_on_a_short_screen(
     monkeypatch: pytest.MonkeyPatch, role: str, styles: str
 ) -> None:
