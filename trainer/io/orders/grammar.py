@@ -248,6 +248,7 @@ def moved_word(tokens: list[str]) -> str:
     for last, moved in [*moves, (0, [tokens[-1], *tokens[:-1]]), (0, tokens[::-1])]:
         if not last and moved[0] not in ORDER_HEADS:
             continue
+        moved = CREW_TURN_PATTERN.sub(r"course \1 to", " ".join(moved)).split()  # it is one to keep
         try:
             reading = read_form(moved)
         except RefusedError:
