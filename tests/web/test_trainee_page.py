@@ -186,6 +186,26 @@ def test_the_keys_of_a_long_briefing_stay_in_sight(
         assert box["y"] + box["height"] <= place["y"] + place["height"], key
 
 
+def test_a_sentence_of_the_briefing_is_not_broken_off_at_the_end_of_a_file_s_line(
+    serve: Serve, look: Look
+) -> None:
+    page = look(serve("first-depth-change"), "trainee", size="phone")
+    first = page.locator("#briefing-text p").first
+    expect(first).to_contain_text("take it off in time: the boat goes where it points.")
+
+
+def test_why_an_order_is_refused_is_read_to_its_end_on_a_phone(serve: Serve, look: Look) -> None:
+    page = look(serve("first-depth-change"), "trainee", size="phone")
+    begin(page)
+    page.locator("part-keys [data-name=log]:visible").click()
+    page.locator("#order").fill("course 045 left")
+    page.keyboard.press("Enter")
+    told = page.locator("#answer")
+    expect(told).to_contain_text("did you mean course left to 045?")
+    assert told.evaluate("(line) => line.scrollWidth <= line.clientWidth")
+    assert told.evaluate("(line) => line.scrollHeight <= line.clientHeight + 1")
+
+
 # Led through a lesson
 
 

@@ -15,6 +15,7 @@ const NAMES = {
   clearance: say("water under the keel"),
   speed_over_ground: say("speed over the ground"),
 };
+const LONG_LINE = 60; // [letters] from which a line of a text ended because its page was full
 /** @type {Record<string, string>} */
 const UNITS = { deg: say("deg") };
 
@@ -86,7 +87,7 @@ function text(session) {
   if (outcome && exercise.steps) parts.push(html("p", {}, say("Lessons have no marks.")));
   else if (outcome && !judgement.marks) parts.push(html("p", {}, marksToCome(session)));
   if (!exercise.steps) parts.push(...judgement.lines.map((line) => html("p", {}, line)));
-  parts.push(...(told.line ?? []).map((line) => html("p", {}, line)));
+  parts.push(...paragraphs(told.line ?? []).map((line) => html("p", {}, line)));
   const facts = [
     [say("By hand"), (exercise.hand ?? "").replaceAll(",", ", ")],
     [say("Won by"), (told.wins ?? []).join("; ")],
@@ -100,6 +101,17 @@ function text(session) {
     .flatMap(([name, what]) => [html("dt", {}, name), html("dd", {}, what)]);
   if (rows.length) parts.push(html("dl", {}, ...rows));
   return parts;
+}
+
+/** Returns the lines of a text as paragraphs: a long one goes on in the next. @param {string[]} lines */
+function paragraphs(lines) {
+  /** @type {string[]} */
+  const joined = [];
+  for (const [i, line] of lines.entries()) {
+    if (i && lines[i - 1].length >= LONG_LINE) joined.push(`${joined.pop()} ${line}`);
+    else joined.push(line);
+  }
+  return joined;
 }
 
 /** @param {Session} session */
