@@ -425,6 +425,7 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     debrief = debriefed(path)
     assert debrief.total is None
     assert debrief.free
+    assert debrief.costs == ()  # of marks that there are not
     assert beside(debrief).curve is None
     told = render(debrief)
     assert "There is no curve: a free run has no marks." in told

@@ -420,7 +420,8 @@ class EndView(TextView):
         steps = steps_after(self._model)
         self.keys = {key: (each.order, "") for key, each in steps.items()}
         rows = [labelled_line(key.upper(), self._says(key)) for key in steps]
-        marks = self._model.exercise.marks or ["the marks are being calculated"]
+        first = "; an instructor who is here has them first" if self._model.trains else ""
+        marks = self._model.exercise.marks or [f"the marks are being calculated{first}"]
         if self._model.exercise.step == LESSON_END:
             marks = ["the lesson is done, to its last step; lessons have no marks"]
         if self._model.exercise.debriefing:
