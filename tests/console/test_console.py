@@ -253,11 +253,11 @@ def test_a_key_pressed_a_while_before_an_order_is_not_taken_for_its_first_letter
     keys = TypedKeys(lambda: time)
     keys.take("m", OrderAction("rudder amidships"))
     time = 2.0
-    assert keys.why_lost() == ""
+    assert keys.explain_lost() == ""
     keys.take(None, MoveAction("rudder", -1))  # an arrow is no letter
     keys.take("0", OrderAction("bell stop"))
-    assert '"0"' in keys.why_lost()
-    assert keys.why_lost() == ""  # once
+    assert '"0"' in keys.explain_lost()
+    assert keys.explain_lost() == ""  # once
 
 
 # The order line

@@ -268,7 +268,7 @@ class StepVerdict:
 
 @dataclass(frozen=True)
 class BoundedKey:
-    """A key of the file that is cut at a bound, so that its force takes energy from any motion."""
+    """A key that is cut at a bound, so that its force feeds no motion."""
 
     key: str
     given: float

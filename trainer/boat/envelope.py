@@ -188,7 +188,7 @@ def largest_sail_lift(c: VesselRecords) -> Numbers:
 
 
 def bounded_keys(file: VesselFile, vessel: VesselRecords) -> Iterator[tuple[str, float, float]]:
-    """Yield each key of a file that is cut at a bound: its name, what is given, what is flown.
+    """Yield each key cut at a bound: its name, what is given, what is flown.
 
     Bounds see to it that a force takes energy from any motion. A key that is not given has none.
     """

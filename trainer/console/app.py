@@ -125,7 +125,7 @@ class Console(App[Refused], inherit_bindings=False):
                 self.act(key.act)
                 return
             if event.character and event.character.isalpha():  # no key, so it begins an order
-                why = self._typed.why_lost()
+                why = self._typed.explain_lost()
                 self._panes.entry.begin(event.character, why)
                 if why:
                     self.model.journal.add(None, "refused", why)

@@ -50,8 +50,8 @@ class TypedKeys:
         if letter and letter.isalnum() and isinstance(act, CONTROL_ACTIONS):
             self._letters, self._last = f"{self._fresh()}{letter}", self._clock()
 
-    def why_lost(self) -> str:
-        """Return why they do not stand in the order that now begins, "" where none are missed."""
+    def explain_lost(self) -> str:
+        """Return the hint to begin with a colon, "" where no letter is missed."""
         lost, self._letters = self._fresh(), ""
         return f'begin an order with : because "{lost}" was taken as keys' if lost else ""
 
