@@ -611,6 +611,17 @@ def test_the_page_tells_the_boat_afloat_and_the_parts_of_a_step() -> None:
     assert "steps are divided       0.5 s in 2, 1 s in 4" in render(report)
 
 
+def test_a_key_that_is_cut_at_a_bound_is_told_with_both_figures() -> None:
+    report = check_vessel(load_vessel("bb2"))
+    (lift,) = report.bounded
+    assert (lift.key, lift.given) == ("[envelope] sail_lift", 0.0393)
+    assert lift.flown == pytest.approx(0.02644, abs=1e-5)
+    assert "bound: [envelope] sail_lift 0.0393 is flown as 0.02644" in render(report)
+    (drag,) = check_vessel(load_vessel("sdv-mk9")).bounded
+    assert (drag.key, drag.given) == ("[coefficients] X_dsds", -0.01)
+    assert drag.flown == pytest.approx(-0.01825)
+
+
 def test_a_step_of_the_propeller_s_torque_is_told() -> None:
     """BB2 at eta = 2: K_star u^2 + K_star_eta u (u_c - u) inside is half of K_star u_c^2."""
     (seen,) = check_vessel(load_vessel("bb2")).remarks

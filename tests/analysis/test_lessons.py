@@ -106,7 +106,7 @@ def test_a_check_finds_nothing_wrong_in_a_lesson(name: str) -> None:
     assert any(line.startswith("step ") for line in check_exercise(name))
 
 
-@pytest.mark.parametrize("reading", [12, 40])  # [ticks] at most before he does what is said
+@pytest.mark.parametrize("reading", [12, 40, 56])  # [ticks] at most before he does what is said
 @pytest.mark.parametrize("name", NAMES)
 def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
     crewed: Begin, name: str, reading: int

@@ -193,6 +193,11 @@ def test_a_help_page_names_its_arguments_as_they_are_typed_and_no_constant_of_th
     assert not {path: words for path, words in constants.items() if words}
 
 
+def test_a_help_page_tells_no_limit_where_a_number_has_none() -> None:
+    for command, path in TYPED.items():
+        assert "None]" not in command.get_help(click.Context(command)), path
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_a_help_page_shows_an_example(page: str) -> None:
     lines = examples(PAGES[page])

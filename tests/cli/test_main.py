@@ -185,3 +185,18 @@ def test_a_file_whose_name_is_not_utf8_is_recorded_debriefed_and_listed(tmp_path
 
     page = (tmp_path / os.fsdecode(b"nam\xff.html")).read_text(encoding="utf-8")
     assert r"nam\udcff.trainer" in page
+
+
+def test_a_refusal_is_broken_between_words_on_a_terminal_and_one_line_in_a_pipe(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    told = "no exercise 'bb3'; shipped: air-bank-failure, backing, bottoming, canyon"
+    with pytest.raises(SystemExit):
+        main.leave_with(2, told)
+    assert capfd.readouterr().err == f"trainer: {told}\n"
+    monkeypatch.setattr(os, "get_terminal_size", lambda _stream: os.terminal_size((40, 24)))
+    with pytest.raises(SystemExit):
+        main.leave_with(2, told)
+    lines = capfd.readouterr().err.splitlines()
+    assert max(map(len, lines)) <= 40
+    assert " ".join(line.strip() for line in lines) == f"trainer: {told}"

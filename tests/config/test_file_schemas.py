@@ -146,6 +146,13 @@ def test_editors_show_unit_and_meaning() -> None:
     assert length["description"] == "[m] reference length L of the coefficients"
 
 
+def test_words_of_a_vessel_file_that_nothing_reads_are_said_to_be_free() -> None:
+    keys = schema_of("vessel")["properties"]
+    for name in ("kind", "scale"):
+        assert keys[name]["description"].startswith("for the reader, in any words")
+        assert not faults("vessel", shipped("vessels/bb2.toml") | {name: "a houseboat"})
+
+
 def test_the_command_writes_a_schema_and_says_the_line_that_names_it(tmp_path: Path) -> None:
     path = tmp_path / "exercise.schema.json"
 

@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
 import pytest
 from helpers.contrast import contrast
@@ -40,6 +41,7 @@ from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
 from trainer.console.entry import Entry, complete_word, hint, offer
 from trainer.console.journal import TimelineMoment
+from trainer.console.key_orders import TypedKeys
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
@@ -219,6 +221,45 @@ def test_a_letter_that_is_no_key_begins_an_order_at_every_station() -> None:
     assert pressed((*typed("depth 80"), "enter", "a"), "planes") == ["depth 80", "planes auto"]
 
 
+@pytest.mark.parametrize(
+    ("keys", "ordered", "told"),
+    [
+        ("35 left rudder", ["bell ahead standard", "bell ahead flank"], '"35"'),
+        ("mark why", ["rudder amidships"], '"m"'),
+        ("left rudder", [], ""),
+    ],
+)
+def test_who_types_an_order_without_a_colon_is_told_which_letters_were_keys(
+    keys: str, ordered: list[str], told: str
+) -> None:
+    async def press(pilot: Pilot[Refused], app: Console) -> None:
+        await pilot.press(*typed(keys))
+        above = app.query_one("#line", Pane)
+        above.look()
+        assert told in plain(above.lines)
+        assert bool(told) == ("with :" in plain(above.lines))
+        await pilot.press("enter")
+
+    app, talk = at_the_console(press, tape("trainee"), "trainee")
+    *by_keys, _typed = talk.orders
+    assert by_keys == ordered
+    said = [each.text for each in app.model.journal.entries if "begin an order with :" in each.text]
+    assert len(said) == bool(told)
+    assert all(told in text for text in said)
+
+
+def test_a_key_pressed_a_while_before_an_order_is_not_taken_for_its_first_letter() -> None:
+    time = 0.0
+    keys = TypedKeys(lambda: time)
+    keys.take("m", OrderAction("rudder amidships"))
+    time = 2.0
+    assert keys.explain_lost() == ""
+    keys.take(None, MoveAction("rudder", -1))  # an arrow is no letter
+    keys.take("0", OrderAction("bell stop"))
+    assert '"0"' in keys.explain_lost()
+    assert keys.explain_lost() == ""  # once
+
+
 # The order line
 
 
@@ -364,6 +405,36 @@ def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> Non
         assert "60.0" in shown(app) or role not in ("instructor", "observer")
 
     at_the_console(resize, role=role)
+
+
+STYLED: Final = (
+    ("instructor", ""),
+    ("diving", ""),
+    ("pilot", ""),
+    ("ballast", ""),
+    ("trainee", ""),
+)
+LED: Final = (("trainee", "lesson"), ("trainee", "tanks"), ("trainee", "lesson tanks"))
+
+
+@pytest.mark.parametrize(("role", "styles"), [*STYLED, *LED])
+def test_the_log_the_line_of_orders_and_the_keys_have_room_on_a_short_screen(
+    monkeypatch: pytest.MonkeyPatch, role: str, styles: str
+) -> None:
+    monkeypatch.setattr(Console, "_lead_in", lambda _app: None)  # it would take the styles off
+
+    async def resize(pilot: Pilot[Refused], app: Console) -> None:
+        app.screen_stack[0].add_class(*styles.split())
+        for size in ((60, 20), (60, 24), (80, 22), (80, 24), (100, 30)):
+            await pilot.resize_terminal(*size)
+            await pilot.pause(0.12)
+            log, line, foot = (app.query_one(f"#{name}").region for name in ("log", "line", "foot"))
+            assert log.height, size
+            assert log.bottom <= line.y, size
+            assert (line.bottom, line.bottom + 1) == (app.query_one(Entry).region.y, foot.y), size
+            assert foot.bottom == size[1], size
+
+    at_the_console(resize, tape(role), role)
 
 
 def test_the_first_screen_says_the_state_at_a_glance() -> None:

@@ -160,7 +160,7 @@ def test_a_colon_before_an_order_on_a_line_that_is_open_is_no_part_of_it() -> No
 
 def test_a_narrow_chart_leaves_out_its_unit_before_it_touches_the_value() -> None:
     told = {"course": "0", "course_error": "0.2"}
-    screen_of(ordered("trainee", told), "trainee", "╌╌ 000     2 min", size=(60, 20))
+    screen_of(ordered("trainee", told), "trainee", "╌╌ 000     2 min", size=(60, 24))
 
 
 def test_a_rate_is_shown_with_its_side_or_not_at_all() -> None:
@@ -268,6 +268,24 @@ def test_who_has_given_an_order_does_not_repeat_it() -> None:
         assert "NEW" not in shown(app)
 
     at_the_console(give, talk, "diving")
+
+
+def test_after_the_end_of_an_exercise_no_order_is_new_and_gone_back_it_is_again() -> None:
+    talk = ordered("planes", DEPTH)
+    new(talk, "depth 70 m")
+
+    async def end(pilot: Pilot[Refused], app: Console) -> None:
+        await seen(pilot, app, "NEW ORDER  depth 70 m")
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "won"))
+        new(talk, "course 045")  # told once more to who comes late
+        new(talk, "depth 70 m")
+        await pilot.pause(0.2)
+        assert "NEW" not in shown(app)
+        talk.say(sentences.fact(122, 61.0, "back", "backtrack 4 s"))
+        new(talk, "depth 70 m")
+        await seen(pilot, app, "NEW ORDER  depth 70 m")
+
+    at_the_console(end, talk, "planes")
 
 
 def test_of_two_new_orders_both_are_shown_and_the_newest_is_repeated_first() -> None:

@@ -85,6 +85,8 @@ def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role
     model.hear()
     window = EndView(model)
     assert "the debrief is being written: 41%" in plain(window.draw(80, 24))
+    held = "being calculated; an instructor who is here has them first"
+    assert (held in plain(window.draw(96, 24))) == (role == "trainee")
     model.clock = lambda: math.inf
     assert window.press("d", "d") is None  # it stays open, and is told
     assert line.orders[-1] == "debrief"

@@ -99,6 +99,13 @@ def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
     assert "20 more lines below" in plain(window.draw(60, 12))
 
 
+def test_a_narrow_window_of_more_lines_than_rows_still_says_which_key_begins() -> None:
+    text = [line(f"row {n}") for n in range(30)]
+    window = TextView("x", lambda: text, {"enter": ("run", "Enter begins")})
+    assert "20 more lines below" in plain(window.draw(96, 12))
+    assert "20 more: Down;   Enter begins   Esc closes" in plain(window.draw(56, 12))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("role", ROLES)

@@ -425,11 +425,13 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     debrief = debriefed(path)
     assert debrief.total is None
     assert debrief.free
+    assert debrief.costs == ()  # of marks that there are not
     assert beside(debrief).curve is None
     told = render(debrief)
     assert "There is no curve: a free run has no marks." in told
     assert "Casualty rudder-stuck at 1:10, by instructor at a desk." in told
     assert "<b>Free</b>, no marks" in told
+    assert "go back to before that order, or begin again" in told
 
 
 @pytest.mark.slow

@@ -90,7 +90,9 @@ def test_a_run_that_is_flown_on_without_marks_says_so_apart(tmp_path: Path) -> N
     path = record(tmp_path / "free.trainer", "first-depth-change", free, duration=40.0)
     with open_recording(path) as opened:
         line = json.dumps(asked(opened, 60))
-    assert list(answers(path, iter([line]))) == [{"free": "a free run has no marks"}]
+    assert list(answers(path, iter([line]))) == [
+        {"free": "free run since casualty stern-stuck at 0:20: backtrack for marks"}
+    ]
 
 
 def test_a_run_without_a_curve_says_why_on_every_line(tmp_path: Path) -> None:

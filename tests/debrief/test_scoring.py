@@ -113,11 +113,11 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
 def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:
     depth = {"quantity": "depth", "target": 100, "band": 1}
     assert taken(trajectory(z=[60, 99, 90, 99, 101]), measure="reach", **depth) == (1.5, 3)
-    there = trajectory(z=[100, 90, 99, 100])
+    there, passing = trajectory(z=[100, 90, 99, 100]), trajectory(z=[99.5, 105, 112, 120])
     for measure in ("reach", "settled"):
-        assert take_measure(there, rule(measure=measure, **depth)).why == (
-            "the boat was there when it was ordered"
-        )
+        for went in (there, passing):
+            why = take_measure(went, rule(measure=measure, **depth)).why
+            assert why == "already within 1 m of it when it was ordered"
     assert marks_of(rule(measure="reach", **depth), None) == 0.0
 
 

@@ -107,6 +107,7 @@ def test_the_page_tells_parameters_ship_stability_losses_and_residuals(plain: Pa
         "IDENTIFICATION, model nomoto1",
         "120 m, 12.00 kn; 400 samples every 5 s",
         "The ship is stable: 1/T1",
+        "A positive rudder turns to port here, so K of a stable ship is negative.",
         "Fit settled",
         "AIC",
         "one step ahead",

@@ -256,6 +256,7 @@ MISTYPED = [
     ("80 depth", '"80 depth" is no order; did you mean depth 80 m?'),
     ("dive 10 stern", '"dive 10 stern" is no order; did you mean stern planes dive 10?'),
     ("rudder 500 deg left", "did you mean rudder left 500 deg? 500: an angle is 0 to 90 deg"),
+    ("course 045 left", '"left" after "course 045"; did you mean course left to 045?'),
     ("order course 045 left", "did you mean order course left 045?"),
     ("step 2.5", "has no decimals"),
     ("step 20 m", '"m" is too much after "step 20"'),

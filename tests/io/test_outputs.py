@@ -93,6 +93,16 @@ def test_settings_take_the_place_of_their_own_kind_alone(tmp_path: Path) -> None
     assert "runs" in path.read_text()
 
 
+def test_an_exercise_takes_the_place_of_one_with_the_same_briefing_alone(tmp_path: Path) -> None:
+    path, designed = tmp_path / "trial.toml", 'schema = "exercise/1"\nbriefing = "Hands off."\n'
+    path.write_text('schema = "exercise/1"\nbriefing = "Dive."\n')
+    with pytest.raises(SameFileError, match="an exercise of your own is there; give another name"):
+        write_whole(path, designed)
+    path.write_text(designed)
+    write_whole(path, f"{designed}duration_s = 9\n")
+    assert "duration_s" in path.read_text()
+
+
 def test_a_file_may_be_renewed_by_what_has_read_it(tmp_path: Path) -> None:
     path = tmp_path / "boat.toml"
     path.write_text("old")

@@ -187,7 +187,7 @@ def test_a_reader_is_briefed_in_words_of_79_columns() -> None:
     said = [line for line in here.lines["planes"].sent if not line.startswith("$")]
     assert "by hand: planes, speed" in said
     assert "limits: depth at most 140 m, pitch at most 20 deg" in said
-    assert any(line.startswith("lost by: depth > 160") for line in said)
+    assert any(line.startswith("lost by: deeper than 160 m; slower") for line in said)
     assert "length: 600 s, 600 s left" in said
     assert any(line.startswith("won by: each order carried out") for line in said)
     assert max(map(len, said)) <= 79

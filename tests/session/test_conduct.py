@@ -153,9 +153,9 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(crewed: Begin) -> N
     ship.order("depth 200")
     ship.fly(119)
     assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
-    assert ship.events(ship.instructor, "exercise")[-1] == "lost: depth > 61"
+    assert ship.events(ship.instructor, "exercise")[-1] == "lost: deeper than 61 m"
     assert ship.events(helm, "time")[-1] == f"EXERCISE OVER: lost at {ship.boat.time:g} s"
-    assert not any("depth > 61" in line for line in helm.sent)
+    assert not any("deeper than 61 m" in line for line in helm.sent)
     assert ship.boat.state.z > 61.0
     deep = [ship.recording.state_at(1, ship.boat.ticks - back) for back in (2, 3)]
     places = [np.frombuffer(state or b"", STATE)["z"][0] for state in deep]

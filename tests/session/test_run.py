@@ -499,6 +499,7 @@ def refused(
         ("--train --instruct", "--train and --instruct exclude each other: say who you are"),
         ("extra", 'no exercise "extra"; shipped: air-bank-failure, '),
         ("bb2", 'no exercise "bb2"; that is a vessel (--vessel bb2); shipped: air-bank-failure, '),
+        ("bb3", 'no exercise "bb3"; nearest is the vessel bb2 (--vessel bb2); shipped: air-'),
         ("calm", 'no exercise "calm"; that is a sea (--sea calm); shipped: air-bank-failure, '),
         ("detph", 'no exercise "detph"; nearest is depth-changes; shipped: air-bank-failure, '),
         ("heavy-boat extra", "unexpected extra argument"),

@@ -4,7 +4,7 @@ import re
 from typing import Final
 
 import pytest
-from helpers.browser import Look
+from helpers.browser import Look, Serve
 from helpers.hands import WAYS, heard, step, work
 from helpers.pages import Served
 from helpers.waiting import await_that
@@ -53,6 +53,19 @@ def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
             assert heard(instructor, f"{name}: {words} aye")
     step(instructor, 2)  # readings alone ring nothing
     assert page.evaluate("window.struck") == []
+
+
+def test_after_the_end_of_an_exercise_no_order_waits_to_be_repeated(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("depth-changes")
+    page, caller = look(session, "planes"), session.attach()
+    assert caller.ask("order depth 90")[0]
+    expect(page.locator("repeat-bar .ordered")).to_have_text("depth 90 m")
+    step(caller, 2)
+    assert caller.ask("end exercise")[0]
+    expect(page.locator("#state")).to_have_text("ENDED")
+    expect(page.locator("repeat-bar")).to_be_hidden()
 
 
 HEAR_AIR = """() => {

@@ -54,6 +54,16 @@ def test_no_title_of_a_chart_reaches_over_its_value(shared: Served, look: Look) 
     await_that(lambda: max(page.evaluate(OVERLAPS)) <= 0.0, lambda: page.evaluate(OVERLAPS))
 
 
+def test_the_keys_of_alerts_and_aids_share_a_row_on_a_laptop(serve: Serve, look: Look) -> None:
+    page = look(serve("stern-plane-jam"), "instructor", size="laptop")
+    alerts, hint = page.locator("alert-bar .bell"), page.locator("#hint")
+    expect(hint).to_have_text("Hint: 5 marks")
+    above, beside = alerts.bounding_box(), hint.bounding_box()
+    assert above
+    assert beside
+    assert above["y"] <= beside["y"] < above["y"] + above["height"]
+
+
 @pytest.mark.parametrize("way", WAYS)
 def test_time_is_let_go_made_faster_stepped_and_stopped(
     shared: Served, caller: Caller, look: Look, way: str

@@ -164,6 +164,50 @@ def test_a_page_knows_each_instrument_that_a_step_may_light_up() -> None:
     assert lighted_places().keys() == set(LIGHTED_INSTRUMENTS)
 
 
+# A long briefing
+
+LENGTHEN = """(text) => text.append(...Array.from({ length: 60 }, () => {
+  const line = document.createElement("p");
+  line.textContent = "One more line.";
+  return line;
+}))"""
+
+
+@pytest.mark.parametrize("size", ["laptop", "phone"])
+def test_the_keys_of_a_long_briefing_stay_in_sight(
+    serve: Serve, look: Look, drill: str, size: str
+) -> None:
+    page = look(serve(drill), "trainee", size=size)
+    expect(page.locator("#briefing")).to_be_visible()
+    page.locator("#briefing-text").evaluate(LENGTHEN)
+    place = page.locator("#briefing").bounding_box()
+    for key in ("#begin", "#close-briefing"):
+        box = page.locator(key).bounding_box()
+        assert box
+        assert place
+        assert box["y"] + box["height"] <= place["y"] + place["height"], key
+
+
+def test_a_sentence_of_the_briefing_is_not_broken_off_at_the_end_of_a_file_s_line(
+    serve: Serve, look: Look
+) -> None:
+    page = look(serve("first-depth-change"), "trainee", size="phone")
+    first = page.locator("#briefing-text p").first
+    expect(first).to_contain_text("take it off in time: the boat goes where it points.")
+
+
+def test_why_an_order_is_refused_is_read_to_its_end_on_a_phone(serve: Serve, look: Look) -> None:
+    page = look(serve("first-depth-change"), "trainee", size="phone")
+    begin(page)
+    page.locator("part-keys [data-name=log]:visible").click()
+    page.locator("#order").fill("course 045 left")
+    page.keyboard.press("Enter")
+    told = page.locator("#answer")
+    expect(told).to_contain_text("did you mean course left to 045?")
+    assert told.evaluate("(line) => line.scrollWidth <= line.clientWidth")
+    assert told.evaluate("(line) => line.scrollHeight <= line.clientHeight + 1")
+
+
 # Led through a lesson
 
 

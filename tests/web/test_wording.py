@@ -1,7 +1,9 @@
 """The pages decide by facts: a text for people may be reworded, and they do the same."""
 
 import json
+import re
 import subprocess
+import tomllib
 from collections.abc import Iterator
 from typing import Final
 
@@ -14,6 +16,7 @@ from helpers.rewording import reworded
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
+from trainer.config.loss_words import word_loss
 from trainer.io.orders.grammar import Order, parse
 from trainer.web.modules import ASSETS_FOLDER
 
@@ -125,6 +128,32 @@ def evaluated(module: str, names: str, code: str) -> object:
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     value: object = json.loads(done.stdout)
     return value
+
+
+LOSSES: Final = {  # conditions that lose an exercise, and what is said of them
+    "depth > 160": "deeper than 160 m",
+    "depth_m >= 40 for 5 s": "deeper than 40 m for 5 s",
+    "depth < 100 ft": "shallower than 100 ft",
+    "speed_kn < 10 and time < 60": "slower than 10 kn and before 60 s",
+    "showing > 0 for 5 s": "sail or deck out of the water for 5 s",
+    "clearance < 0 for 60 s": "less than 0 m of water under the keel for 60 s",
+    "heel > 40": "heel more than 40 deg",
+}
+
+
+def test_what_loses_an_exercise_is_said_in_the_same_words_by_pages_and_session() -> None:
+    every = (
+        "Object.fromEntries(" + json.dumps([*LOSSES]) + ".map((each) => [each, lossInWords(each)]))"
+    )
+    assert evaluated("briefing.js", "lossInWords", every) == LOSSES
+    assert {each: word_loss(each) for each in LOSSES} == LOSSES
+
+
+def test_no_shipped_exercise_is_lost_by_raw_words() -> None:
+    raw = re.compile(r"[<>_=]")
+    for path in (ROOT / "configs").glob("*/*.toml"):
+        for each in tomllib.loads(path.read_text("utf-8")).get("lost", ()):
+            assert not raw.search(word_loss(each)), path.name
 
 
 def test_the_pages_read_an_order_as_the_session_does() -> None:

@@ -8,12 +8,13 @@ guides and reductions use the same checks.
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from itertools import starmap
 
 import numpy as np
 
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
-from trainer.boat.envelope import is_clipped, surface_modes
+from trainer.boat.envelope import bounded_keys, is_clipped, surface_modes
 from trainer.boat.linear import Mode, bring_to, measure_response, modes
 from trainer.boat.stability import (
     boat_responses,
@@ -266,6 +267,15 @@ class StepVerdict:
 
 
 @dataclass(frozen=True)
+class BoundedKey:
+    """A key that is cut at a bound, so that its force feeds no motion."""
+
+    key: str
+    given: float
+    flown: float
+
+
+@dataclass(frozen=True)
 class CheckReport:
     """All that ``trainer boat check`` says about a vessel; as JSON by ``dataclasses.asdict``."""
 
@@ -273,6 +283,7 @@ class CheckReport:
     path: str
     defaulted: tuple[str, ...]
     remarks: tuple[str, ...]
+    bounded: tuple[BoundedKey, ...]
     notes: tuple[str, ...]  # of the vessel file
     absent_but_kept: dict[str, list[str]]  # absent, and the compact set would keep them
     absent_and_dropped: dict[str, list[str]]
@@ -363,6 +374,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
         path=str(file.path),
         defaulted=file.defaulted,
         remarks=(*file.remarks, *torque_remarks(file.coefficients, file.hull, file.fluid)),
+        bounded=tuple(starmap(BoundedKey, bounded_keys(file, boat.records.vessel))),
         notes=file.notes,
         absent_but_kept=absent_coefficients(file, kept=True),
         absent_and_dropped=absent_coefficients(file, kept=False),

@@ -150,6 +150,11 @@ def render(report: CheckReport) -> str:
     cut_off = "linear coefficients would feed the boat beyond their range: that is cut off"
     texts = [f"from the defaults file: {', '.join(report.defaulted)}"] * bool(report.defaulted)
     texts += [f"remark: {remark}" for remark in report.remarks]
+    texts += [
+        f"bound: {each.key} {each.given:g} is flown as {each.flown:.4g} afloat or "
+        "beyond the coefficients' range: as given it would feed the boat"
+        for each in report.bounded
+    ]
     texts += [f"note: {note}" for note in report.notes]
     verb = "is" if report.own_step_stable else "is NOT"
     verdict = f"Not every step above is stable; the boat's own, {report.own_step_s:g} s, {verb}."

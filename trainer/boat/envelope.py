@@ -7,7 +7,7 @@ coefficients, strips, planes, stability of the step, engine.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -37,6 +37,7 @@ WAVE_DRAG: Final = 1.8e-3  # [-] at this Froude number: estimate
 WAVE_DRAG_FROUDE: Final = 0.25  # [-] of the boat at the surface, by its length
 TANKLESS_LIGHTNESS: Final = 0.05  # [-] of the weight, by which a boat without tanks is lighter
 HALVING_COUNT: Final = 60  # more than a double has bits
+KEY_ROUNDING: Final = 1e-9  # [-] of a key, below which two figures are one
 LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
 # Torque of B4-70, P/D 1, in n^2, n u/D, (u/D)^2, for a K_Q(0) of 0.0638 (docs/envelope.md)
 KQ_OF_ROWS: Final = 0.0638
@@ -184,6 +185,25 @@ def largest_sail_lift(c: VesselRecords) -> Numbers:
         share = (lever.T * (adjugate * lever).sum(axis=2)).sum(axis=0)
         limits.append(np.divide(whole, share, out=np.zeros_like(whole), where=share > 0.0))
     return np.asarray(np.maximum(np.minimum(*limits), 0.0))
+
+
+def bounded_keys(file: VesselFile, vessel: VesselRecords) -> Iterator[tuple[str, float, float]]:
+    """Yield each key cut at a bound: its name, what is given, what is flown.
+
+    Bounds see to it that a force takes energy from any motion. A key that is not given has none.
+    """
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+    drags = ("X_drdr", "X_dsds", "X_dbdb")
+    given = {f"[coefficients] {name}": file.coefficients[name] for name in (*drags, "K_p")}
+    given["[envelope] sail_lift"] = file.envelope.sail_lift or 0.0
+    flown = (
+        *(vessel["plane_drag"][0] / area),
+        vessel["roll_damping"][0] / (area * file.hull.length**2),
+        vessel["sail_lift"][0] / area,
+    )
+    for (key, value), used in zip(given.items(), flown, strict=True):
+        if value and abs(used - value) > KEY_ROUNDING * abs(value):
+            yield key, value, float(used)
 
 
 def _write_strips(file: VesselFile, c: VesselRecords) -> None:

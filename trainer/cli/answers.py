@@ -42,6 +42,11 @@ class Number(click.FloatRange):
             self.fail(f"{value!r} is not a number", param, ctx)
         return number
 
+    def _describe_range(self) -> str:
+        """Return the limits for a help page, "" where there are none; click says "x<=None"."""
+        bounded = self.min is not None or self.max is not None
+        return super()._describe_range() if bounded else ""
+
 
 AHEAD_SPEED_TYPE: Final = Number(0.0, 60.0, min_open=True)  # [kn] ahead
 SPEED_TYPE: Final = Number(0.0, 60.0)  # [kn] rest included

@@ -178,10 +178,10 @@ def show_any_name() -> None:
 
 def leave_with(code: int, *lines: str) -> NoReturn:
     """Print lines on stderr, and end with an exit code."""
-    from trainer.io.lines import plain
+    from trainer.io.lines import fit_terminal, plain
 
     for line in lines:
-        click.echo(f"trainer: {plain(line)}", err=True)
+        click.echo(fit_terminal(f"trainer: {plain(line)}"), err=True)
     sys.exit(code)
 
 

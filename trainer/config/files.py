@@ -242,10 +242,14 @@ def path_named(name_or_path: str, kind: str) -> Path:
 
 
 def _as_another_kind(name: str) -> str:
-    """Return what a name stands for elsewhere, and the option for it; "" for nothing."""
-    found = (kind for kind in CHOOSING_OPTIONS if name in shipped_names(kind))
-    kinds = (f"{OWN_FILE_EXAMPLES[kind][0]} ({CHOOSING_OPTIONS[kind]} {name})" for kind in found)
-    return "".join(f"; that is a {each}" for each in kinds)
+    """Return what a name stands for elsewhere or nearly does, and the option for it, if any."""
+    for kind, option in CHOOSING_OPTIONS.items():
+        names, one = shipped_names(kind), OWN_FILE_EXAMPLES[kind][0]
+        if name in names:
+            return f"; that is a {one} ({option} {name})"
+        if near := nearest(name, names).removeprefix("; nearest is "):
+            return f"; nearest is the {one} {near} ({option} {near})"
+    return ""
 
 
 def relative_name(path: Path, name: str) -> str:

@@ -53,8 +53,8 @@ from trainer.units import KNOT
 VESSEL_SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
 HEADING_FIELDS: Mapping[str, Kind] = {
     "name": Text(200, "name shown"),
-    "kind": Text(200, "submarine, auv, ..."),
-    "scale": Text(200, "full, or that of a model"),
+    "kind": Text(200, "for the reader, in any words: submarine, auv"),
+    "scale": Text(200, "for the reader, in any words: full, or that of a model"),
 }
 # Keys and tables that tell where numbers come from: no run and no message depends on them.
 # fmt: off

@@ -240,7 +240,11 @@ class Envelope:
     )
     sail_y: float | None = optional(Quantity("-", within(0, 10), "its cross-flow drag; 0"))
     sail_lift: float | None = optional(
-        Quantity("-", within(0, 10), "its lift slope, hull's share too, as in Y_v; 0")
+        Quantity(
+            "-",
+            within(0, 10),
+            "its lift slope, hull's share too, as in Y_v; so far as it feeds no motion; 0",
+        )
     )
     sail_lift_place: tuple[float, float] | None = optional(
         Quantities(Quantity("m", within(-200, 200), "x and z of where that lift acts"), 2, 2)

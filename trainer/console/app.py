@@ -26,7 +26,7 @@ from trainer.console.dialogs import (
     sea_choice,
 )
 from trainer.console.guide import EndView, PlanView, TextView, answer, briefing, guide
-from trainer.console.key_orders import KeyOrders
+from trainer.console.key_orders import KeyOrders, TypedKeys
 from trainer.console.keys import (
     DialogAction,
     KeyAction,
@@ -67,7 +67,10 @@ class Console(App[Refused], inherit_bindings=False):
     AUTO_FOCUS = ""  # a station's keys are its controls
     # lists, as the library has them
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (60, "-narrow"), (126, "-wide")]  # noqa: RUF012
-    VERTICAL_BREAKPOINTS = [(0, "-flat"), (20, "-low"), (36, "-tall"), (50, "-high")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
+        *((0, "-flat"), (20, "-short"), (24, "-low")),
+        *((26, "-middle"), (36, "-tall"), (50, "-high")),
+    ]
     # None of the library's: its Ctrl-Q would end the console, but users press Ctrl-Q to wake a
     # terminal that Ctrl-S has stopped.
     BINDINGS: ClassVar[list[BindingType]] = []
@@ -79,6 +82,7 @@ class Console(App[Refused], inherit_bindings=False):
         self.own = own
         self._keys = by_name(model.role)
         self._orders = KeyOrders(model)
+        self._typed = TypedKeys(model.clock)
         self._panes = RolePanes(model, self.act, self._open, self._submit)
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
@@ -117,10 +121,14 @@ class Console(App[Refused], inherit_bindings=False):
         if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
             key = self._keys.get(event.key)
             if key is not None:
+                self._typed.take(event.character, key.act)
                 self.act(key.act)
                 return
             if event.character and event.character.isalpha():  # no key, so it begins an order
-                self._panes.entry.begin(event.character)
+                why = self._typed.explain_lost()
+                self._panes.entry.begin(event.character, why)
+                if why:
+                    self.model.journal.add(None, "refused", why)
                 return
         await super().on_event(event)
 

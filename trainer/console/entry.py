@@ -134,10 +134,11 @@ class Entry(Input):
         self._send = send
         self._history: list[str] = []
         self._index = 0
+        self.lost = ""  # why letters before the first are missing
 
-    def begin(self, text: str) -> None:
-        """Begin an order with these words."""
-        self.value = text
+    def begin(self, text: str, lost: str = "") -> None:
+        """Begin an order with these words, where letters before them may have been lost."""
+        self.value, self.lost = text, lost
         self.cursor_position = len(text)
         self.screen.set_focus(self)  # now, not when the keys that follow have been taken
 
@@ -155,7 +156,7 @@ class Entry(Input):
         if words and self._history[-1:] != [words]:
             self._history.append(words)
         self._index = len(self._history)
-        self.value = ""
+        self.value = self.lost = ""
         self._send(words)
 
     def on_key(self, event: events.Key) -> None:
@@ -173,7 +174,7 @@ class Entry(Input):
             event.prevent_default()
             event.stop()
             if event.key == "escape":
-                self.value = ""
+                self.value = self.lost = ""
             elif event.key == "tab":
                 self.value = complete_word(self.value, self._known)
                 self.cursor_position = len(self.value)

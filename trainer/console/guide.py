@@ -10,13 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.config.loss_words import word_loss
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
 from trainer.console.exercise import LESSON_END
 from trainer.console.journal import clock
 from trainer.console.keys import KEYS
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, fit, length, line
+from trainer.console.pane import Line, Lines, first_fitting, fit, length, line
 
 Text = Callable[[], list[Line]]  # lines of any length; the window breaks them
 
@@ -162,17 +163,26 @@ class TextView:
         shown += [line()] * (room - len(shown))
         return [
             fit(drawn_row, width)
-            for drawn_row in (line((f" {self.title}", "title")), *shown, self._foot(lines, room))
+            for drawn_row in (
+                line((f" {self.title}", "title")),
+                *shown,
+                self._foot(lines, room, width),
+            )
         ][:height]
 
-    def _foot(self, lines: Sequence[Line], room: int) -> Line:
-        """Return what more there is, and the keys."""
+    def _foot(self, lines: Sequence[Line], room: int, width: int) -> Line:
+        """Return what more there is, and the keys; where there is no room, in fewer words."""
         below = len(lines) - self.top - room
         more = f" {below} more lines below: Down or Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
         does = "".join(f"   {says}" for _, says in self.keys.values() if says)
         closes = " Esc closes; or type an order" if self.typing else " Esc closes"
-        return line((f"{more}{back}", "warning"), (closes, "dim"), (does, "title"))
+        short = f" {below} more: Down;" if below > 0 else back
+        return first_fitting(
+            width,
+            line((f"{more}{back}", "warning"), (closes, "dim"), (does, "title")),
+            line((short, "warning"), (does, "title"), (f"  {closes}", "dim")),
+        )
 
 
 def break_line(drawn: Line, width: int) -> Lines:
@@ -278,7 +288,7 @@ def exercise_lines(model: SessionModel) -> list[tuple[str, str]]:
         ("time left", time_left),
         ("what wins", "; ".join(lists.get("wins", []))),
         ("limits", limits_said(exercise.get("limits", ""))),
-        ("it is lost at", " or ".join(map(loss_said, lists.get("lost", [])))),
+        ("it is lost at", " or ".join(map(word_loss, lists.get("lost", [])))),
         ("by hand", by_hand(exercise.get("hand", ""), alone=model.trains)),
         ("automatic", exercise.get("allowed", "").replace(",", ", ")),
         ("a hint costs", f"{exercise['hint']} marks" if "hint" in exercise else ""),
@@ -299,11 +309,6 @@ def by_hand(told: str, *, alone: bool = False) -> str:
     stations = dict.fromkeys(AXIS_STATIONS[axis] for axis in axes if axis in AXIS_STATIONS)
     pilot = ", or one pilot" if {"helm", "planes"} == set(stations) else ""
     return f"{', '.join(axes)}; needs: {' and '.join(stations)}{pilot}"
-
-
-def loss_said(told: str) -> str:
-    """Return what loses an exercise in words: "showing > 0" is the sail."""
-    return told.replace("showing > 0", "sail or deck out of the water")
 
 
 def limits_said(told: str) -> str:
@@ -415,7 +420,8 @@ class EndView(TextView):
         steps = steps_after(self._model)
         self.keys = {key: (each.order, "") for key, each in steps.items()}
         rows = [labelled_line(key.upper(), self._says(key)) for key in steps]
-        marks = self._model.exercise.marks or ["the marks are being calculated"]
+        first = "; an instructor who is here has them first" if self._model.trains else ""
+        marks = self._model.exercise.marks or [f"the marks are being calculated{first}"]
         if self._model.exercise.step == LESSON_END:
             marks = ["the lesson is done, to its last step; lessons have no marks"]
         if self._model.exercise.debriefing:

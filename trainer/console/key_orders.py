@@ -1,7 +1,7 @@
 """The orders that the keys of a screen give."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from trainer.console.keys import (
@@ -27,13 +27,36 @@ PUMP_ORDERS: Final = {  # to the sea or aft, and the other way
     "depth_control": ("pump depth-control", "flood depth-control"),
     "trim": ("pump trim aft", "pump trim forward"),
 }
+TYPED_TIME_S: Final = 1.0  # [s] between letters that a hand types as one order
 TIME_SPEEDS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of the keys
+CONTROL_ACTIONS: Final = (OrderAction, MoveAction, PumpAction)  # of keys that work the boat
 # what tells whether something is on, and the orders that switch it on and off
 SWITCH_ORDERS: Final[Mapping[KeyAction, tuple[tuple[str, str], str, str]]] = {
     PlainAction.SHOW: (("time", "shown"), "demonstrate", "demonstrate off"),
     PlainAction.GHOST: (("ghost", "depth"), "ghost on", "ghost off"),
     PlainAction.PREDICT: (("predictor", "depth"), "predictor 60 s", "predictor off"),
 }
+
+
+class TypedKeys:
+    """The letters and digits that have just moved controls, perhaps meant as words."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._letters, self._last = "", -math.inf
+
+    def take(self, letter: str | None, act: KeyAction) -> None:
+        """Take a key that has acted."""
+        if letter and letter.isalnum() and isinstance(act, CONTROL_ACTIONS):
+            self._letters, self._last = f"{self._fresh()}{letter}", self._clock()
+
+    def explain_lost(self) -> str:
+        """Return the hint to begin with a colon, "" where no letter is missed."""
+        lost, self._letters = self._fresh(), ""
+        return f'begin an order with : because "{lost}" was taken as keys' if lost else ""
+
+    def _fresh(self) -> str:
+        return self._letters if self._clock() - self._last < TYPED_TIME_S else ""
 
 
 class KeyOrders:

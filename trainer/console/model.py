@@ -134,7 +134,7 @@ class SessionModel:
             "no-attainable": timeline.take_unevaluated,
             "range": vessel.take_range,
             "casualty": lambda _, text: vessel.coming.append(CasualtyOffer(*text.split(",", 2))),
-            "crew-order": crew.give,
+            "crew-order": self._take_crew_order,
             "own-order": self._take_own_order,
             "repeated": crew.settle,
             "belayed": crew.settle,
@@ -142,7 +142,7 @@ class SessionModel:
             "exercise": self._take_exercise,
             "step": exercise.take_step,
             "step-hint": exercise.take_hint,
-            "exercise-over": exercise.take_end,
+            "exercise-over": self._end_exercise,
             "marks": exercise.take_marks,
             "reason": exercise.take_reason,
             "debriefing": exercise.take_debriefing,
@@ -293,6 +293,15 @@ class SessionModel:
         elif name == "casualty":
             self.timeline.take_casualty(seconds, words)
             self.rings += 1
+
+    def _take_crew_order(self, seconds: float, subject: str) -> None:
+        """Take an order to the crew, which nobody can repeat once the exercise is over."""
+        if not self.exercise.outcome:
+            self.crew.give(seconds, subject)
+
+    def _end_exercise(self, seconds: float, outcome: str) -> None:
+        self.exercise.take_end(seconds, outcome)
+        self.crew.forget_waiting()
 
     def _take_own_order(self, seconds: float, subject: str) -> None:
         """Settle an order to the crew, because its giver does not repeat it."""

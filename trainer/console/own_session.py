@@ -24,6 +24,7 @@ import click
 from trainer.config.files import ConfigError
 from trainer.console.terminal import OWN_SESSION_VARIABLE
 from trainer.io import paths
+from trainer.io.lines import fit_terminal
 
 POLL_PERIOD_S = 0.004  # [s] between looks at whether it has ended
 END_TIMEOUT_S: Final = 2.0  # [s] for a session that goes on to end all the same
@@ -239,7 +240,7 @@ class OwnSession:
         said = self.session.written("err").splitlines()
         for text in said[self.passed :]:
             if not text.startswith(FIRST_WORDS):
-                click.echo(text, err=True)
+                click.echo(fit_terminal(text), err=True)
         self.passed = len(said)
         return said
 

@@ -71,7 +71,7 @@ class RolePanes:
                 yield Vertical(*map(self._pane, layout.aside), id="aside")
         if model.instructs:
             yield Pane(partial(evaluation, model), "evaluation")
-        yield from (self._line, self.entry, self._foot)
+        yield Vertical(self._line, self.entry, self._foot, id="bottom")
 
     def widen(self, steps: int) -> None:
         """Show charts over a longer time, by so many steps."""
@@ -89,7 +89,9 @@ class RolePanes:
 
     def _draw_line(self, width: int, height: int) -> Lines:
         """Return the hint on what may be typed next, or the line of time."""
-        if typed := self.entry.value:
+        if (typed := self.entry.value) and self.entry.lost:
+            return [fit(line((f" {self.entry.lost}", "warning")), width)]
+        if typed:
             return [fit(line((f"   {hint(typed, self._names)}", "dim")), width)]
         return time_line(self._model, width, height)
 

@@ -171,7 +171,9 @@ class DebriefData:
 
     @property
     def costs(self) -> tuple[MarkCost, ...]:
-        """Return the causes that cost most of the marks that count."""
+        """Return what cost most of the marks that count; a free run has none."""
+        if self.free:
+            return ()
         return dearest_costs(self.final, self.compared.reference.card if self.compared else None)
 
     def of_kind(self, *kinds: str) -> tuple[RecordedEvent, ...]:

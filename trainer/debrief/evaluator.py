@@ -178,7 +178,8 @@ class Evaluator:
     def _marks(self, past: Trajectory, run: Rehearsal) -> dict[str, Any]:
         card = self.follower.judge(join_runs(past, run.trajectory))
         if card.verdict is not None and card.verdict.free:
-            raise FreeRun("a free run has no marks")
+            since, _, _giver = card.verdict.reason.partition(", by ")
+            raise FreeRun(f"free run since {since}: backtrack for marks")
         point = point_of(0, card)
         return {"marks": point.marks, "won": point.won, "lost": point.lost}
 

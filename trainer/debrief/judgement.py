@@ -17,6 +17,7 @@ import numpy as np
 
 from trainer.boat.depths import lowest_depth
 from trainer.config.derived import Loss
+from trainer.config.loss_words import word_loss
 from trainer.config.outcome import Outcome
 from trainer.config.score_rules import ScoreRule
 from trainer.debrief.episodes import hints_told
@@ -218,7 +219,7 @@ def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
             holds &= trajectory.holds(condition)
         row = first_for(holds, loss.seconds, trajectory)
         if row is not None:
-            yield f"{loss.text} at {clock(float(trajectory.seconds[row]))}"
+            yield f"{word_loss(loss.text)} at {clock(float(trajectory.seconds[row]))}"
 
 
 def _ended(trajectory: Trajectory, plan: Plan) -> str:

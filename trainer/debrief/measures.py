@@ -35,7 +35,6 @@ LIMIT_QUANTITIES: Final[Mapping[str, MeasuredQuantity]] = {  # by the keys of an
     "speed_over_ground_kn": MeasuredQuantity("speed_over_ground", "kn", 1852.0 / 3600.0),
 }
 FALSE_MARK_PENALTY_S: Final = 30.0  # [s] for each mark of a ship where none was seen
-ALREADY_THERE: Final = "the boat was there when it was ordered"
 HELD_TIME_S: Final = 30.0  # [s] in the band from which a target counts as reached
 SLIP_COST: Final = 3.0  # [s] of them for each second outside; an estimate
 SETTLING_WINDOW_S: Final = 120.0  # [s] of a window, in which the boat has to have settled
@@ -96,14 +95,21 @@ def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measureme
 def reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return what ``time_to`` does. A quantity that began in its band has no such time."""
     if _inside(trajectory, rows, rule)[0]:
-        return Measurement(None, None, ALREADY_THERE)
+        return _near_at_order(rule)
     return time_to(trajectory, rows, rule)
+
+
+def _near_at_order(rule: ScoreRule) -> Measurement:
+    """Return that there was no way to go, whether the boat lay there or only passed by."""
+    unit = rule.measured.unit if rule.measured else ""
+    band = f"{rule.score.band or 0.0:g} {unit}".rstrip()
+    return Measurement(None, None, f"already within {band} of it when it was ordered")
 
 
 def settled(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the share [%] of the last seconds in the band, having been outside."""
     if _inside(trajectory, rows, rule)[0]:
-        return Measurement(None, None, ALREADY_THERE)
+        return _near_at_order(rule)
     seconds = trajectory.seconds
     return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - SETTLING_WINDOW_S), rule)
 

@@ -39,6 +39,10 @@ OLDER_RULES: Final = (
     "The rules of marking have changed since this was recorded: it is marked by today's, "
     "with the bands that its exercise had."
 )
+FREE_RUN_TEXT: Final = (
+    "A free run has no marks: {}. Something broke by hand, or the autopilot was given what the "
+    "crew was to work. To have marks, go back to before that order, or begin again."
+)
 NO_CHANGE: Final = "No minute cost marks that a careful crew would have kept."
 JSON_HINT: Final = "trainer debrief --json has all"
 JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
@@ -239,8 +243,8 @@ def _change_item(debrief: DebriefData, play: PlayOn, name: str, change: MarkChan
 
 def cost(debrief: DebriefData) -> Markup:
     """Return the dearest causes, and the marks of the reference crew."""
-    if debrief.free:
-        return paragraph("A free run has no marks.")
+    if (judged := debrief.final.verdict) and judged.free:
+        return paragraph(FREE_RUN_TEXT.format(judged.reason))
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
     if (comparison := debrief.compared) is not None:

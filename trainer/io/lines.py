@@ -5,7 +5,10 @@ character, Ctrl-U the line so far. Telnet's own commands are dropped. Memory has
 that is too long is dropped once, up to the next line end.
 """
 
+import os
 import re
+import sys
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -40,6 +43,21 @@ def plain(text: str) -> str:
         character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
         for character in text
     )
+
+
+def fit_terminal(text: str) -> str:
+    """Return a line broken between words where standard errors are a terminal.
+
+    A program that reads them from a pipe or a file gets its one line.
+    """
+    try:
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns
+    except (OSError, ValueError):
+        return text
+    wraps = textwrap.TextWrapper(
+        max(columns, 1), subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    )
+    return wraps.fill(text)
 
 
 def line_bytes(line: str) -> bytes:

@@ -127,23 +127,22 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
     A file of settings takes the place of its own kind alone: another may be somebody's work.
     """
-    if path.suffix == ".toml" and path.is_file() and not _same_kind(path, str(content)):
-        raise SameFileError(path, "a file of another kind is there; give another name")
+    if path.suffix == ".toml" and path.is_file() and (other := _other_than(path, str(content))):
+        raise SameFileError(path, f"{other} is there; give another name")
     with replacing(path) as made:
         made.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
-def _same_kind(path: Path, text: str) -> bool:
-    """Return whether the settings in a file are of the same kind as a text."""
-
-    def kind_of(said: str) -> list[object]:
-        tables = tomllib.loads(said)
-        return [tables.get(key) for key in ("schema", "kind")]
-
+def _other_than(path: Path, text: str) -> str:
+    """Return what a file of settings is where it is no earlier output like a text, else ""."""
     try:
-        return kind_of(path.read_text("utf-8")) == kind_of(text)
+        before, now = tomllib.loads(path.read_text("utf-8")), tomllib.loads(text)
     except (ValueError, RecursionError):  # what cannot be read was made by somebody else
-        return False
+        return "a file of another kind"
+    if any(before.get(key) != now.get(key) for key in ("schema", "kind")):
+        return "a file of another kind"
+    # all exercises that a command writes tell their crew the same
+    return "" if before.get("briefing") == now.get("briefing") else "an exercise of your own"
 
 
 def renew_whole(path: Path, text: str) -> None:

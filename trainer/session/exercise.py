@@ -17,6 +17,7 @@ from trainer.boat.limits import height_showing, is_deep, over_ground
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
+from trainer.config.loss_words import word_loss
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import OVER_WORDS
@@ -156,7 +157,7 @@ class ExerciseEnd:
         fact = Fact("exercise-over", outcome)
         self.log.tell("time", f"{OVER_WORDS}{self.over}", fact=fact)
         if why:
-            self.log.tell("exercise", f"lost: {why}")
+            self.log.tell("exercise", f"lost: {word_loss(why)}")
         self.show()
         self.then()
 

@@ -25,6 +25,7 @@ from trainer.report.plots import Curve, Panel, Screen
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
 from trainer.units import DEGREE, KNOT
 
+SIGN_TEXT: Final = "A positive rudder turns to port here, so K of a stable ship is negative."
 BAND_DEVIATIONS: Final = 1.96  # standard deviations
 MAX_OUTLIERS_SHOWN: Final = 10  # outliers that a page lists
 MATRICES_TITLE: Final = "Matrices"
@@ -55,7 +56,7 @@ def render(report: IdentifyReport) -> str:
         [f"{INDENT}The record:", *items(report.findings)] if report.findings else [],
         _parameter_table(report),
         _ship_table(report),
-        [f"{INDENT}The {what} is {report.stability}."],
+        [f"{INDENT}The {what} is {report.stability}.", f"{INDENT}{SIGN_TEXT}"],
         _derivative_table(report) if report.derivatives else [],
         _fit_lines(report),
         _run_table(report) if report.runs else [],

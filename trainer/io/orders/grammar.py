@@ -248,8 +248,9 @@ def moved_word(tokens: list[str]) -> str:
     for last, moved in [*moves, (0, [tokens[-1], *tokens[:-1]]), (0, tokens[::-1])]:
         if not last and moved[0] not in ORDER_HEADS:
             continue
+        kept = CREW_TURN_PATTERN.sub(r"course \1 to", " ".join(moved)).split()  # no turn by so much
         try:
-            reading = read_form(moved)
+            reading = read_form(kept)
         except RefusedError:
             continue
         before = f' after "{" ".join(tokens[:last])}"'
@@ -258,7 +259,7 @@ def moved_word(tokens: list[str]) -> str:
         try:
             return f"{hint} {order(reading).text}?"
         except RefusedError as beyond:
-            return f"{hint} {' '.join(moved)}? {beyond}"
+            return f"{hint} {' '.join(kept)}? {beyond}"
     return ""
 
 

@@ -14,6 +14,7 @@ from typing import Final
 from trainer.boat.boat import Boat
 from trainer.config.derived import Loss
 from trainer.config.exercise import ExerciseLimits
+from trainer.config.loss_words import word_loss
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
@@ -114,6 +115,7 @@ def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
     for key, value in facts:
         said.setdefault(key, []).append(value.replace(",", ", "))
     time_left = said.pop("left", [""])[0]
+    said["lost"] = [*map(word_loss, said.pop("lost", []))]
     said["length"] = [f"{whole} s, {time_left} s left" for whole in said.pop("duration", [])]
     said["limits"] = [
         ", ".join(limit_in_words(*limit.split(":")) for limit in limits.split(", "))

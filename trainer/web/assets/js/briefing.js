@@ -15,8 +15,23 @@ const NAMES = {
   clearance: say("water under the keel"),
   speed_over_ground: say("speed over the ground"),
 };
+const LONG_LINE = 60; // [letters] from which a line of a text ended because its page was full
 /** @type {Record<string, string>} */
 const UNITS = { deg: say("deg") };
+
+/** @type {Record<string, (bound: string) => string>} by quantity and side */
+const LOSSES = {
+  "depth>": (bound) => say("deeper than {0}", bound),
+  "depth<": (bound) => say("shallower than {0}", bound),
+  "speed>": (bound) => say("faster than {0}", bound),
+  "speed<": (bound) => say("slower than {0}", bound),
+  "time>": (bound) => say("after {0}", bound),
+  "time<": (bound) => say("before {0}", bound),
+  "clearance<": (bound) => say("less than {0} of water under the keel", bound),
+};
+/** @type {Record<string, string>} of a condition that names no unit */
+const FIRST_UNITS = { speed: "kn", speed_over_ground: "kn", pitch: "deg", heel: "deg", time: "s" };
+const LOSS = /^([a-z][a-z_]*?)(?:_(kn|m_s|m|ft|deg|s|min))?\s*([<>])=?\s*([-+.\de]+)\s*(\S*)$/i;
 
 /** @typedef {import("./model/session.js").Session} Session */
 
@@ -72,11 +87,11 @@ function text(session) {
   if (outcome && exercise.steps) parts.push(html("p", {}, say("Lessons have no marks.")));
   else if (outcome && !judgement.marks) parts.push(html("p", {}, marksToCome(session)));
   if (!exercise.steps) parts.push(...judgement.lines.map((line) => html("p", {}, line)));
-  parts.push(...(told.line ?? []).map((line) => html("p", {}, line)));
+  parts.push(...paragraphs(told.line ?? []).map((line) => html("p", {}, line)));
   const facts = [
     [say("By hand"), (exercise.hand ?? "").replaceAll(",", ", ")],
     [say("Won by"), (told.wins ?? []).join("; ")],
-    [say("Lost by"), (told.lost ?? []).join("; ")],
+    [say("Lost by"), (told.lost ?? []).map(lossInWords).join("; ")],
     [say("Limits"), limitsInWords(exercise.limits)],
     [say("Steps"), exercise.steps ?? ""],
     [say("Length"), exercise.duration ? clock(Number(exercise.duration)) : ""],
@@ -88,10 +103,40 @@ function text(session) {
   return parts;
 }
 
+/** Returns the lines of a text as paragraphs: a long one goes on in the next. @param {string[]} lines */
+function paragraphs(lines) {
+  /** @type {string[]} */
+  const joined = [];
+  for (const [i, line] of lines.entries()) {
+    if (i && lines[i - 1].length >= LONG_LINE) joined.push(`${joined.pop()} ${line}`);
+    else joined.push(line);
+  }
+  return joined;
+}
+
 /** @param {Session} session */
 function marksToCome({ role }) {
   if (role !== "trainee") return say("The instructor has the marks first.");
   return say("The marks are being calculated; an instructor who is here has them first.");
+}
+
+/** Returns what loses an exercise, such as `speed_kn < 10 and time < 60`, in words. @param {string} loss */
+export function lossInWords(loss) {
+  const [, held, seconds] = /^(.*\S)\s+for\s+([\d.]+)\s*s$/.exec(loss) ?? [];
+  const words = (held ?? loss).split(/\s+and\s+/).map(comparison).join(say(" and "));
+  return seconds ? say("{0} for {1} s", words, seconds) : words;
+}
+
+/** Returns a condition such as `depth > 160` in words. @param {string} condition */
+function comparison(condition) {
+  const [, quantity = "", suffix, side, number, after] = LOSS.exec(condition) ?? [];
+  if (!quantity) return condition;
+  if (quantity === "showing" && side === ">" && !Number(number)) return say("sail or deck out of the water");
+  const unit = suffix || after || FIRST_UNITS[quantity] || "m";
+  const bound = unit === "m" ? shortLength(Number(number)) : `${number} ${UNITS[unit] ?? unit.replace("_", "/")}`;
+  const [known, name] = [LOSSES[`${quantity}${side}`], NAMES[quantity] ?? quantity];
+  if (known) return known(bound);
+  return side === ">" ? say("{0} more than {1}", name, bound) : say("{0} less than {1}", name, bound);
 }
 
 /** Returns limits such as `depth_m_max:130,pitch_deg_max:15` in words. @param {string} [told] */

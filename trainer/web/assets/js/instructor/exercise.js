@@ -1,6 +1,6 @@
 // The exercise from its choice to its debrief: cards, briefing, who is ready, outcome and marks.
 import { clock, html, one, write } from "../draw.js";
-import { limitsInWords } from "../briefing.js";
+import { limitsInWords, lossInWords } from "../briefing.js";
 import { showBeside } from "./desk.js";
 import { causesOf } from "../model/causes.js";
 import { askAboard } from "./log.js";
@@ -50,7 +50,7 @@ function showMission({ session }) {
   const mission = one("#mission");
   const parts = [
     [say("Win"), told.wins?.join(", ")],
-    [say("Lose"), told.lost?.join(", ")],
+    [say("Lose"), told.lost?.map(lossInWords).join(", ")],
     [say("Crew knows"), lessonOf(session.exercise.title)?.briefing],
   ].filter(([, says]) => says);
   mission.hidden = parts.length === 0;

@@ -49,6 +49,12 @@ export class CrewOrders {
     this.wrong = "";
   }
 
+  /** Forgets what waits, because nobody can repeat it any more. */
+  end() {
+    this.waiting.clear();
+    this.wrong = "";
+  }
+
   /** Forgets what was ordered after a moment gone back to. @param {number} seconds */
   goBack(seconds) {
     for (const [axis, order] of this.waiting) if (order.seconds > seconds) this.waiting.delete(axis);

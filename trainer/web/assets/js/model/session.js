@@ -323,7 +323,7 @@ export class Session extends EventTarget {
     }
     this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
     if (CrewOrders.takes(what)) {
-      this.crew.take(seconds, what, subject);
+      if (!(this.outcome && what === "crew-order")) this.crew.take(seconds, what, subject);
       this.tell("crew");
     } else if (OpenAlerts.takes(what)) {
       this.alerts.take(seconds, what, subject);
@@ -398,6 +398,8 @@ export class Session extends EventTarget {
     if (what === "exercise-over") {
       if (!this.outcome) this.judgement = new Judgement(); // else it is told once more
       this.outcome = subject || "ended";
+      this.crew.end();
+      this.tell("crew");
     } else {
       const equals = subject.indexOf("=");
       const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
