@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.altered import is_whole
 from helpers.nursery import Done, run_trainer
 from helpers.sessions import session_over
 
@@ -303,17 +302,6 @@ def test_a_headless_run_past_collapse_depth_ends_with_exit_code_1_and_says_so(
     column = lines[0].split(",").index("z")
     deepest = [float(line.split(",")[column]) for line in lines[1:]]
     assert 400.0 < deepest[-1] == max(deepest) < 455.0
-
-
-@pytest.mark.process
-def test_the_recording_of_a_collapse_is_whole_and_the_same_to_the_bit(
-    wreck: tuple[Path, str, str, int],
-) -> None:
-    folder = wreck[0]
-    ran = trainer(folder, "replay", "dive.trainer")
-    assert (ran.returncode, ran.stderr) == (0, "")
-    assert "the same to the last bit" in ran.stdout
-    assert is_whole(folder / "dive.trainer")
 
 
 @pytest.mark.process

@@ -207,35 +207,27 @@ def wall_ahead(folder: Path, how: str) -> Path:
     return path
 
 
-def run_alone(path: Path) -> int:
-    """Run an exercise headless at full speed; return the exit code."""
-    return run_boat(RunOptions(exercise=str(path), headless=True, speed=math.inf))
-
-
-def test_a_run_that_a_collision_ends_as_lost_has_exit_code_1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("how", "code", "told"),
+    [
+        ("end", 1, r"(lost at [\d.]+ s: collision with wall)"),
+        (
+            "freeze",
+            1,
+            r"(frozen at [\d.]+ s by collision with wall, and nobody is left to say run)",
+        ),
+        ("call", 0, ""),
+    ],
+)
+def test_a_run_ends_with_an_exit_code_that_says_whether_a_collision_ended_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], how: str, code: int, told: str
 ) -> None:
-    code = run_alone(wall_ahead(tmp_path, "end"))
+    path = str(wall_ahead(tmp_path, how))
+    assert run_boat(RunOptions(exercise=path, headless=True, speed=math.inf)) == code
 
     said = capsys.readouterr()
-    told = re.search(r"^outcome +(lost at [\d.]+ s: collision with wall)", said.out, re.MULTILINE)
-    assert told
-    assert f"trainer: {told[1]}\n" in said.err
-    assert code == 1
-
-
-def test_a_run_that_a_collision_freezes_for_good_names_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code = run_alone(wall_ahead(tmp_path, "freeze"))
-
-    told = r"trainer: frozen at [\d.]+ s by collision with wall, and nobody is left to say run\n"
-    assert re.search(told, capsys.readouterr().err)
-    assert code == 1
-
-
-def test_a_run_that_only_calls_a_collision_has_exit_code_0(tmp_path: Path) -> None:
-    assert run_alone(wall_ahead(tmp_path, "call")) == 0
+    assert not code or re.search(rf"^trainer: {told}$", said.err, re.MULTILINE)
+    assert how != "end" or re.search(rf"^outcome +{told}", said.out, re.MULTILINE)
 
 
 def test_a_freeze_after_a_collision_is_not_that_of_the_collision(crewed: Begin) -> None:
