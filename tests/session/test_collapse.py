@@ -171,13 +171,6 @@ def test_at_collapse_depth_the_boat_freezes_and_everybody_is_told(watch: Watch) 
     assert last == watch.tick
 
 
-def test_while_time_runs_the_collapse_stops_it(watch: Watch) -> None:
-    watch.sail(iter([DIVE, "run"]))
-
-    assert watch.failure.startswith("collapse at 12")
-    assert watch.session.control.deserted.startswith("frozen at ")
-
-
 def test_after_a_backtrack_the_run_goes_on(watch: Watch) -> None:
     def typed() -> Iterator[str]:
         yield from (DIVE, "step 1000", "backtrack 30 s")
@@ -204,44 +197,6 @@ def test_a_depth_passed_is_called_again_after_going_back_to_before_it(watch: Wat
 
     assert len(watch.helm.said("Passing test depth")) == 2
     assert hull_depth(watch.boat) < TEST_DEPTH + 5.0
-
-
-def test_a_moment_of_collapse_that_is_restored_is_still_lost(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        yield from (DIVE, "step 1000", "snapshot wreck", "reset")
-        assert watch.failure == ""
-        yield from ("restore wreck", "run")
-
-    watch.sail(typed())
-
-    assert len(watch.instructor.said(f"? {GONE.format(watch.failure)}")) == 1
-
-
-def test_a_collapse_is_replayed_to_its_end_and_is_a_collapse_again(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        yield from (DIVE, "step 1000")
-        stopped = watch.tick
-        yield "replay 20 s"
-        assert watch.failure == ""
-        while watch.session.history.flown.replaying:
-            yield ""
-        assert watch.tick == stopped
-        yield "run"
-
-    watch.sail(typed())
-
-    assert watch.instructor.said("replay over at")[0].count("the same to the last bit") == 1
-    assert len(watch.instructor.said(f"? {GONE.format(watch.failure)}")) == 1
-
-
-def test_a_refused_order_about_moments_does_not_forget_lost_numbers(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        watch.boat.state.x = math.inf
-        yield from ("step 1", "restore nothing")
-
-    watch.sail(typed())
-
-    assert "out of all bounds" in watch.failure
 
 
 def test_while_the_depth_is_frozen_nothing_happens() -> None:
