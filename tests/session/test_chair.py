@@ -205,10 +205,3 @@ def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
     assert advice == f"role {wanted}"
     assert ship.say(line, advice)[0] == "ok"
     assert ship.say(line, order)[0] == "ok"
-
-
-@pytest.mark.parametrize("door", [Access(), Access("helm", here=lambda: True)])
-def test_a_line_that_keeps_its_role_is_told_of_no_other_chair(crewed: Begin, door: Access) -> None:
-    ship = crewed(seconds=None)
-    line = alone(ship, "helm", door)
-    assert ship.refused("freeze", line) == '"freeze" is the instructor\'s; you have the helm'
