@@ -27,7 +27,6 @@ from trainer.session.run import run_boat
 
 pytestmark = pytest.mark.process
 
-COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 120.0  # [s] a first run compiles
 HEADLESS = ("run", "--headless", "--speed", "max")
 ORDERS = "1 rudder right 15\n3 depth 70\n6 bell ahead full\n12 rudder left 10\n"

@@ -60,21 +60,6 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Begin) -> None:
     assert ship.boat.ticks == here + 20
 
 
-def test_a_collision_ends_an_exercise_that_says_so(crewed: Begin) -> None:
-    ship = shallow(crewed(seconds=3600.0, world=tables(WALL.format(what="end"))))
-    ship.fly(400)
-    assert ship.conduct.ending.outcome == "lost"
-    assert ship.conduct.ending.why == "collision with wall"
-
-
-def test_a_collision_may_be_called_alone(crewed: Begin) -> None:
-    ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="call"))))
-    ship.fly(400)
-    assert not ship.session.time.frozen
-    told = [each for each in ship.events(ship.instructor, "watch") if "COLLISION" in each]
-    assert len(told) == 1
-
-
 def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
@@ -113,12 +98,6 @@ def test_what_cannot_be_is_refused(crewed: Begin, words: str, why: str) -> None:
     assert why in ship.refused(words)
 
 
-def test_the_crew_has_no_ships_to_order(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    assert ship.refused("contact add tug1 tug at 0 900 course 0 speed 3", by=ship.comes("helm"))
-    assert ship.refused("subscribe contacts", by=ship.comes("diving"))
-
-
 LIVE = {
     0: "contact add tug1 tug at 60 -40 course 010 speed 12",
     5: "current set 300 drift 3",
@@ -155,21 +134,6 @@ def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Begin) -> None:
     assert any(
         "the same to the last bit" in each for each in ship.events(ship.instructor, "moment")
     )
-
-
-def test_going_back_takes_the_ships_back(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    ship.fly(10)
-    ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
-    ship.fly(10)
-    ship.order("contact tug1 remove")
-    ship.fly(10)
-    contacts = contacts_in(ship.boat)
-    assert contacts is not None
-    ship.order("backtrack 8 s")
-    assert [each.name for each in contacts.seen(ship.boat.ticks)] == ["tug1"]
-    ship.order("reset")
-    assert contacts.seen(0) == ()
 
 
 def test_the_instructor_is_sent_the_nearest_ships(crewed: Begin) -> None:
