@@ -134,11 +134,11 @@ def run(script: Script, ticks: float = 10, schedule: str = "") -> Session:
 
 
 def test_in_a_freeze_single_steps_go_on_and_are_shown_as_frozen() -> None:
-    script = Script([["freeze"], ["step 3"], ["step"], ["quit"]])
+    script = Script([["freeze"], ["step 2"], ["step"], ["quit"]])
     session = run(script)
-    assert script.shown == [(1, True), (2, True), (3, True), (4, True)]
-    assert script.heard == ["frozen", "3 ticks, then frozen", "1 tick, then frozen", "ending"]
-    assert session.boat.state.tick == 4
+    assert script.shown == [(1, True), (2, True), (3, True)]
+    assert script.heard == ["frozen", "2 ticks, then frozen", "1 tick, then frozen", "ending"]
+    assert session.boat.state.tick == 3
 
 
 def test_steps_are_taken_before_the_next_line_and_forgotten_by_run() -> None:
@@ -263,6 +263,26 @@ def test_while_the_recording_is_out_of_reach_every_answer_says_so(tmp_path: Path
     assert heard[2] == "marked at 0 s (not recorded)"
     assert heard[3].startswith("? not kept: ")
     assert "not recorded" not in heard[4]  # it is no order
+
+
+def test_a_mark_is_in_the_file_before_it_is_answered(tmp_path: Path) -> None:
+    class Looking(Script):
+        marks: list[str] = []  # noqa: RUF012
+
+        def send(self, line: str) -> None:
+            super().send(line)
+            if line.startswith("marked"):
+                with contextlib.closing(Recording.look(path)) as reader:
+                    self.marks += [each.text for each in reader.events() if each.kind == "mark"]
+
+    path = tmp_path / "run.trainer"
+    script = Looking([["freeze", "mark here", "mark there"]])
+    session = session_of(script, 1)
+    state = session.boat.records.state.tobytes()
+    session.history.recording = Recording.create(path, {}, state)
+    OPENED.append(session.history.recording)
+    session.run()
+    assert script.marks == ["here", "here", "there"]
 
 
 class Coming:
