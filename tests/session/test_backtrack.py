@@ -1,7 +1,6 @@
 """Time wound back: every way leads to the bits of a run that was never wound back."""
 
 import contextlib
-import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -10,16 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sessions import TROUBLED_SEA, begin_run, session_over, start_plan
+from helpers.sessions import TROUBLED_SEA, begin_run, free_session, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from trainer.boat.casualties import active_casualties
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.io.tables import MOTION_COLUMNS, NoFile
 from trainer.session.header import layout_of
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
@@ -27,8 +24,6 @@ from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 
 STEP = 0.5  # [s]
 LAST = 160  # tick
@@ -123,15 +118,13 @@ class Ship:
         )
         self.plan, self.boat, header = begin_run(options)
         self.recording = Recording.create(None, header, self.state)
-        self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
-        time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        self.session = session_over(
-            *(self.boat, time, self.history, self.bridge),
-            rows=(NoFile(), MOTION_COLUMNS),
+        self.session = free_session(
+            *(self.boat, unrecorded or self.recording, self.bridge),
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
+        self.history = self.session.history
         self.bridge.stepping = lambda: self.session.control.steps  # a busy machine is heard between
         self.session.event_log.stations.append(
             Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]

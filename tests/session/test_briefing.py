@@ -9,7 +9,7 @@ from helpers.boats import make_boat
 from helpers.document_tables import EXERCISE_KEYS, RANGE_KEYS
 from helpers.line import Line, fields_of
 from helpers.orders import read_order
-from helpers.sessions import session_over, start_plan
+from helpers.sessions import free_session, prompt_sender, start_plan
 
 from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
@@ -20,7 +20,6 @@ from trainer.io.orders.help import help_text
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
 from trainer.session.attendance import Introduction
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
@@ -30,10 +29,6 @@ from trainer.session.stations.briefing import (
 )
 from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 
 LOOK_EVERY = 300.0  # [s]
 COME = Access()
@@ -46,11 +41,10 @@ class Attended:
         self.boat = start_plan(plan)
         self.plan = plan
         told = briefing_of(plan, options)
-        time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
-        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
+        sending = prompt_sender(self.boat)
         here = situation(plan, self.boat)
-        self.session = session_over(
-            *(self.boat, time, History(self.boat, NoRecording()), sending),
+        self.session = free_session(
+            *(self.boat, NoRecording(), sending),
             schedule=plan.schedule,
             monitor=LimitMonitor.over(self.boat, plan.limits),
             introduction=Introduction(

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.nursery import Done, run_trainer
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -19,15 +19,10 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 STEP = 0.5  # [s]
@@ -85,10 +80,8 @@ class Watch:
         self.boat = Boat(file, Method("modified", "lagged", "exact", "adams2", STEP))
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
         self.recording = Recording.create(None, {}, self.boat.records.state.tobytes())
-        time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
-        history = History(self.boat, self.recording)
-        self.session = session_over(self.boat, time, history, sending)
+        sending = prompt_sender(self.boat)
+        self.session = free_session(self.boat, self.recording, sending)
         control, wake = self.session.control, self.session.wake
         self.instructor, self.helm = (
             Typist(iter(()), wake, lambda: control.steps > 0) for _ in range(2)

@@ -9,7 +9,7 @@ import pytest
 from helpers.boats import start_bb2
 from helpers.givers import giver_at
 from helpers.line import Line, fields_of
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
@@ -20,15 +20,10 @@ from trainer.io.recording.queries import Past, RecordedOrder
 from trainer.io.recording.recording import Recording
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
-from trainer.session.history import History
 from trainer.session.manning import HandWork
 from trainer.session.standing import StandRecord
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 
 
 class Crew:
@@ -37,12 +32,10 @@ class Crew:
     def __init__(
         self, boat: Boat, recording: Recording, schedule: str = "", **more: object
     ) -> None:
-        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
         entries = parse_schedule(schedule, "orders.txt")
         assert isinstance(entries, list)
-        sending = PromptSender(Roster(StateReader(boat, time.ledger.summary)))
-        history = History(boat, recording)
-        self.session = session_over(*(boat, time, history, sending), schedule=entries, by_hand=more)
+        sending = prompt_sender(boat)
+        self.session = free_session(boat, recording, sending, schedule=entries, by_hand=more)
         self.lines: dict[str, Line] = {}
         self.boat, self.sending = boat, sending
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers.boats import start_bb2
-from helpers.sessions import session_over
+from helpers.sessions import free_session
 
 from trainer.boat.boat import Boat
 from trainer.io.lines import OverlongLine
@@ -19,14 +19,12 @@ from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.attendance import Introduction
-from trainer.session.history import History
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
-from trainer.session.time.pacer import FreePacer, MonotonicClock, Pacer, Policy
-from trainer.session.time.timekeeping import Timekeeping
+from trainer.session.time.pacer import FreePacer, Pacer
 
 DEGREE = math.pi / 180.0
 GONE = "this boat cannot go on: {}; backtrack or reset"
@@ -108,17 +106,15 @@ def session_of(
     recorder: Rows | None = None,
 ) -> Session:
     """Return a session whose console has something to say at once."""
-    time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
     entries = parse_schedule(schedule, "orders.txt")
     assert isinstance(entries, list)
     script.wake.set()
     boat = boat or start_bb2("modified")
     recording = Recording.create(None, {}, boat.records.state.tobytes())
     OPENED.append(recording)
-    history = History(boat, recording)
     rows = recorder or Rows(), MOTION_COLUMNS
-    session = session_over(
-        *(boat, time, history, script), rows=rows, schedule=entries, wake=script.wake
+    session = free_session(
+        *(boat, recording, script), rows=rows, schedule=entries, wake=script.wake
     )
     session.event_log.stations.append(
         Station(script, Access("instructor"), script, session.event_log.log)

@@ -12,6 +12,7 @@ import pytest
 from helpers.boats import start_bb2
 from helpers.line import Line
 from helpers.places import ROOT
+from helpers.sessions import prompt_sender
 
 from trainer.boat.boat import Boat
 from trainer.io.lines import OverlongLine
@@ -100,7 +101,7 @@ def post(boat: Boat) -> MakePost:
 
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
-    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = prompt_sender(boat)
     line = Line(NAME)
     line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
     station = Station(line, Access(), sending, lambda *_: None)
@@ -632,7 +633,7 @@ def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) 
 
 def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
     """Be a session until its client has given an order and gone; return its orders."""
-    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = prompt_sender(boat)
     sending.offer(0, boat.records.state.tobytes(), Pace())
     obeyed: list[Order] = []
     stations: list[Station] = []
