@@ -419,6 +419,7 @@ def test_a_failed_autopilot_asks_nothing_of_the_trim_pumps(boat: Boat) -> None:
 
 # Tanks and air: each against a sound boat under the same orders, and after clearing
 
+
 @pytest.mark.parametrize(("hole", "end"), [(2.0, "up"), (4.0, "lost"), (10.0, "lost")])
 def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not(
     hole: float, end: str

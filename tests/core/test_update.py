@@ -105,7 +105,7 @@ def test_a_turn_goes_on_from_a_snapshot_to_the_bit(equations: str, integrator: s
         each.state.sea_cosines = 0.5
     assert boat.tick() == 0
     snapshot = boat.snapshot()
-    ends = []
+    ends: list[bytes] = []
     for each in (boat, boat, other):  # nothing hides elsewhere
         if ends:
             each.restore(snapshot)
@@ -126,7 +126,6 @@ from trainer.boat.boat import Boat
 from trainer.core.update import update
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.assemble import Method
-from trainer.config.sea import load_sea
 from trainer.analysis.bench.tick import CASUALTY_KINDS
 from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
