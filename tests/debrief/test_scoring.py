@@ -207,7 +207,8 @@ def test_planes_are_as_active_as_what_they_move_in_a_minute() -> None:
     assert taken(went, measure="activity", quantity="bow") == (pytest.approx(80.0), 3)  # type: ignore[comparison-overlap]
     assert taken(went, measure="activity", to_s=0.5) == (pytest.approx(120.0), 1)  # type: ignore[comparison-overlap]
     assert take_measure(went, rule(measure="activity", to_s=0)).counts is False
-    hands = replace(went, columns={**went.columns, "stern_by_hand": np.array([0.0, 0.0, 1.0, 0.0])})
+    by_hand = {"stern_by_hand": np.array([0.0, 0.0, 1.0, 0.0])}
+    hands = replace(went, columns={**went.columns, **by_hand})
     assert taken(hands, measure="hand-travel")[0] == pytest.approx(80.0)
 
 
