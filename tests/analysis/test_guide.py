@@ -433,15 +433,6 @@ def unjudged(book: GuideContents, count: int) -> GuideContents:
     return replace(book, guide=replace(book.guide, sheets=sheets, passed=passed))
 
 
-def test_a_count_tells_what_is_not_judged() -> None:
-    assert verdicts.verdict_account([True, True, None]) == "2 of 2 judged, 1 not judged"
-    assert verdicts.verdict_account([True, False]) == "1 of 2 judged"
-    assert verdicts.verdict_account([None]) == "0 of 0 judged, 1 not judged"
-    assert verdicts.passes_all([True, None])
-    assert not verdicts.passes_all([True, False])
-    assert not verdicts.passes_all([None])
-
-
 def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: GuideContents) -> None:
     some = unjudged(book, 2)
     judged = len(book.guide.sheets) - 2

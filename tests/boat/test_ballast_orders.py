@@ -13,8 +13,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
 from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
-from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.config.vessel import load_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.io.orders.grammar import Refused
 from trainer.session.status import status_lines
@@ -225,13 +224,6 @@ def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() ->
     assert over.rank is Rank.CAUTION
 
 
-def test_planes_in_hand_stay_in_hand_when_the_boat_surfaces() -> None:
-    boat = under_way()
-    obey_all(boat, "planes manual", "surface")
-    fly(boat, 1.0)
-    assert boat.state.ascent == NO_ASCENT
-
-
 @pytest.mark.parametrize("equations", ["modified", "full"])
 def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     boat = under_way(equations=equations)
@@ -273,17 +265,6 @@ def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
     assert boat.state.z == pytest.approx(65.0, abs=0.5)
 
 
-def test_an_emergency_blow_by_order_surfaces_the_boat_within_two_minutes() -> None:
-    boat = under_way()
-    obey_all(boat, "emergency blow")
-    shallowest = 60.0
-    for _ in range(240):
-        assert boat.tick() == 0
-        shallowest = min(shallowest, float(boat.state.z))
-    assert shallowest < 5.0
-    assert boat.state.water[:3].sum() < 0.1 * boat.vessel.capacity[:3].sum()
-
-
 def test_status_tells_of_tanks_air_and_sea_in_79_columns() -> None:
     boat = under_way()
     obey_all(
@@ -322,10 +303,3 @@ def test_status_of_a_boat_without_tanks_tells_of_none() -> None:
     lines = status_lines(under_way("remus100", 3.0), Ledger(0.1).summary())
     assert not any("ballast" in line or "banks" in line for line in lines)
     assert "sea calm" in lines
-
-
-def test_a_periscope_depth_must_be_a_depth() -> None:
-    file = load_vessel("bb2")
-    text = file.text.replace("periscope_depth_m = 17.5", "periscope_depth_m = -1")
-    with pytest.raises(ConfigError, match=r"\[run\] periscope_depth_m = -1: must be 0.05 to 100 m"):
-        parse_vessel(text, file.path)

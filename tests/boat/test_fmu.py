@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.fmu import ERROR, NO, NOTHING, OK, UNIT_MARKS, YES, Instance, Unit, begun, unpack
 from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
-from helpers.fmu_judges import CosimJudge, EcosJudge, Judge
+from helpers.fmu_judges import EcosJudge
 from helpers.nursery import run_trainer
 from helpers.orders import obey_all
 from helpers.places import ROOT
@@ -500,14 +500,13 @@ def test_fmpy_finds_nothing_wrong_and_flies_the_trainers_bits(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("judge", [CosimJudge, EcosJudge])
 def test_another_simulator_flies_ten_minutes_by_orders_with_the_trainers_bits(
-    judge: Callable[..., Judge], tmp_path: Path
+    tmp_path: Path,
 ) -> None:
     path = tmp_path / "bb2.fmu"
     type_command(cli, "export-fmu", path)
     names = tuple(name for name in MOTION_COLUMNS if name not in ("t", "tick"))
-    flown = judge(path, unpack(path, tmp_path), 0.5, {"sea_state": 4, "seed": 7})
+    flown = EcosJudge(path, unpack(path, tmp_path), 0.5, {"sea_state": 4, "seed": 7})
     boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
 
     for tick in range(TICKS):

@@ -6,9 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
-from helpers.nursery import run_trainer
 from helpers.orders import obey_all, read_order
-from helpers.places import environment
 
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
@@ -16,10 +14,7 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, parse_sea
-from trainer.core.sea.sea import advance_sea
-from trainer.core.update import outside
 from trainer.io.orders.grammar import Refused
-from trainer.io.orders.schedule import parse_schedule
 from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0
@@ -180,105 +175,6 @@ def test_motion_falls_with_depth_as_the_waves_do(generator: str, excess: float) 
     slack = 0.02 if excess == 1.0 else 0.1
     assert swings[1] / swings[0] == pytest.approx(expected, rel=slack)
     assert swings[2] / swings[1] == pytest.approx(expected, rel=slack)
-
-
-def force_in(course: float) -> np.ndarray:
-    """Return the sea's forces on a boat stopped at 40 m in a sea from north, after a tick."""
-    boat = boat_at(40.0, 5.0, course)
-    boat.put_to_sea(load_sea("sea-state-5"))
-    boat.state.motion[:6] = boat.state.rates[:] = boat.state.through[:] = 0.0
-    records = boat.records
-    advance_sea(records.vessel, boat.method.step, records.scratch, records.state)
-    outside(records.vessel, records.scheme, records.state, records.scratch)
-    return np.array(records.scratch["external"][0])
-
-
-def test_seas_on_either_bow_push_a_stopped_boat_as_mirror_images() -> None:
-    port, starboard = force_in(40.0), force_in(320.0)
-    assert abs(port[[0, 1, 2, 4, 5]]).min() > 1e3
-    assert starboard == pytest.approx(port * [1, -1, 1, -1, 1, -1], rel=1e-6, abs=1.0)
-
-
-def test_under_way_waves_are_met_faster_from_ahead_than_from_astern() -> None:
-    # At 10 kn the peak, of 0.70 rad/s, is shifted by omega^2 U/g = 0.25 rad/s either way, shorter
-    # waves by more.
-    crossings = []
-    for course in (0.0, 180.0):
-        boat = boat_at(60.0, 10.0, course)
-        boat.put_to_sea(load_sea("sea-state-5"))
-        waves = flown(boat, 1800.0, "eta_wave")[:, 0]
-        crossings.append(int((np.diff(np.sign(waves)) > 0).sum()))
-    assert 2.0 < crossings[0] / crossings[1] < 3.5
-
-
-# The same bits
-
-
-TIMELINE = """
-0 flood auxiliary 3
-5 sea wind 25
-8 blow forward
-12 blow stop
-14 vent all open
-20 hover on
-25 sea from 060
-"""
-
-
-def state_after(ticks: int, restore_at: int = 0) -> bytes:
-    """Return the state of a run with sea, tanks and orders, once put back if asked to."""
-    boat = boat_at(25.0, 6.0)
-    boat.put_to_sea(sea_of('sea_state = 4\ngenerator = "cosines"\nsuction = "on"'))
-    schedule = parse_schedule(TIMELINE, "timeline")
-    assert isinstance(schedule, list)
-    due = {round(entry.seconds / 0.5): entry.order for entry in schedule}
-    kept = None
-    tick = 0
-    while tick < ticks:
-        if restore_at and tick == restore_at and kept is None:
-            kept = boat.snapshot()
-        if restore_at and kept is not None and tick == restore_at + 20:
-            boat.restore(kept)
-            tick, restore_at = restore_at, 0
-        if tick in due:
-            obey_order(boat, due[tick])
-        assert boat.tick() == 0
-        tick += 1
-    return bytes(boat.records.state.tobytes())
-
-
-def test_sea_tanks_and_orders_give_the_same_bits_again_and_after_a_snapshot() -> None:
-    reference = state_after(240)
-    assert state_after(240) == reference
-    assert state_after(240, restore_at=30) == reference
-    assert state_after(239) != reference
-
-
-def recorded(folder: Path, speed: str, **more: str) -> bytes:
-    """Return the CSV of a headless run with sea, tanks and orders, in a process of its own."""
-    (folder / "orders.txt").write_text(TIMELINE)
-    words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
-    files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
-    done = run_trainer(*words, *files, cwd=folder, env=environment(**more), timeout=120)
-    assert done.returncode == 0, done.stderr
-    return (folder / "out.csv").read_bytes()
-
-
-@pytest.mark.process
-@pytest.mark.parametrize(
-    ("speed", "more"),
-    [
-        ("50", {}),
-        pytest.param("max", {"NUMBA_DISABLE_JIT": "1"}, marks=pytest.mark.slow),
-    ],
-    ids=("at another pace", "without JIT"),
-)
-def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits(
-    speed: str, more: dict[str, str], tmp_path: Path
-) -> None:
-    reference = recorded(tmp_path, "max")
-    assert reference.count(b"\n") == 62
-    assert recorded(tmp_path, speed, **more) == reference
 
 
 # What is called out

@@ -375,11 +375,6 @@ def test_completion_offers_what_the_grammar_has() -> None:
     assert complete_word("", known) == ""
 
 
-def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
-    keys = (*typed("step 5"), "enter", *typed("casualty stern-stuck -0.5"), "enter", "full_stop")
-    assert pressed(keys) == ["step 5", "casualty stern-stuck -0.5", "step"]
-
-
 # The pictures
 
 

@@ -248,18 +248,6 @@ def test_another_exercise_at_the_same_stations_begins_with_an_empty_time_line() 
     assert model.exercise.briefing == ["Courses"]
 
 
-def test_an_exercise_that_is_flown_again_is_not_over() -> None:
-    talk = tape()
-    model = sight_of(talk)
-    talk.say(sentences.fact(1200, 600.0, "exercise-over", "lost"))
-    talk.tick(1200)
-    model.hear()
-    assert model.exercise.outcome == "lost"
-    talk.tick(2)
-    model.hear()
-    assert model.exercise.outcome == ""
-
-
 def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
     talk = tape("helm")
     talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))

@@ -419,65 +419,6 @@ def test_a_failed_autopilot_asks_nothing_of_the_trim_pumps(boat: Boat) -> None:
 
 # Tanks and air: each against a sound boat under the same orders, and after clearing
 
-BLOWN = ("forward", "mid", "aft", "negative")
-WITNESSES = [  # kind, witness, sign of the difference it makes
-    *[
-        (f"leak-{name}", f"water_{name.replace('-', '_')}", 1)
-        for name in ("trim-forward", "trim-aft", "auxiliary", "depth-control")
-    ],
-    *[(f"flooding-{name}", f"flood_{name}", 1) for name in ("forward", "centre", "aft")],
-    ("pump-trim-failed", "water_trim_forward", -1),
-    ("pump-drain-failed", "water_auxiliary", -1),
-    ("pump-depth-control-failed", "water_depth_control", -1),
-    ("bank-main-failed", "bank_main", 1),
-    ("bank-emergency-failed", "bank_emergency", 1),
-    *[(f"blow-{name}-shut", f"air_{name}", -1) for name in BLOWN],
-    *[(f"vent-{name}-shut", f"air_{name}", 1) for name in BLOWN],
-    *[(f"vent-{name}-open", f"air_{name}", -1) for name in BLOWN],
-]
-
-
-def at_work(kind: str) -> Boat:
-    """Return a stopped boat with air in its tanks and everything ordered that moves water or air.
-
-    For a vent that does not open, the vents are ordered open; for the others, everything blows.
-    """
-    boat = at_sea(knots=10.0, depth=40.0)
-    s = boat.state
-    s.stern_by_hand = s.bow_by_hand = 1.0  # the autopilot works valves of its own in a blow
-    s.negative_flood = 1.0
-    s.blow[:] = 2.0
-    s.blow_negative = 1.0
-    fly(boat, 10.0)
-    if kind.startswith("vent") and kind.endswith("shut"):
-        s.blow[:], s.vent[:] = 0.0, 1.0
-    s.to_move[:] = 5000.0
-    return boat
-
-
-@pytest.mark.parametrize(("kind", "witness", "sign"), WITNESSES)
-def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
-    kind: str, witness: str, sign: int
-) -> None:
-    sound = at_work(kind)
-    fly(sound, 4.0)
-    expected = float(sound.state[witness])
-
-    boat = at_work(kind)
-    start = float(boat.state[witness])
-    orders = boat.state.vent.tolist(), boat.state.blow.tolist()
-    begun(boat, kind, None, None if boat.casualties[kind].measure.sudden else 0.0)
-    fly(boat, 4.0)
-    suffered = float(boat.state[witness])
-    clear_casualty(boat, kind)
-    fly(boat, boat.casualties[kind].clear_ramp_s + 0.5)
-
-    assert sign * (suffered - expected) > 1e-3 * max(abs(expected - start), 1.0)
-    assert (boat.state.vent.tolist(), boat.state.blow.tolist()) == orders
-    for fault in ("breach", "pump_fault", "bank_fault", "blow_fault", "vent_fault"):
-        assert not boat.state[fault].any(), fault
-    assert active_casualties(boat) == []
-
 
 @pytest.mark.parametrize(("hole", "end"), [(2.0, "up"), (4.0, "lost"), (10.0, "lost")])
 def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not(

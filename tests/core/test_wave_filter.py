@@ -11,9 +11,6 @@ from numba import njit
 
 from trainer.core.sea.sea import advance_sea, order_sea
 from trainer.core.sea.wave_filter import (
-    FORCE_DEPTHS,
-    FORCE_ROWS,
-    LENGTH_TABLE,
     MODE_FACTORS,
     PHASE_STEP,
     WAVE_ROWS,
@@ -109,7 +106,7 @@ CASES = [
     pytest.param(
         *(state, bank, h),
         id=f"{state}-{GAMMA[int(bank)]}-{h:g}s",
-        marks=[] if h == 0.5 or state == 5 else pytest.mark.slow,
+        marks=pytest.mark.long if (state, h) == (5, 0.5) else pytest.mark.slow,
     )
     for state in SEAS
     for bank in (STANDARD, RAISED)
@@ -118,7 +115,6 @@ CASES = [
 ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("state", "bank", "h"), CASES)
 def test_every_band_has_the_spectrum_s_energy_at_any_step(
     state: int, bank: float, h: float
@@ -128,16 +124,8 @@ def test_every_band_has_the_spectrum_s_energy_at_any_step(
 
     # twenty seeds of 3 h scatter by 2 to 4 %
     assert np.all(abs(ratio - 1.0) < 0.15), ratio
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("bank", [STANDARD, RAISED])
-def test_the_energy_of_sea_state_5_is_right_in_every_band(bank: float) -> None:
-    x, power = spectra(5, bank, 0.5)
-    ratio = in_bands(x, power[:, 0, 0].real) / wanted(bank)
-
-    assert np.all(abs(ratio - 1.0) < 0.15), ratio
-    assert np.sum(power[x < 0.6, 0, 0].real) < 0.002  # of the filter of 1969 it is 0.017
+    if h == 0.5:
+        assert np.sum(power[x < 0.6, 0, 0].real) < 0.002  # of the filter of 1969 it is 0.017
 
 
 @pytest.mark.slow
@@ -182,13 +170,6 @@ def responses(bank: int, rows: np.ndarray) -> np.ndarray:
     return np.asarray(np.hstack([powers.real, powers.imag]) @ rows)
 
 
-def pushed(bank: int, kappa: float) -> float:
-    """Return the variance of the force over that of a wave at the peak, of the spectrum."""
-    return integral(
-        lambda x: x**4 * np.exp(-2.0 * kappa * (x * x - 1.0)) * density(x, bank), 0.25, 12.0
-    )
-
-
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_outputs_have_variance_1_and_are_not_correlated(bank: int) -> None:
     pair = responses(bank, WAVE_ROWS[bank])
@@ -207,69 +188,6 @@ def test_the_spectrum_itself_is_within_4_per_cent_in_every_band(bank: int) -> No
 
     ratio = [integral(made, b, b + 0.1) for b in BANDS] / wanted(float(bank))
     assert np.all(abs(ratio - 1.0) < 0.045), ratio
-
-
-SUBMERGED: Final = FORCE_DEPTHS >= 0.25  # [-] nearer to the surface, short waves rule
-
-
-def gains(bank: int, rows: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the responses' size [-] of outputs [modes, output] at x times the peak frequency."""
-    turns = np.exp(-1j * PHASE_STEP * np.outer(x, np.arange(1500)))
-    return np.asarray(abs(turns @ responses(bank, rows)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("bank", [0, 1])
-def test_the_force_leaks_nothing_slow_at_any_depth(bank: int) -> None:
-    x = np.linspace(0.07, np.pi / PHASE_STEP, 2000)
-    for row, kappa in enumerate(FORCE_DEPTHS):
-        found = gains(bank, FORCE_ROWS[bank, row], x)
-        slow = found[0] / np.max(found, axis=0)
-
-        # a double zero at rest: 0.07^2 is 0.005, and the force is small at low frequency anyhow
-        assert np.max(slow) < (0.002 if kappa >= 0.25 else 0.0045), kappa
-        assert np.max(gains(bank, FORCE_ROWS[bank, row], np.zeros(1))) < 1e-9
-
-
-@pytest.mark.parametrize("bank", [0, 1])
-def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int) -> None:
-    for row in np.nonzero(SUBMERGED)[0]:
-        kappa = FORCE_DEPTHS[row]
-        variance = np.sum(responses(bank, FORCE_ROWS[bank, row]) ** 2, axis=0)
-        length = integral(
-            lambda x: x**6 * np.exp(-2.0 * kappa * (x * x - 1.0)) * density(x, bank),  # noqa: B023
-            *(0.25, 12.0),
-        )
-
-        # the rows have the variance of the filter's own spectrum, which is so near to the target
-        assert variance == pytest.approx(pushed(bank, kappa), rel=7e-3)
-        assert length / pushed(bank, kappa) == pytest.approx(LENGTH_TABLE[bank, row], rel=5e-3)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("bank", [0, 1])
-@pytest.mark.parametrize(("kappa", "most"), [(0.0, 0.25), (0.1, 0.03)])
-def test_near_the_surface_the_waves_that_move_a_boat_push_as_they_should(
-    bank: int, kappa: float, most: float
-) -> None:
-    row = list(FORCE_DEPTHS).index(kappa)
-    x = np.linspace(0.3, 2.5, 441)
-    wave = gains(bank, WAVE_ROWS[bank, :, :1], x)[:, 0]
-    wanted = wave * x**2 * np.exp(-kappa * (x**2 - 1.0))
-    found = gains(bank, FORCE_ROWS[bank, row], x)
-
-    excess = np.sum(found**2, axis=0) / np.sum(wanted**2) - 1.0
-    assert np.max(abs(excess)) < most
-
-
-@pytest.mark.parametrize("bank", [0, 1])
-def test_between_two_depths_it_is_within_4_per_cent_down_to_where_little_is_left(bank: int) -> None:
-    for row in np.nonzero(SUBMERGED)[0][:-1]:
-        kappa = 0.5 * (FORCE_DEPTHS[row] + FORCE_DEPTHS[row + 1])
-        pair = responses(bank, 0.5 * (FORCE_ROWS[bank, row] + FORCE_ROWS[bank, row + 1]))
-        excess = np.mean(np.sum(pair**2, axis=0)) / pushed(bank, kappa) - 1.0
-
-        assert 0.0 < excess < (0.04 if kappa < 4.0 else 0.16)
 
 
 # The clock

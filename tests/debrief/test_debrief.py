@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.contrast import contrast
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
 from helpers.sessions import begin_run, session_over
@@ -522,24 +523,11 @@ def test_lines_differ_in_more_than_colour() -> None:
     assert len(set(dashes.values())) == 6
 
 
-def contrast(one: str, other: str) -> float:
-    """Return the contrast of two colours by WCAG 2."""
-
-    def light(colour: str) -> float:
-        digits = colour if len(colour) == 6 else "".join(2 * digit for digit in colour)
-        parts = [int(digits[i : i + 2], 16) / 255.0 for i in (0, 2, 4)]
-        linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    bright, dark = sorted((light(one), light(other)), reverse=True)
-    return (bright + 0.05) / (dark + 0.05)
-
-
 def test_words_and_lines_stand_out_from_the_paper_in_the_light_in_the_dark_and_printed() -> None:
     schemes = re.findall(r":root \{([^}]*)\}", STYLE)
     assert len(schemes) == 3
     for scheme in schemes:
-        colours = dict(re.findall(r"--([a-z]+): #([0-9a-f]+)", scheme))
+        colours = dict(re.findall(r"--([a-z]+): (#[0-9a-f]+)", scheme))
         for name in ("ink", "soft", "told", "first", "second"):
             assert contrast(colours[name], colours["paper"]) >= 4.5, (name, scheme)
 

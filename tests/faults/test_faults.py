@@ -80,11 +80,3 @@ def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Benc
     loop = ("run", "--headless", "--speed", "max", "--duration", "90000h")
     recordings.judge(bench, tried, loop, seconds=1)
     assert "run ended with -24" in tried.wrong[0]
-
-
-def test_what_is_wrong_is_on_the_page() -> None:
-    tried = Tried("kill -9", "no order is lost", times=3)
-    tried.must(held=False, otherwise="2 written, 3 answered")
-    told = faults.fault_row(tried)
-    assert "1 WRONG" in told
-    assert "3: 2 written, 3 answered" in told

@@ -5,20 +5,9 @@ import pytest
 from helpers.typed import type_command
 
 from fits.__main__ import fits
-from fits.force_rows import all_numbers, all_rows
 from trainer.core.sea.wave_filter import FORCE_ROWS, LENGTH_TABLE
 
 pytestmark = pytest.mark.slow
-
-
-def test_the_force_rows_are_made_again() -> None:
-    made = np.swapaxes(all_rows(), 2, 3)
-
-    assert made == pytest.approx(FORCE_ROWS, rel=1e-9, abs=1e-9)
-
-
-def test_the_wave_numbers_that_are_left_are_made_again() -> None:
-    assert all_numbers() == pytest.approx(LENGTH_TABLE, rel=1e-9)
 
 
 def test_the_program_writes_them_as_they_stand_in_the_core() -> None:

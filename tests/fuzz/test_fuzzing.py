@@ -1,4 +1,4 @@
-"""The fuzzer's own bookkeeping, its examples, and what once broke a reader."""
+"""How a fuzzer has ended, its examples, and what once broke a reader."""
 
 import os
 import re
@@ -11,8 +11,8 @@ from helpers.places import TESTS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzz.catalogue import TARGETS, choose_targets, corpus
-from fuzz.fuzz import Effort, Found, Tally, Target, dictionary, fuzz, only, pieces, run_round
+from fuzz.catalogue import TARGETS, corpus
+from fuzz.fuzz import Found, Tally, Target, only, run_round
 from trainer.config.casualties import parse_casualties
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
@@ -46,28 +46,11 @@ def tally(tmp_path: Path) -> Tally:
     return Tally(tmp_path / "orders.inputs")
 
 
-def told_by(program: str, found: Found, tally: Tally) -> list[int]:
-    """Let a program stand for the fuzzer; return the inputs that the progress was told of."""
-    seen: list[int] = []
-    run_round([sys.executable, "-c", program], found, tally, lambda _, inputs: seen.append(inputs))
-    return seen
-
-
-@pytest.mark.process
-def test_inputs_of_an_earlier_run_are_added_up(tally: Tally) -> None:
-    found = Found("orders", "a line", inputs=7000)
-    seen = told_by("print('#100\\tpulse  cov: 5 ft: 5 corp: 3/9b')", found, tally)
-
-    assert seen == [7100]
-    assert (found.inputs, found.paths, found.failure) == (7100, 5, "")
-    assert tally.read() == 7100
-
-
-def test_a_tally_that_is_no_number_is_told(tally: Tally, tmp_path: Path) -> None:
-    assert tally.read() == 0
-    (tmp_path / "orders.inputs").write_text("many")
-    with pytest.raises(ConfigError, match=r"orders\.inputs: must hold a number; remove it"):
-        tally.read()
+def found_by(program: str, tally: Tally) -> Found:
+    """Let a program stand for the fuzzer; return what it has found."""
+    found = Found("orders", "a line")
+    run_round([sys.executable, "-c", program], found, tally, lambda *_: None)
+    return found
 
 
 # what stands for the fuzzer, the end of the failure that is told, and the inputs that are kept
@@ -87,8 +70,7 @@ ENDS = {
 @pytest.mark.parametrize("end", ENDS)
 def test_a_fuzzer_that_ends_too_early_says_how(end: str, tally: Tally) -> None:
     program, told, inputs = ENDS[end]
-    found = Found("orders", "a line")
-    told_by(program, found, tally)
+    found = found_by(program, tally)
 
     assert found.failure.endswith(told)
     assert tally.read() == inputs
@@ -96,44 +78,16 @@ def test_a_fuzzer_that_ends_too_early_says_how(end: str, tally: Tally) -> None:
 
 @pytest.mark.process
 def test_an_exception_told_beside_the_fuzzer_s_own_words_is_kept(tally: Tally) -> None:
-    found = Found("orders", "a line")
-    told_by(
+    found = found_by(
         "import sys\n"
         "print(' === Uncaught Python exception: ===\\nValueError: here', flush=True)\n"
         "print('Test unit written to /x/crash-1', file=sys.stderr)\n"
         "sys.exit(77)",
-        found,
         tally,
     )
 
     assert "ValueError: here" in found.failure
     assert found.saved == "/x/crash-1"
-
-
-def test_without_atheris_the_words_that_install_it_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("fuzz.fuzz.find_spec", lambda _name: None)
-
-    with pytest.raises(ConfigError, match="needs atheris: pip install --group fuzz"):
-        list(fuzz([TARGETS["orders"]], tmp_path, Effort(1, 1, 1), 1, lambda *_: None))
-
-
-@each_target
-def test_no_example_is_longer_than_what_its_reader_is_fuzzed_with(target: Target) -> None:
-    assert max(map(len, target.seeds())) <= target.longest
-
-
-def test_a_file_in_pieces_has_each_table_with_those_inside_it() -> None:
-    text = (
-        'name = "it"  # so\n\n# of it\n[a]\nx = 1\n[[a.rows]]\ny = 2\n[b.c]\n[b.d]\nz = [1,\n 2]\n'
-    )
-    assert pieces(text) == [
-        'name = "it"  # so\n',
-        "[a]\nx = 1\n[[a.rows]]\ny = 2\n",
-        "[b.c]\n",
-        "[b.d]\nz = [1,\n 2]\n",
-    ]
 
 
 @pytest.mark.parametrize("name", ["vessel", "exercise", "casualties", "sea"])
@@ -191,12 +145,3 @@ def test_a_spoilt_example_is_taken_or_refused_as_declared(
     target: Target, data: st.DataObject
 ) -> None:
     target.take(data.draw(spoilt(target)))
-
-
-def test_a_target_that_is_none_is_told_with_the_nearest() -> None:
-    with pytest.raises(ConfigError, match="no target vesel; nearest is vessel; there are: orders"):
-        choose_targets(("vesel",))
-
-
-def test_a_fuzzer_s_dictionary_has_the_words_of_the_seeds() -> None:
-    assert dictionary([b"rudder left 15", b"\xffstep_s = 0.5"]) == '"left"\n"rudder"\n"step_s"\n'

@@ -1,6 +1,5 @@
 """A session with an instructor and whoever comes, conducted by a test without a clock."""
 
-import math
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -11,7 +10,7 @@ import pytest
 
 from helpers.boats import make_boat
 from helpers.line import Line, fields_of
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
@@ -23,16 +22,10 @@ from trainer.config.world import WorldTables
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.history import History
 from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
 from trainer.session.plan import Plan
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.ledger import Ledger
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 MARKS: Final = Judgement(Outcome.NOT_REACHED, 42.0, ("depth: 42",))
@@ -64,13 +57,11 @@ class Crewed:
         self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
         self.now = 0.0
         self.wake = threading.Event()
-        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
-        self.sending = PromptSender(Roster(StateReader(self.boat, Ledger(0.5).summary)))
-        history = History(self.boat, self.recording)
+        self.sending = prompt_sender(self.boat)
         for each in armed:
             arm_casualty(self.boat, each.condition, each.casualty, each.rule)
-        self.session = session_over(
-            *(self.boat, time, history, self.sending),
+        self.session = free_session(
+            *(self.boat, self.recording, self.sending),
             schedule=schedule,
             armed=armed,
             monitor=LimitMonitor.over(self.boat, ExerciseLimits()),

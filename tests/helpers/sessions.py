@@ -1,5 +1,6 @@
 """Sessions without a command line."""
 
+import math
 import threading
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +11,8 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import remembering
 from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
@@ -21,7 +24,10 @@ from trainer.session.options import RunOptions
 from trainer.session.parts import Monitors
 from trainer.session.plan import Plan, plan_run
 from trainer.session.session import ColumnFile, Session
-from trainer.session.stations.subscriptions import Sender
+from trainer.session.stations.subscriptions import PromptSender, Roster, Sender
+from trainer.session.stations.view import StateReader
+from trainer.session.time.ledger import Ledger
+from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 TROUBLED_SEA = """
@@ -61,6 +67,19 @@ def session_over(
         introduction,
         ColumnFile(*rows),
     )
+
+
+def prompt_sender(boat: Boat) -> PromptSender:
+    """Return what shows a boat to stations at once."""
+    return PromptSender(Roster(StateReader(boat, Ledger(boat.method.step).summary)))
+
+
+def free_session(
+    boat: Boat, recording: Recording | NoRecording, sending: Sender, **more: Any
+) -> Session:
+    """Return a session that goes as fast as it can; ``more`` is as for session_over."""
+    time = Timekeeping.at(MonotonicClock(), boat.method.step, math.inf, Policy.CATCH_UP)
+    return session_over(boat, time, History(boat, recording), sending, **more)
 
 
 def start_plan(plan: Plan) -> Boat:

@@ -16,8 +16,8 @@ from trainer.identify.judge.uncertainty import draw_parameters, propagate_covari
 from trainer.identify.model.nomoto import levers, nomoto, scale, solve_motion, transfer
 
 VECTORS = DATA / "identification"
-KNOT = 1852.0 / 3600.0
 OURS = {"Kv": "K_v"}
+KNOT = 1852.0 / 3600.0
 
 
 def vectors(name: Any) -> Any:
@@ -54,18 +54,6 @@ def test_a_ship_is_stable_when_yaw_acts_further_forward_than_sway(case: Any) -> 
     arms = levers(np.array(case["F"]), np.array(case["g"]))
     assert arms[3] == pytest.approx(case["lever"]["stability"], rel=1e-12)
     assert (arms[3] > 0.0) == nomoto(ship(case)).stable
-
-
-@pytest.mark.parametrize("row", vectors("published_tables")["rows"], ids=lambda row: row["case"])
-def test_the_reports_tables_follow_from_its_printed_derivatives(row: Any) -> None:
-    # A1: each printed value lies in the range that rounding of the printed inputs allows
-    form = nomoto(ship(row))
-    for name, value in row["computed"].items():
-        assert getattr(form, OURS.get(name, name)) == pytest.approx(number(value), rel=1e-9)
-    for name, told in row["comparison"].items():
-        if told["compared_as"] == "value" and told["consistent_with_rounding"]:
-            low, high = told["range_from_rounding"]
-            assert low <= getattr(form, OURS.get(name, name)).real <= high
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.selftest import published_orders, published_ship, published_zeros
 from click.testing import CliRunner
 from helpers.studies import columns
 from helpers.typed import type_command
@@ -400,8 +399,3 @@ def test_a_zigzag_without_angles_is_a_usage_error() -> None:
     result = CliRunner().invoke(prbs, ["bb2", "--zigzag", "ten"])
     assert result.exit_code == 2
     assert "such as 10/10" in result.output
-
-
-def test_the_shipped_tests_of_the_report_pass() -> None:
-    for test in (published_orders, published_ship, published_zeros):
-        assert all(outcome.passed for outcome in test())

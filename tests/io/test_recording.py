@@ -333,12 +333,6 @@ def left_behind(path: Path) -> None:
         each.write_bytes(content)
 
 
-def test_a_killed_session_is_looked_at_whole(path: Path) -> None:
-    left_behind(path)
-    with closing(Recording.look(path)) as recording:
-        check_filled(recording)
-
-
 # Several programs at one file
 
 
@@ -1122,14 +1116,6 @@ def test_a_file_that_holds_more_or_less_than_a_recording_is_refused(
     changed(path, HARM[harm])
     with pytest.raises(RecordingError, match=r"is damaged.*"):
         open_it(path)
-
-
-def test_a_trigger_erases_no_order(path: Path) -> None:
-    changed(path, HARM["trigger"])
-    with contextlib.suppress(RecordingError), closing(Recording.reopen(path)) as recording:
-        recording.order(3, HELM, "rudder left 5")
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("SELECT count(*) FROM orders").fetchone()[0] >= 2
 
 
 HOSTILE = {

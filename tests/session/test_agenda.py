@@ -114,24 +114,6 @@ def test_a_plan_that_cannot_come_is_refused_at_once(crewed: Begin, words: str, w
     assert "word" not in "".join(ship.instructor.sent).replace("words", "") or "word" not in words
 
 
-def test_going_back_brings_back_what_was_planned_then(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    ship.fly(4)
-    ship.order("at 5 casualty rudder-stuck")
-    ship.fly(4)
-    ship.order("at 20 depth 70")
-    ship.fly(8)
-    assert broken(ship) == ["rudder-stuck"]
-    ship.order("backtrack 5 s")  # to 3 s: the first was planned, and has not come
-    assert planned(ship) == ["1,5.000,casualty rudder-stuck"]
-    ship.fly(10)
-    assert broken(ship) == ["rudder-stuck"]
-    ship.order("branch 1")
-    assert planned(ship) == ["2,20.000,depth 70 m"]
-    ship.order("reset")
-    assert planned(ship) == []
-
-
 def test_a_replay_gives_what_came_and_waits_for_the_rest(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("at 3 casualty rudder-stuck")
@@ -180,12 +162,3 @@ def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begi
         assert not any(
             "planned" in each or "stuck" in each for each in line.sent if "TRA" not in each
         )
-
-
-def test_what_the_crew_has_in_hand_is_not_given_away_by_a_plan(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    ship.session.crew.work.hand = frozenset({"planes"})
-    ship.order("in 1 depth 90")
-    ship.fly(4)
-    assert ship.boat.state.ordered_depth == 60.0
-    assert "refused: the planes are in hand" in ship.events(ship.instructor, "exercise")[-1]

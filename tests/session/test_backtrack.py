@@ -1,7 +1,6 @@
 """Time wound back: every way leads to the bits of a run that was never wound back."""
 
 import contextlib
-import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -10,16 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sessions import TROUBLED_SEA, begin_run, session_over, start_plan
+from helpers.sessions import TROUBLED_SEA, begin_run, free_session, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from trainer.boat.casualties import active_casualties
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.io.tables import MOTION_COLUMNS, NoFile
 from trainer.session.header import layout_of
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
@@ -27,12 +24,9 @@ from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 
 STEP = 0.5  # [s]
 LAST = 160  # tick
-STOP = 100  # tick at which the exercise freezes time
 # A sea, a current, noisy gauges, a ramp, a flooding, a trigger, tanks at work, the autopilot.
 EXERCISE = f"""{TROUBLED_SEA}
 [current]
@@ -68,7 +62,6 @@ ramp_s = 25
 when = "depth > 41"
 name = "rudder-slow"
 """
-ENTRIES = 6  # of its schedule
 # What the instructor orders besides, and at which ticks.
 GIVEN = {
     0: ["depth 60"],
@@ -125,15 +118,13 @@ class Ship:
         )
         self.plan, self.boat, header = begin_run(options)
         self.recording = Recording.create(None, header, self.state)
-        self.history = History(self.boat, unrecorded or self.recording)
         self.bridge = Bridge()
-        time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        self.session = session_over(
-            *(self.boat, time, self.history, self.bridge),
-            rows=(NoFile(), MOTION_COLUMNS),
+        self.session = free_session(
+            *(self.boat, unrecorded or self.recording, self.bridge),
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
+        self.history = self.session.history
         self.bridge.stepping = lambda: self.session.control.steps  # a busy machine is heard between
         self.session.event_log.stations.append(
             Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]
@@ -280,191 +271,6 @@ def test_orders_that_cannot_be_read_back_keep_no_boat_from_a_moment_of_this_run(
         yield from onward(ship, LAST)
 
     ship.sail(back())
-
-
-# The ways; each comes to the last tick in the end
-
-
-def snapshot_and_restore(ship: Ship) -> Lines:
-    yield from onward(ship, 50)
-    yield "snapshot middle"
-    yield from onward(ship, 120)
-    yield "restore middle"
-
-
-def restore_in_a_replay(ship: Ship) -> Lines:
-    yield from snapshot_and_restore(ship)
-    yield from onward(ship, 90)
-    yield "replay 30 s"
-    yield from wait(lambda: ship.tick > 60)
-    yield "restore middle"
-
-
-def restore_from_another_branch(ship: Ship) -> Lines:
-    yield from onward(ship, 80)
-    yield "snapshot other"
-    yield "backtrack 20 s"
-    yield "rudder right 20"
-    yield "step 70"
-    yield "restore other"
-
-
-def backtrack(ship: Ship) -> Lines:
-    yield from onward(ship, 120)
-    yield "backtrack 47.2 s"  # a tick further than 47 s: not later than asked for
-    assert ship.tick == 25  # where the schedule has an entry
-
-
-def backtrack_over_a_branch_point(ship: Ship) -> Lines:
-    yield from onward(ship, 100)
-    yield "backtrack 20 s"
-    yield from onward(ship, 80)
-    yield "backtrack 30 s"
-    assert ship.tick == 20
-
-
-def backtrack_in_a_replay(ship: Ship) -> Lines:
-    yield from onward(ship, 90)
-    yield "replay 30 s"
-    yield from wait(lambda: ship.tick > 60)
-    yield "backtrack 20 s"
-    assert ship.tick < 30
-
-
-def reset(ship: Ship) -> Lines:
-    yield from onward(ship, 75)
-    yield "reset"
-    assert ship.tick == 0
-
-
-def replay_to_its_end(ship: Ship) -> Lines:
-    yield from onward(ship, 90)
-    yield "replay 23 s"  # from tick 44, where orders were given
-    yield from wait(lambda: not ship.history.flown.replaying)
-    assert (ship.tick, ship.frozen) == (90, True)
-
-
-def replay_over_a_branch_point(ship: Ship) -> Lines:
-    yield from backtrack_over_a_branch_point(ship)
-    yield from onward(ship, 60)
-    yield "replay 1 min"
-    assert "replay from 0 s to 30 s" in ship.bridge.heard[-1]
-    yield from wait(lambda: not ship.history.flown.replaying)
-    assert ship.tick == 60
-
-
-def take_over(ship: Ship) -> Lines:
-    yield from onward(ship, 120)
-    yield "replay 1 min"
-    yield from wait(lambda: ship.tick == 44)
-    yield "freeze"
-    assert ship.tick == 44
-    yield "take over"
-
-
-def take_over_before_the_branch_point(ship: Ship) -> Lines:
-    yield from onward(ship, 100)
-    yield "backtrack 20 s"
-    yield from onward(ship, 80)
-    yield "replay 40 s"
-    yield "freeze"
-    yield f"step {20 - ship.tick}"
-    assert ship.tick == 20
-    yield "take over"
-
-
-def replay_anew_in_a_replay(ship: Ship) -> Lines:
-    yield from onward(ship, 90)
-    yield "replay 20 s"
-    yield from wait(lambda: ship.tick > 70)
-    yield "replay 30 s"
-    yield from wait(lambda: not ship.history.flown.replaying)
-    assert ship.tick == 90
-
-
-def run_at_other_speeds(ship: Ship) -> Lines:
-    yield from onward(ship, 45)
-    yield from ("time 100", "run")
-    yield from wait(lambda: ship.tick > 60)
-    yield "time max"
-    yield from wait(lambda: ship.tick > 80)
-    yield "time x50"
-    yield from wait(lambda: ship.frozen)
-    assert ship.tick == STOP  # by the exercise
-    yield "time 0.1"
-
-
-def freeze_and_step(ship: Ship) -> Lines:
-    yield from onward(ship, 45)
-    for _ in range(5):
-        yield from ("run", "", "freeze", "step 2", "freeze", "")
-
-
-def partial_freezes_released_at_once(ship: Ship) -> Lines:
-    yield from onward(ship, 70)
-    yield from ("freeze depth", "freeze position", "freeze tanks", "release all")
-
-
-def partial_freezes_wound_back(ship: Ship) -> Lines:
-    yield from onward(ship, 70)
-    yield from ("freeze depth", "freeze tanks", "step 9", "release depth", "freeze position")
-    yield from ("step 9", "snapshot held", "release all", "step 9", "restore held")
-    assert [ship.boat.state[f"held_{part}"] for part in ("depth", "position", "tanks")] == [0, 1, 1]
-    yield "backtrack 9 s"
-
-
-def numbers_lost(ship: Ship) -> Lines:
-    yield from onward(ship, 70)
-    ship.boat.state.x = math.inf
-    yield "step 5"
-    assert "out of all bounds" in ship.session.control.failure
-    yield "run"
-    assert "this boat cannot go on" in ship.bridge.heard[-1]
-    yield "backtrack 2 s"
-    assert (ship.tick, ship.session.control.failure) == (66, "")
-
-
-WAYS = (
-    snapshot_and_restore,
-    restore_in_a_replay,
-    restore_from_another_branch,
-    backtrack,
-    backtrack_over_a_branch_point,
-    backtrack_in_a_replay,
-    reset,
-    replay_to_its_end,
-    replay_over_a_branch_point,
-    take_over,
-    take_over_before_the_branch_point,
-    replay_anew_in_a_replay,
-    run_at_other_speeds,
-    freeze_and_step,
-    partial_freezes_released_at_once,
-    partial_freezes_wound_back,
-    numbers_lost,
-)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
-def test_every_way_leads_to_the_bits_of_the_plain_run(
-    ship: Ship, plain: list[bytes], way: Callable[[Ship], Lines]
-) -> None:
-    def typed() -> Lines:
-        yield from way(ship)
-        yield from onward(ship, LAST)
-
-    ship.sail(typed())
-
-    assert ship.flown() == plain
-    assert [
-        str(flight.parting) for flight in replay_anyway(ship.recording) if not flight.same
-    ] == []
-    told = [line for line in ship.bridge.heard if line.startswith("replay over")]
-    assert all("the same to the last bit" in line for line in told)
-    # what the schedule says has been given once, in what led to the present
-    orders = ship.recording.orders(ship.recording.branch)
-    assert [each.entry for each in orders if each.entry is not None] == list(range(ENTRIES))
 
 
 # What is kept of it

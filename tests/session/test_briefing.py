@@ -9,7 +9,7 @@ from helpers.boats import make_boat
 from helpers.document_tables import fact_keys
 from helpers.line import Line, fields_of
 from helpers.orders import read_order
-from helpers.sessions import session_over, start_plan
+from helpers.sessions import free_session, prompt_sender, start_plan
 
 from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
@@ -20,7 +20,6 @@ from trainer.io.orders.help import help_text
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
 from trainer.session.attendance import Introduction
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of, situation
@@ -30,12 +29,7 @@ from trainer.session.stations.briefing import (
 )
 from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 
-KNOT = 1852.0 / 3600.0
 LOOK_EVERY = 300.0  # [s]
 COME = Access()
 
@@ -47,11 +41,10 @@ class Attended:
         self.boat = start_plan(plan)
         self.plan = plan
         told = briefing_of(plan, options)
-        time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
-        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
+        sending = prompt_sender(self.boat)
         here = situation(plan, self.boat)
-        self.session = session_over(
-            *(self.boat, time, History(self.boat, NoRecording()), sending),
+        self.session = free_session(
+            *(self.boat, NoRecording(), sending),
             schedule=plan.schedule,
             monitor=LimitMonitor.over(self.boat, plan.limits),
             introduction=Introduction(
@@ -193,20 +186,6 @@ def test_a_reader_is_briefed_in_words_of_79_columns() -> None:
     assert max(map(len, said)) <= 79
 
 
-def test_a_briefing_tells_the_facts_of_now() -> None:
-    here = attended("stern-plane-jam", "planes")
-    here.enter()
-    for _ in range(40):
-        here.session.tick()
-    here.lines["planes"].sent.clear()
-
-    here.ask("briefing")
-
-    assert dict(here.facts("planes", "exercise"))["left"] == "580"
-    told = [line for line in here.lines["planes"].sent if line.startswith("$TRF")]
-    assert any("crew-order,depth 100 m" in line for line in told)
-
-
 def test_the_crew_takes_its_axes_in_hand_when_their_time_comes() -> None:
     here = attended("power-loss", "instructor", "pilot")
     here.enter()
@@ -297,17 +276,6 @@ def test_who_comes_late_is_told_the_alerts_that_nobody_has_seen() -> None:
     here.session.event_log.alert("pilot", "autopilot: afloat")
     here.enter()
     assert here.facts_of("planes", "alert") == ["1,pilot,autopilot: afloat"]
-
-
-def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
-    here = attended("stern-plane-jam", "planes")
-    log = here.session.event_log
-    log.alert("pilot", "now")
-    here.boat.state.tick = 10.0
-    log.alert("pilot", "later")
-    here.boat.state.tick = 5.0
-    log.follow(here.session.history.now())
-    assert [news.text for news in log.alerts.values()] == ["now"]
 
 
 @pytest.mark.parametrize("role", ROLES)

@@ -172,19 +172,15 @@ def test_advice_that_a_line_is_given_is_obeyed_there(
         assert ship.say(line, each)[0] == "ok", each
 
 
-def test_advice_of_the_trainees_help_is_obeyed_in_that_chair(crewed: Begin) -> None:
-    words = [each for text in TRAINEE_HELP for each in re.findall("`([^`]+)`", text)]
+@pytest.mark.parametrize(
+    ("role", "texts"), [("trainee", TRAINEE_HELP), ("instructor", INSTRUCTOR_HELP)]
+)
+def test_advice_of_a_chair_s_help_is_obeyed_there(
+    crewed: Begin, role: str, texts: tuple[str, ...]
+) -> None:
+    words = [each for text in texts for each in re.findall("`([^`]+)`", text)]
     assert "role instructor" in words
-    ship = crewed(seconds=None)
-    line = alone(ship, "trainee")
-    for each in words:
-        assert ship.say(line, each)[0] == "ok", each
-
-
-def test_advice_of_the_instructors_help_is_obeyed_in_that_chair(crewed: Begin) -> None:
-    words = [each for text in INSTRUCTOR_HELP for each in re.findall("`([^`]+)`", text)]
-    assert words == ["role trainee", "role instructor"]
-    line = alone(ship := crewed(seconds=None), "instructor")
+    line = alone(ship := crewed(seconds=None), role)
     for each in words:
         assert ship.say(line, each)[0] == "ok", each
 
@@ -209,10 +205,3 @@ def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
     assert advice == f"role {wanted}"
     assert ship.say(line, advice)[0] == "ok"
     assert ship.say(line, order)[0] == "ok"
-
-
-@pytest.mark.parametrize("door", [Access(), Access("helm", here=lambda: True)])
-def test_a_line_that_keeps_its_role_is_told_of_no_other_chair(crewed: Begin, door: Access) -> None:
-    ship = crewed(seconds=None)
-    line = alone(ship, "helm", door)
-    assert ship.refused("freeze", line) == '"freeze" is the instructor\'s; you have the helm'

@@ -4,14 +4,13 @@ import math
 
 import pytest
 from helpers.boats import make_boat
-from helpers.orders import obey_all, read_order
+from helpers.orders import obey_all
 from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.crew_orders import CREW_AXES
-from trainer.boat.helm import obey_order
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import parse_sentence
@@ -222,16 +221,6 @@ def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
     assert boat.records.scratch.tobytes() == scratch.tobytes()
 
 
-def test_a_frame_stays_what_it_was_when_the_boat_goes_on(boat: Boat) -> None:
-    frame = frame_of(boat)
-    before = everything_stations_get(frame)
-
-    for _ in range(20):
-        assert boat.tick() == 0
-
-    assert everything_stations_get(frame) == before
-
-
 def test_a_state_of_another_layout_is_told_from_this_cores(boat: Boat) -> None:
     with pytest.raises(ValueError, match="a state of 16 bytes"):
         lookout(boat).frame(Picture(0, b"\0" * 16, Pace()))
@@ -345,16 +334,6 @@ def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None
     assert shown["casualty_3"] == shown["casualty_3_left"] == ""
 
 
-def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
-    assert isinstance(casualties.insert_casualty(boat, "flooding-aft", 1.0, 0.0), str)
-    assert boat.tick() == 0
-    assert isinstance(casualties.clear_casualty(boat, "flooding-aft"), str)
-    boat.state.casualty_ticks[0] = -8.0
-    shown = values(frame_of(boat), "casualties")
-
-    assert (shown["casualty_1_target"], shown["casualty_1_left"]) == ("0.00000", "4.0")
-
-
 @pytest.mark.parametrize(
     ("name", "severity", "says"),
     [
@@ -394,18 +373,6 @@ def test_a_stuck_surface_and_a_stuck_gauge_are_told_where_they_stand(boat: Boat)
     angle = math.degrees(float(boat.state.delta_r)) * boat.toward["rudder"]
     assert shown["casualty_1_says"] == f"{abs(angle):.1f} deg {'right' if angle > 0 else 'left'}"
     assert shown["casualty_2_says"] == f"at {shown_depth:.1f} m"
-
-
-def test_the_line_of_state_shows_what_the_crew_is_ordered(boat: Boat) -> None:
-    *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
-    assert ">60.0" in line
-    for words in ("order depth 75", "order course right 045", "planes manual", "rudder left 5"):
-        order = read_order(words)
-        assert isinstance(obey_order(boat, order), str)
-    boat.tick()
-    *_, line = TeletypeDisplay(lambda frame: frame.readings).lines(frame_of(boat))
-    assert ">75.0" in line
-    assert ">045" in line
 
 
 def test_water_over_the_sail_is_the_boat_s_own(boat: Boat) -> None:
@@ -587,11 +554,6 @@ def test_an_order_to_the_crew_moves_nothing_and_hand_steering_does_not_wipe_it(b
     assert not shown["depth"] + shown["depth_unit"] + shown["depth_error"] + shown["depth_since"]
 
     assert not any(ordered(boat, "order clear all").values())
-
-
-def test_the_last_words_to_the_crew_are_shown(boat: Boat) -> None:
-    assert values(frame_of(boat, Pace(told="surface")), "orders")["told"] == "surface"
-    assert "told surface" in " ".join(panel(("orders",), frame_of(boat, Pace(told="surface"))))
 
 
 def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:

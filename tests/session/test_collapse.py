@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.altered import is_whole
 from helpers.nursery import Done, run_trainer
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -20,15 +19,10 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 STEP = 0.5  # [s]
@@ -86,10 +80,8 @@ class Watch:
         self.boat = Boat(file, Method("modified", "lagged", "exact", "adams2", STEP))
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
         self.recording = Recording.create(None, {}, self.boat.records.state.tobytes())
-        time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
-        sending = PromptSender(Roster(StateReader(self.boat, time.ledger.summary)))
-        history = History(self.boat, self.recording)
-        self.session = session_over(self.boat, time, history, sending)
+        sending = prompt_sender(self.boat)
+        self.session = free_session(self.boat, self.recording, sending)
         control, wake = self.session.control, self.session.wake
         self.instructor, self.helm = (
             Typist(iter(()), wake, lambda: control.steps > 0) for _ in range(2)
@@ -172,13 +164,6 @@ def test_at_collapse_depth_the_boat_freezes_and_everybody_is_told(watch: Watch) 
     assert last == watch.tick
 
 
-def test_while_time_runs_the_collapse_stops_it(watch: Watch) -> None:
-    watch.sail(iter([DIVE, "run"]))
-
-    assert watch.failure.startswith("collapse at 12")
-    assert watch.session.control.deserted.startswith("frozen at ")
-
-
 def test_after_a_backtrack_the_run_goes_on(watch: Watch) -> None:
     def typed() -> Iterator[str]:
         yield from (DIVE, "step 1000", "backtrack 30 s")
@@ -205,44 +190,6 @@ def test_a_depth_passed_is_called_again_after_going_back_to_before_it(watch: Wat
 
     assert len(watch.helm.said("Passing test depth")) == 2
     assert hull_depth(watch.boat) < TEST_DEPTH + 5.0
-
-
-def test_a_moment_of_collapse_that_is_restored_is_still_lost(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        yield from (DIVE, "step 1000", "snapshot wreck", "reset")
-        assert watch.failure == ""
-        yield from ("restore wreck", "run")
-
-    watch.sail(typed())
-
-    assert len(watch.instructor.said(f"? {GONE.format(watch.failure)}")) == 1
-
-
-def test_a_collapse_is_replayed_to_its_end_and_is_a_collapse_again(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        yield from (DIVE, "step 1000")
-        stopped = watch.tick
-        yield "replay 20 s"
-        assert watch.failure == ""
-        while watch.session.history.flown.replaying:
-            yield ""
-        assert watch.tick == stopped
-        yield "run"
-
-    watch.sail(typed())
-
-    assert watch.instructor.said("replay over at")[0].count("the same to the last bit") == 1
-    assert len(watch.instructor.said(f"? {GONE.format(watch.failure)}")) == 1
-
-
-def test_a_refused_order_about_moments_does_not_forget_lost_numbers(watch: Watch) -> None:
-    def typed() -> Iterator[str]:
-        watch.boat.state.x = math.inf
-        yield from ("step 1", "restore nothing")
-
-    watch.sail(typed())
-
-    assert "out of all bounds" in watch.failure
 
 
 def test_while_the_depth_is_frozen_nothing_happens() -> None:
@@ -303,17 +250,6 @@ def test_a_headless_run_past_collapse_depth_ends_with_exit_code_1_and_says_so(
     column = lines[0].split(",").index("z")
     deepest = [float(line.split(",")[column]) for line in lines[1:]]
     assert 400.0 < deepest[-1] == max(deepest) < 455.0
-
-
-@pytest.mark.process
-def test_the_recording_of_a_collapse_is_whole_and_the_same_to_the_bit(
-    wreck: tuple[Path, str, str, int],
-) -> None:
-    folder = wreck[0]
-    ran = trainer(folder, "replay", "dive.trainer")
-    assert (ran.returncode, ran.stderr) == (0, "")
-    assert "the same to the last bit" in ran.stdout
-    assert is_whole(folder / "dive.trainer")
 
 
 @pytest.mark.process

@@ -27,7 +27,6 @@ from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
 from trainer.session.exercise import is_met, quantity_of
 from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
-from trainer.session.stations.roles import ROLES
 
 # The end of an exercise
 
@@ -169,19 +168,6 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(crewed: Begin) -> N
         assert other.conduct.ending.why == "turned over"
 
 
-def test_a_hull_that_collapses_loses_the_exercise(crewed: Begin) -> None:
-    ship = crewed(seconds=60.0)
-    ship.fly(2)
-    ship.boat.state.z = 500.0
-    ship.fly(1)
-    assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
-    assert "collapse" in ship.conduct.ending.why
-    assert "backtrack or reset" in ship.refused("run")
-    ship.order("reset")
-    assert not ship.conduct.ending.over
-    assert ship.order("run") == "running"
-
-
 def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm = ship.comes("helm")
@@ -241,20 +227,6 @@ def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
         assert ship.facts(helm, "exercise-over")[-1] == how
 
 
-def test_a_replay_that_begins_at_the_very_end_of_an_exercise_comes_to_its_own_end(
-    crewed: Begin,
-) -> None:
-    ship = crewed(seconds=5.0)
-    ship.fly(20)
-
-    ship.order("replay 2 s")
-    ship.fly(20)
-    assert ship.conduct.ending.over
-    ship.order("backtrack 2 s")  # away from the end
-
-    assert not ship.conduct.ending.over
-
-
 def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     ship.fly(20)
@@ -312,17 +284,6 @@ def hold_debrief(ship: Crewed) -> threading.Event:
 
     ship.conduct.marks.debriefing = DebriefSource(ship._judge, write)  # noqa: SLF001
     return may_write
-
-
-def test_what_a_run_cost_stays_when_its_marks_are_released(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ship.fly(20)
-    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
-    ship.order("debrief")
-    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
-    ship.order("release marks")  # which are told anew, with their reasons
-    assert ship.facts(ship.instructor, "reason").count("2,0:02: much was lost.") == 2
-    assert ship.facts(ship.instructor, "reason")[-1] == "2,0:02: much was lost."
 
 
 def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(crewed: Begin) -> None:
@@ -585,13 +546,6 @@ def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Begin) -> None:
     assert ship.say(helm, "ready") == ("ok", "ready; everybody is")
 
 
-def test_who_came_first_has_command_whoever_orders_first(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    second = ship.comes("instructor")
-    assert ship.refused("run", second) == "line 1 has command: take command asks for it"
-    assert ship.order("freeze").startswith("frozen")
-
-
 def test_one_instructor_has_command_and_the_others_watch_and_mark(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("freeze")
@@ -771,21 +725,6 @@ def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(crewed: Begi
     assert ship.facts(late, "mark") == ["on the first branch", "on the third"]
 
 
-def test_the_past_after_a_replay_that_was_taken_over_ends_where_it_was(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    ship.fly(20)
-    ship.order("mark too late")
-    ship.order("replay 10 s")
-    ship.fly(5)
-    ship.order("take over")
-    ship.order("mark in time")
-    late = ship.comes("observer")
-
-    ship.say(late, "history events")
-
-    assert ship.facts(late, "mark") == ["in time"]
-
-
 def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.conduct.past.kept = None
@@ -796,15 +735,6 @@ def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Begin) -> Non
 
     ticks = [row[1] for row in past(ship, ship.instructor, "motion")]
     assert ticks == ["20", "40", "60", "80", "100"]
-
-
-@pytest.mark.parametrize("role", sorted(set(ROLES) - {"instructor"}))
-def test_the_past_of_the_truth_is_the_instructor_s_alone(crewed: Begin, role: str) -> None:
-    ship = crewed(seconds=None)
-    line = ship.comes(role)
-    for channel in ("motion", "sea", "casualties", "ledger"):
-        assert ship.say(line, f"history {channel}")[0] == "no"
-    assert not any(each.startswith("$TRS") for each in line.sent)
 
 
 # What waits for a while
@@ -882,13 +812,6 @@ def test_a_station_is_called_by_a_name_of_its_own(crewed: Begin) -> None:
     assert ship.say(wall, "name <b>")[0] == "no"
     ship.order("who")
     assert any(f"observer at {wall.name}, called wall: " in line for line in ship.said)
-
-
-def test_nobody_asks_whether_a_visitor_is_ready(crewed: Begin) -> None:
-    ship = crewed()
-    ship.comes("visitor")
-    ship.order("run")
-    assert not [text for text in ship.events(ship.instructor, "station") if "not ready" in text]
 
 
 def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(crewed: Begin) -> None:

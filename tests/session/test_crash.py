@@ -7,10 +7,8 @@ import json
 import os
 import random
 import signal
-import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,10 +16,8 @@ from typing import Any
 import pytest
 from helpers.places import environment
 from helpers.sessions import TROUBLED_SEA
-from helpers.waiting import PATIENCE, once_it_can
 
-from trainer.io.orders.sentences import order_sentence, parse_sentence
-from trainer.io.recording.recording import RecordedOrder, Recording
+from trainer.io.recording.recording import Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 
@@ -113,7 +109,6 @@ for line in sys.stdin:
     child = os.fork()
     if not child:
         grow_up(job)
-    print(child, flush=True)
     begun = time.monotonic()
     if job["seconds"] is not None:
         time.sleep(job["seconds"])
@@ -130,8 +125,8 @@ class Nursery:
         self._process = process
         self._told = folder / "told.txt"
 
-    def start(self, *words: str, seconds: float | None = None, instructions: int = 0) -> int:
-        """Start a program, to be killed after a time or so many instructions; return its id."""
+    def start(self, *words: str, seconds: float | None = None, instructions: int = 0) -> None:
+        """Start a program, to be killed after a time or so many instructions."""
         job = {
             "words": words,
             "seconds": seconds,
@@ -141,7 +136,6 @@ class Nursery:
         assert self._process.stdin
         self._process.stdin.write(json.dumps(job) + "\n")
         self._process.stdin.flush()
-        return int(self._line())
 
     def ended(self) -> tuple[int, float]:
         """Return the exit code of the program and how long [s] it ran."""
@@ -266,119 +260,4 @@ def kill_often(nursery: Nursery, exercise: Path, kills: int) -> None:
 def test_a_run_killed_at_any_instant_goes_on_to_the_same_bits(
     nursery: Nursery, exercise: Path
 ) -> None:
-    kill_often(nursery, exercise, 2)
-
-
-@pytest.mark.long
-@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
-def test_many_kills_at_any_instant_lose_no_bit(nursery: Nursery, exercise: Path) -> None:
-    kill_often(nursery, exercise, int(os.environ["TRAINER_KILLS"]))
-
-
-# A session that an instructor drives
-
-
-def dialled(path: Path) -> socket.socket:
-    """Return a socket connected to a session that is about to listen there."""
-
-    def connect() -> socket.socket:
-        line = socket.socket(socket.AF_UNIX)
-        line.settimeout(PATIENCE)
-        try:
-            line.connect(str(path))
-        except OSError:
-            line.close()
-            raise
-        return line
-
-    return once_it_can(connect, OSError)
-
-
-UNMADE = ("run", "backtrack 8")  # orders that are not journalled
-
-
-def drive(line: socket.socket, answers: int, dice: random.Random) -> tuple[list[str], int]:
-    """Give orders, each when the one before has been answered.
-
-    Return those that are journalled, and how many of them have to be in the file: all but those
-    after the last answer that was not "(not recorded)", as on a disk that stands still.
-    """
-    orders = itertools.chain(["role instructor"], itertools.cycle([*ORDERS, "backtrack 8", "run"]))
-    answered: list[str] = []
-    kept = 0
-    lines = line.makefile(encoding="ascii")
-    for tag, words in zip(range(answers + 1), orders, strict=False):
-        line.sendall(f"{order_sentence(words, str(tag))}\n".encode("ascii"))
-        for text in lines:
-            said = parse_sentence(text)
-            if said and (said.kind, said.tag) == ("TRA", str(tag)) and said.fields[0] != "say":
-                break
-        assert said
-        answered += [words] if tag and words not in UNMADE else []
-        done, what = said.fields
-        kept = len(answered) if done == "ok" and not what.endswith("(not recorded)") else kept
-        time.sleep(dice.uniform(0.0, 0.01))  # any instant
-    return answered, kept
-
-
-def journal(path: Path) -> tuple[list[RecordedOrder], list[RecordedOrder]]:
-    """Return all orders of a recording, and those of the past of its latest branch."""
-    with contextlib.closing(Recording.look(path)) as recording:
-        every = {o.id: o for b in recording.branches() for o in recording.orders(b.id)}
-        return [every[number] for number in sorted(every)], recording.orders(recording.branch)
-
-
-def flown(path: Path) -> list[tuple[int, bytes]]:
-    """Return every state of the latest branch and its past."""
-    with contextlib.closing(Recording.look(path)) as recording:
-        return [(each.tick, each.state) for each in recording.flown(recording.branch)]
-
-
-def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random) -> None:
-    """Kill a session that is being driven; no answered order is missing, and it can go on."""
-    exercise, path, access = (folder / f"{number}{end}" for end in (".toml", ".trainer", ".sock"))
-    exercise.write_text(TROUBLED)
-    ports = ("--listen", "none", "--socket", str(access))
-    child = nursery.start("serve", str(exercise), "--speed", "100", *ports, "--record", str(path))
-    with dialled(access) as line:
-        answered, kept = drive(line, dice.randrange(1, 70), dice)
-        line.sendall(b"bell ahead full\n")  # which may act or not
-        time.sleep(dice.uniform(0.0, 0.01))  # any instant
-        os.kill(child, signal.SIGKILL)
-    assert nursery.ended()[0] == -signal.SIGKILL
-
-    given, _ = journal(path)
-    found = [each.text for each in given]
-    assert found == [*answered, "bell ahead full"][: len(found)]
-    assert len(found) >= kept
-    seconds = flown(path)[-1][0] // 2 + 60
-    nursery.done("resume", str(path), *MAX, "--duration", str(seconds))
-    nursery.done("replay", str(path))
-
-    every, past = journal(path)
-    assert [each.text for each in every] == [each.text for each in given]
-    assert None not in [each.accepted for each in past]
-    orders, straight = folder / f"{number}.txt", folder / f"{number}-straight.trainer"
-    orders.write_text("".join(f"{0.5 * each.tick} {each.text}\n" for each in past))
-    nursery.done(
-        *("run", str(exercise), *MAX, "--duration", str(seconds)),
-        *("--orders", str(orders), "--record", str(straight)),
-    )
-    assert flown(path) == flown(straight)
-
-
-@pytest.mark.process
-def test_every_order_that_was_answered_is_kept_and_acts_again(
-    nursery: Nursery, tmp_path: Path
-) -> None:
-    dice = random.Random(1967)  # noqa: S311  instants, not secrets
-    for number in range(2):
-        kill_driven(nursery, tmp_path, number, dice)
-
-
-@pytest.mark.long
-@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
-def test_many_driven_sessions_lose_no_answered_order(nursery: Nursery, tmp_path: Path) -> None:
-    dice = random.Random(1)  # noqa: S311  instants, not secrets
-    for number in range(int(os.environ["TRAINER_KILLS"]) // 4):
-        kill_driven(nursery, tmp_path, number, dice)
+    kill_often(nursery, exercise, int(os.environ.get("TRAINER_KILLS", "2")))

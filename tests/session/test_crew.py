@@ -9,7 +9,7 @@ import pytest
 from helpers.boats import start_bb2
 from helpers.givers import giver_at
 from helpers.line import Line, fields_of
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
@@ -20,17 +20,10 @@ from trainer.io.recording.queries import Past, RecordedOrder
 from trainer.io.recording.recording import Recording
 from trainer.session.agenda import Agenda
 from trainer.session.crew import CrewTalk
-from trainer.session.history import History
 from trainer.session.manning import HandWork
 from trainer.session.standing import StandRecord
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import PromptSender, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
-
-KNOT = 1852.0 / 3600.0
 
 
 class Crew:
@@ -39,12 +32,10 @@ class Crew:
     def __init__(
         self, boat: Boat, recording: Recording, schedule: str = "", **more: object
     ) -> None:
-        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
         entries = parse_schedule(schedule, "orders.txt")
         assert isinstance(entries, list)
-        sending = PromptSender(Roster(StateReader(boat, time.ledger.summary)))
-        history = History(boat, recording)
-        self.session = session_over(*(boat, time, history, sending), schedule=entries, by_hand=more)
+        sending = prompt_sender(boat)
+        self.session = free_session(boat, recording, sending, schedule=entries, by_hand=more)
         self.lines: dict[str, Line] = {}
         self.boat, self.sending = boat, sending
 
@@ -134,17 +125,6 @@ def test_who_comes_late_hears_which_orders_wait(crew: Make) -> None:
         here.say("planes", "aye")
 
 
-def test_a_schedule_orders_the_crew_and_its_orders_are_in_the_journal(crew: Make) -> None:
-    here = crew("1 order depth 75\n2 tell hold her there\n").man("planes")
-    here.fly(3.0)
-    assert here.heard("planes") == ["ordered: depth 75 m", "to the crew: hold her there"]
-    said = [(each.who, each.text, each.accepted) for each in here.session.history.said()]
-    assert said == [
-        ("schedule", "order depth 75 m", True),
-        ("schedule", "tell hold her there", True),
-    ]
-
-
 def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> None:
     here = crew("1 order course 045\n5 tell hold her\n").man("instructor", "helm").fly(3.0)
     here.say("helm", "aye")
@@ -218,26 +198,6 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
     assert session.history.after > 0
 
 
-def test_after_a_jump_programs_are_told_only_what_waits_to_be_repeated_there(crew: Make) -> None:
-    here = crew("1 order course 045\n").man("instructor", "helm").fly(3.0)
-    here.say("helm", sentences.order_sentence("briefing"))
-    here.say("instructor", sentences.order_sentence("briefing"))
-    here.program("helm", "aye")
-    here.fly(5.0)
-    for role in ("helm", "instructor"):
-        here.facts(role)
-
-    here.program("instructor", "backtrack 6")
-    told = [fact for fact in here.facts("helm") if fact.startswith(("back", "crew"))]
-    assert told == ["back: backtrack 6 s", "crew-order: course 045"]
-    here.fly(10.0)
-    here.facts("helm")
-
-    here.program("instructor", "branch 1")
-    assert [fact.partition(":")[0] for fact in here.facts("helm")] == ["back"]  # it was repeated
-    assert here.say("helm", "aye") == ["? there is no new order to repeat"]
-
-
 def test_a_replay_says_again_what_was_said_and_writes_it_once(crew: Make) -> None:
     here = crew("1 order course 045\n").man("instructor", "helm", "observer").fly(3.0)
     here.say("helm", "course 054 aye")
@@ -295,12 +255,6 @@ def test_an_order_is_repeated_by_the_station_it_concerns(
     assert here.boat.records.state.tobytes() == before
 
 
-def test_an_instructor_alone_on_board_repeats_what_the_schedule_orders(crew: Make) -> None:
-    here = crew(schedule="5 order depth 75").man("instructor")
-    here.fly(6.0)
-    assert here.say("instructor", "aye")[-1].endswith("depth 75 m aye")
-
-
 @pytest.mark.parametrize("schedule", ["1 tell surface, then steer", ""])
 def test_words_stand_on_the_panels_from_the_next_tick_also_once_repeated(
     crew: Make, schedule: str
@@ -315,12 +269,6 @@ def test_words_stand_on_the_panels_from_the_next_tick_also_once_repeated(
     (*_, last) = [line for line in here.lines["helm"].sent if line.startswith("$TRS,orders")]
     assert ",surface; then steer" in last
     assert here.say("helm", "aye")[-1].startswith("? there is no new order")
-
-
-def test_words_are_repeated_without_the_word_that_gave_them(crew: Make) -> None:
-    here = crew().man("instructor", "helm")
-    here.say("instructor", "tell stand by")
-    assert here.say("helm", "aye")[-1] == "stand by aye"
 
 
 @pytest.mark.parametrize(
@@ -372,11 +320,6 @@ def test_what_is_not_ordered_here_is_not_repeated(
     here = crew().man(*{"instructor", role})
     here.say("instructor", order)
     assert why in here.say(role, words)[-1]
-
-
-def test_an_observer_repeats_nothing(crew: Make) -> None:
-    here = crew().man("observer")
-    assert "you are an observer" in here.say("observer", "aye")[-1]
 
 
 def test_an_order_that_nobody_repeats_is_shown_again_once(crew: Make) -> None:
@@ -462,13 +405,6 @@ def test_a_replay_tells_a_wrong_way_again_and_writes_it_once(crew: Make) -> None
     assert len([each for each in events if "WRONG WAY" in each.text]) == 1
 
 
-def test_what_is_scheduled_is_told_to_whoever_takes_the_steps_too(crew: Make) -> None:
-    here = crew("1 order course 045\n").man("instructor")
-    here.session.time.pacer.freeze()
-    here.say("instructor", "step 5")
-    assert "ordered: course 045" in here.lines["instructor"].sent
-
-
 def test_who_steers_is_told_what_the_x_tail_does_not_give(crew: Make) -> None:
     here = crew().man("instructor", "helm", "planes")
     here.say("helm", "rudder right 25")
@@ -497,14 +433,6 @@ def test_the_right_way_and_what_meets_it_is_not_told(
     here = crew().man("instructor", role).fly(1.0)
     here.say("instructor", order)
     here.say(role, *words)
-    assert not any("WRONG" in line for line in here.heard("instructor"))
-
-
-def test_long_after_the_order_an_opposite_rudder_is_no_wrong_way(crew: Make) -> None:
-    here = crew().man("instructor", "helm")
-    here.say("instructor", "order course 045")
-    here.fly(11.0)
-    here.say("helm", "rudder left 5")
     assert not any("WRONG" in line for line in here.heard("instructor"))
 
 
@@ -565,11 +493,6 @@ def test_a_full_tank_is_reported_and_an_order_taken_back_is_not(crew: Make) -> N
     here.fly(30.0)
     (told,) = [line for line in here.heard("ballast") if "reports" in line]
     assert told == "ballast reports: auxiliary is full: 0.5 of 2 t in"
-
-
-def test_what_the_schedule_makes_heavy_is_reported_to_nobody(crew: Make) -> None:
-    here = crew("1 flood depth-control 0.5\n").man("instructor", "ballast").fly(30.0)
-    assert not [line for line in here.heard("ballast") if "depth control" in line]
 
 
 def test_an_order_that_waits_for_its_pump_says_so(crew: Make) -> None:
@@ -636,14 +559,6 @@ def test_only_the_instructor_allows_and_only_what_is_in_hand(crew: Make) -> None
     assert "the rudder is not in hand" in here.say("instructor", "allow rudder")[-1]
     here.say("instructor", "allow planes")
     assert "already" in here.say("instructor", "allow planes")[-1]
-
-
-def test_what_was_allowed_is_in_hand_again_before_that_moment(crew: Make) -> None:
-    here = crew(hand=frozenset({"planes"})).man("instructor", "planes").fly(5.0)
-    here.say("instructor", "allow planes")
-    here.fly(5.0)
-    here.say("instructor", "backtrack 7")
-    assert here.say("planes", "depth 70")[-1].startswith("? the planes are in hand")
 
 
 def test_a_swing_is_met_until_it_stops_by_an_order_of_the_journal(crew: Make) -> None:
@@ -738,24 +653,3 @@ def test_a_lever_is_refused_while_the_boat_levels_and_works_when_it_is_level(cre
         here.fly(0.5)
     assert "guard: lever zero, by hand" in here.heard("instructor")[-1]
     assert here.program("visitor", "lever rise 5") == "lever rise 5, by hand"
-
-
-def test_a_guard_leaves_planes_alone_that_the_instructor_lets_be_automatic(crew: Make) -> None:
-    here = guarded(crew).fly(0.5)
-    for words in ("allow planes", "depth 100"):
-        here.say("instructor", words)
-    here.fly(200.0)
-    assert here.boat.state.z > 90.0
-    assert not here.boat.state.bow_by_hand
-
-
-def test_a_replay_has_the_orders_of_the_guard_once(crew: Make) -> None:
-    here = guarded(crew).fly(0.5)
-    here.say("visitor", "lever dive 20")
-    here.fly(60.0)
-    end = here.boat.plain.tobytes()
-    here.say("instructor", "replay 50 s")
-    while here.session.history.flown.replaying:
-        here.fly(0.5)
-    assert here.boat.plain.tobytes() == end
-    assert "to the last bit" in " ".join(here.heard("instructor"))

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat
-from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
@@ -31,7 +30,7 @@ from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.roles import ROLES, refusal
+from trainer.session.stations.roles import ROLES
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.status import current_lines
 from trainer.session.time.ledger import Ledger
@@ -120,13 +119,6 @@ def test_the_status_has_a_line_of_it_where_there_is_any(plan: Plan) -> None:
     assert line == "current towards 030 at 2.00 kn; over ground 004.9 at 11.78 kn"
     boat.world = World()
     assert current_lines(frame_of(boat), boat) == []
-
-
-def test_only_the_instructor_orders_it() -> None:
-    order = read_order("current set 090 drift 2")
-    assert refusal(ROLES["instructor"], order) is None
-    whose = {refusal(role, order) for name, role in ROLES.items() if name != "instructor"}
-    assert all(each and "is the instructor's" in each.reason for each in whose)
 
 
 # What is judged

@@ -25,7 +25,7 @@ from trainer.config.sea import load_sea
 from trainer.core import digest
 from trainer.session import header as header_module
 from trainer.session.header import differences, layout_of, method_of, notes, plan_of
-from trainer.session.layout import LAYOUT, read_state, state_difference
+from trainer.session.layout import LAYOUT, read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 
@@ -403,22 +403,6 @@ def test_a_state_of_another_version_is_read_by_the_names_of_its_numbers() -> Non
     }
     assert read["held"].tolist() == [[7.0, 7.0, 7.0]]
     assert read["whole"][0][places].tobytes() == text
-
-
-def test_two_states_are_unlike_at_the_first_bit_that_differs() -> None:
-    boat = make_boat("bb2")
-    boat.start(5.0, 60.0, 1.0)
-    one = boat.snapshot()
-    boat.state.past_rates[1, 3] = -0.0
-    boat.state.z += 1e-14
-    boat.state.water[4] = 0.5
-    found = state_difference(one.tobytes(), boat.records.state.tobytes())
-
-    assert found is not None
-    assert (found.name, found.recorded, found.numbers) == ("z", 60.0, 3)
-    assert state_difference(one.tobytes(), one.tobytes()) is None
-    assert len(set(LAYOUT)) == len(LAYOUT) == boat.records.state.itemsize // 8
-    assert {"u", "past_rates[1,3]", "water_trim_forward", "casualty[7]"} <= set(LAYOUT)
 
 
 @pytest.mark.parametrize(

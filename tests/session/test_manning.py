@@ -64,20 +64,6 @@ def test_an_order_to_a_crew_that_is_not_there_says_how_else_it_is_carried_out(
     assert unheard(read_order(order), hand, (), roles) == said
 
 
-def test_who_is_alone_is_told_so_and_the_order_stands_as_it_was_given(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-
-    answer = ship.order("order course 045")
-
-    assert answer == "ordered: course 045"
-    (remark,) = ship.said
-    assert remark.startswith("nobody mans the helm: `course 045` for the autopilot, ")
-    assert ship.facts(ship.instructor, "crew-order") == ["course 045"]
-    helm = ship.comes("helm")
-    assert ship.order("order course 050") == "ordered: course 050"
-    assert ship.say(helm, "aye") == ("ok", "course 050 aye")
-
-
 def test_ready_names_what_is_in_hand_and_has_nobody_at_it(crewed: Begin) -> None:
     ship = crewed(seconds=None, hand=BOTH)
     helm = ship.comes("helm")

@@ -126,12 +126,6 @@ def test_a_latitude_is_degrees_and_minutes(degrees: float, written: tuple[str, s
     assert nmea.latitude(degrees) == written
 
 
-def test_a_longitude_has_three_digits_of_degrees_and_nought_has_no_sign() -> None:
-    assert nmea.longitude(-4.25) == ("00415.00000", "W")
-    assert nmea.number(-0.001, 2) == "0.00"
-    assert nmea.number(None, 2) == ""
-
-
 # The set
 
 
@@ -180,14 +174,6 @@ def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
     assert fields["PXSCC"][1:3] == ("60", "10.00")
 
 
-def test_time_and_date_run_from_the_start_with_the_boats_own_time() -> None:
-    boat = under_way()
-    for _ in range(5):
-        boat.tick()
-    fields = told(boat)["INRMC"]  # 2.5 s after 23:59:58 on the last day of 2026
-    assert (fields[0], fields[8], fields[11]) == ("000000.50", "010127", "E")
-
-
 def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     boat = under_way(course=90.0)
     sound = told(boat)
@@ -225,11 +211,6 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
     boat.state.z = -1.5
     fields = told(boat)
     assert (fields["INDPT"][0], fields["INDBT"][2], fields["INGGA"][8]) == ("0.00", "0.00", "1.50")
-
-
-def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
-    assert [each.address for each in choose_instruments(["HDT", "RMC"])] == ["INRMC", "INHDT"]
-    assert len(choose_instruments(["XDR"])) == 3
 
 
 def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
@@ -496,13 +477,6 @@ def test_more_than_is_asked_for_is_taken_later_and_somebody_is_woken_for_it() ->
     assert line.take(2) == []
     assert wake.is_set()
     assert line.take(2) == ["rudder left 5.0"]
-
-
-def test_words_for_people_are_not_sent_to_instruments() -> None:
-    line, wire, _ = line_of()
-    line.send("rudder left 5, by hand")
-    assert wire.sent == []
-    assert line.dropped == 3
 
 
 # The document

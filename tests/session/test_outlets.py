@@ -23,7 +23,7 @@ import pytest
 from helpers.boats import start_bb2
 from helpers.installation import installed
 from helpers.nursery import run_trainer
-from helpers.sessions import session_over
+from helpers.sessions import free_session, prompt_sender
 from helpers.waiting import eventually
 
 from trainer.config.files import ConfigError
@@ -32,8 +32,6 @@ from trainer.io.chart import DEFAULT_CHART
 from trainer.io.line import Outbox
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
-from trainer.io.tables import MOTION_COLUMNS, NoFile
-from trainer.session.history import History
 from trainer.session.nmea.outlets import SteadySubscription, open_outlets
 from trainer.session.nmea.sentences import INSTRUMENTS
 from trainer.session.options import RunOptions
@@ -41,8 +39,6 @@ from trainer.session.ports import Ports
 from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 ALONE = [each for each in INSTRUMENTS if not each.asked and not each.ground]  # with no ground
@@ -92,13 +88,7 @@ class Deck:
             None, {"started": "2026-11-20T08:00:00+00:00"}, self.boat.records.state.tobytes()
         )
         stack.callback(self.recording.close)
-        keeping = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
-        history = History(self.boat, self.recording)
-        self.session = session_over(
-            *(self.boat, keeping, history, self.publisher),
-            rows=(NoFile(), MOTION_COLUMNS),
-            wake=wake,
-        )
+        self.session = free_session(self.boat, self.recording, self.publisher, wake=wake)
         ports = Ports(wake, self.publisher, self.session.event_log.log, stack, print)
         self.stations = open_outlets(ports, self.recording, given)
         self.session.event_log.stations += self.stations
@@ -659,13 +649,14 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 # What is refused
 
 
+def quiet_ports(stack: contextlib.ExitStack) -> Ports:
+    sending = prompt_sender(start_bb2("modified"))
+    return Ports(threading.Event(), sending, lambda _kind, _text: None, stack, print)
+
+
 def refused(given: RunOptions) -> str:
-    boat = start_bb2("modified")
-    with contextlib.ExitStack() as stack:
-        publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
-        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
-        with pytest.raises(ConfigError) as wrong:
-            open_outlets(ports, NoRecording(), given)
+    with contextlib.ExitStack() as stack, pytest.raises(ConfigError) as wrong:
+        open_outlets(quiet_ports(stack), NoRecording(), given)
     return str(wrong.value)
 
 
@@ -680,11 +671,8 @@ def test_the_rate_that_is_advised_fits() -> None:
     said = refused(options("loop://", nmea_baud=4800, nmea_rate=5.0))
     rate = float(said.partition("--nmea-rate ")[2].split()[0])
     with contextlib.ExitStack() as stack:
-        boat = start_bb2("modified")
-        publisher = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
-        ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack, print)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
-        stations = open_outlets(ports, NoRecording(), given)
+        stations = open_outlets(quiet_ports(stack), NoRecording(), given)
         for station in stations:
             station.close(1.0)
     assert rate > 0.4

@@ -19,16 +19,6 @@ def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crew
     ]
 
 
-def test_who_gives_an_order_to_the_crew_is_told_that_it_is_its_own(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    helm = ship.comes("helm")
-    ship.order("order course 045")
-
-    assert ship.facts(ship.instructor, "own-order") == ship.facts(helm, "crew-order")
-    assert ship.facts(ship.instructor, "own-order")
-    assert ship.facts(helm, "own-order") == []
-
-
 def test_who_has_said_something_is_told_before_its_text(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     helm, observer = ship.comes("helm"), ship.comes("observer")

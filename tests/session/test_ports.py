@@ -152,15 +152,6 @@ def test_a_dead_port_is_remembered_with_its_reason(kind: type[Outbox] | type[Dir
     assert sender.dropped == 2
 
 
-def test_direct_has_written_when_it_returns() -> None:
-    taken: list[bytes] = []
-    direct = DirectSender(taken.append)
-
-    direct.send("60.0 m \N{DEGREE SIGN}")
-
-    assert taken == [b"60.0 m ?\r\n"]
-
-
 @contextmanager
 def pipe() -> Iterator[tuple[int, int]]:
     near, far = os.pipe()
@@ -276,15 +267,6 @@ def taken(inbox: Inbox, count: int) -> list[str | OverlongLine]:
 
     assert eventually(enough)
     return lines
-
-
-def test_a_looped_line_brings_back_what_was_sent() -> None:
-    with serving(SerialLine("loop://")) as (inbox, outbox):
-        outbox.send("depth 80")
-        outbox.send("run")
-
-        assert taken(inbox, 2) == ["depth 80", "run"]
-    assert inbox.ended
 
 
 @needs_pty

@@ -140,20 +140,6 @@ def looked_at(path: Path) -> list[ReplayFlight]:
 # The same
 
 
-def test_a_recording_is_flown_again_to_the_bit(run: Run) -> None:
-    s = run.boat.state
-    assert s.casualty_amount.any()
-    assert s.flood_aft > 100.0
-    assert s.sea_height > 1.0
-    assert s.blow_mid == 1.0
-    assert not s.stern_by_hand
-
-    (flight,) = replay_anyway(run.recording)
-
-    assert flight.same
-    assert (flight.compared, flight.unequal, flight.parting) == (LAST + 1, 0, None)
-
-
 def test_every_branch_is_flown_again_from_its_own_start(run: Run) -> None:
     # back to the middle by a moment of the recording, to the start, and to a moment that
     # includes orders of its own tick
@@ -177,19 +163,6 @@ def test_every_branch_is_flown_again_from_its_own_start(run: Run) -> None:
     ]
     assert [flight.compared for flight in flights] == [LAST + 1, 60, 40, 50]
     assert all(flight.same for flight in flights)
-
-
-def test_the_files_of_the_run_are_not_needed(run: Run) -> None:
-    run.path.with_name("all.toml").unlink()
-
-    (flight,) = replay_anyway(run.recording)
-
-    assert flight.same
-
-
-def test_a_recording_is_flown_again_while_it_is_written(run: Run) -> None:
-    run.recording.flush()
-    assert all(flight.same for flight in looked_at(run.path))
 
 
 # Not the same
@@ -243,17 +216,6 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
     assert flight.answers[0].startswith(told)
     assert not flight.same
     assert flight.unequal == 0
-
-
-def test_a_start_that_is_not_the_plan_s_is_told_and_flown_from_all_the_same(run: Run) -> None:
-    run.recording.close()
-    alter_number(run.path, "x", 100.0)
-    (flight,) = looked_at(run.path)
-
-    assert flight.parting is not None
-    assert flight.parting.tick == 0
-    assert flight.parting.unlike == ("x", 100.0, 0.0, 1)
-    assert flight.unequal == LAST + 1
 
 
 def test_a_state_cut_short_is_told_where_it_is_tabulated(run: Run) -> None:

@@ -328,14 +328,6 @@ def test_ticks_that_were_lost_leave_their_time() -> None:
     assert batch.block.times.seconds.tolist() == [0.5, 2.5]
 
 
-def test_a_freeze_adds_nothing() -> None:
-    frozen = Pace(frozen=True)
-
-    batch = BatchCollector(0.5).batch([taken(3), taken(3, 3, frozen), taken(3, 3)])
-
-    assert batch.block.times.ticks.tolist() == [3]
-
-
 def test_states_of_another_version_are_read_by_name() -> None:
     layout = ("z", "gone", "u")
 
@@ -485,10 +477,6 @@ def asked(subject: Subject, **options: Any) -> Log | None:
     ledger = Ledger(0.5)
     publisher = PromptSender(Roster(StateReader(subject.boat, ledger.summary)))
     return open_log(publisher, ledger, subject, RunOptions(**options))
-
-
-def test_nothing_asked_for_is_nothing_opened(subject: Subject) -> None:
-    assert asked(subject, rerun=False, rerun_at=None, rrd=None) is None
 
 
 def test_a_missing_library_is_one_line_and_the_run_goes_on(

@@ -138,19 +138,15 @@ def test_the_truth_is_for_the_instructor_alone(channel: str) -> None:
     assert all(each and channel in each.reason for each in refused)
 
 
-@pytest.mark.parametrize("kind", ["exercise", "watch", "refused", "trouble", "never heard of"])
-def test_what_the_exercise_has_in_store_is_told_to_the_instructor_alone(kind: str) -> None:
-    assert hears_kind(ROLES["instructor"], kind)
-    assert not any(hears_kind(ROLES[role], kind) for role in TRAINEES)
+HEARERS = {
+    ("exercise", "watch", "refused", "trouble", "never heard of"): {"instructor"},
+    ("order",): {"instructor", "observer"},
+    ("time", "moment", "station"): set(ROLES),
+}
 
 
-def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations() -> None:
-    assert {role for role in ROLES if hears_kind(ROLES[role], "order")} == {
-        "instructor",
-        "observer",
-    }
-
-
-@pytest.mark.parametrize("kind", ["time", "moment", "station"])
-def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
-    assert all(hears_kind(role, kind) for role in ROLES.values())
+@pytest.mark.parametrize("kinds", HEARERS)
+def test_each_kind_of_news_is_told_to_its_hearers_and_to_nobody_else(kinds: tuple[str]) -> None:
+    for kind in kinds:
+        hearing = {name for name, role in ROLES.items() if hears_kind(role, kind)}
+        assert hearing == HEARERS[kinds], kind

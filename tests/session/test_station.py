@@ -12,6 +12,7 @@ import pytest
 from helpers.boats import start_bb2
 from helpers.line import Line
 from helpers.places import ROOT
+from helpers.sessions import prompt_sender
 
 from trainer.boat.boat import Boat
 from trainer.io.lines import OverlongLine
@@ -37,7 +38,6 @@ from trainer.session.stations.subscriptions import PromptSender, Roster
 from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
-KNOT = 1852.0 / 3600.0
 TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret
 MANY = 10_000
 
@@ -101,7 +101,7 @@ def post(boat: Boat) -> MakePost:
 
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
-    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = prompt_sender(boat)
     line = Line(NAME)
     line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
     station = Station(line, Access(), sending, lambda *_: None)
@@ -203,14 +203,6 @@ def test_blank_lines_and_comments_are_passed_over(post: MakePost) -> None:
     assert helm.station.counts.bad == 0
 
 
-def test_a_flood_is_taken_in_portions(post: MakePost) -> None:
-    helm = post("helm")
-    helm.line.waiting += ["rudder left 5"] * 100
-
-    assert len(list(helm.station.take(8))) == 8
-    assert len(helm.line.waiting) == 92
-
-
 def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_number(
     post: MakePost,
 ) -> None:
@@ -226,15 +218,6 @@ def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_numbe
     helm.type("blah")
     assert len(helm.log) == 22
     assert helm.station.counts.bad == 101
-
-
-def test_what_was_not_written_is_told_when_the_line_goes(post: MakePost) -> None:
-    helm = post("helm")
-    helm.type(*["blah"] * 25)
-
-    helm.station.close(0.0)
-
-    assert helm.log[-1][1].startswith("5 more")
 
 
 def test_help_is_answered_at_the_station(post: MakePost) -> None:
@@ -258,38 +241,7 @@ def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: MakePost) -> No
     assert helm.station.leaving == "detached"
 
 
-def test_what_a_portion_leaves_over_is_known_to_wait(post: MakePost) -> None:
-    helm = post("helm")
-    helm.line.waiting += ["rudder left 5"] * 9
-
-    waiting = [helm.station.waiting for _ in range(3) if list(helm.station.take(8)) is not None]
-
-    assert waiting == [True, False, False]
-
-
-def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(post: MakePost) -> None:
-    helm = post("helm")
-    helm.type(*["blah"] * 25)
-    helm.station.leave()
-    entries = len(helm.log)
-
-    helm.station.close(0.0)
-
-    assert entries == 21
-    assert len(helm.log) == entries
-
-
 # Roles and tokens
-
-
-def test_a_line_observes_until_it_says_what_it_is(post: MakePost) -> None:
-    line = post()
-
-    assert line.answer_to("rudder left 5").endswith("you are an observer")
-    assert not line.type("role helm")
-    assert line.said()[-1] == "you have the helm"
-    assert len(line.type("rudder left 5")) == 1
-    assert ("station", f"{NAME} now has the helm") in line.log
 
 
 def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: MakePost) -> None:
@@ -313,13 +265,6 @@ def test_a_role_is_said_once(post: MakePost) -> None:
     assert line.station.role.name == "helm"
 
 
-def test_a_fixed_role_stays(post: MakePost) -> None:
-    serial = post("planes")
-
-    assert serial.answer_to("role instructor") == "? you have the planes: a line keeps its role"
-    assert serial.station.role.name == "planes"
-
-
 def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(post: MakePost) -> None:
     line = post(token=TOKEN)
     line.offer(0)
@@ -329,15 +274,6 @@ def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(post: MakePost
     assert "needs a token: --token WORD" in line.answer_to("role helm")
     line.station.tell(News(0, 0.0, "station", "somebody came"))
     assert not line.said()
-
-
-def test_the_right_token_lets_a_line_be_what_it_says(post: MakePost) -> None:
-    line = post(token=TOKEN)
-
-    line.type(f"role instructor {TOKEN}")
-
-    assert line.said()[-1] == "you are an instructor"
-    assert len(line.type("freeze")) == 1
 
 
 @pytest.mark.parametrize("guess", [TOKEN.lower(), TOKEN[:-1], TOKEN + "0", "x"])
@@ -524,16 +460,6 @@ def test_machines_beyond_a_thousand_are_forgotten_the_oldest_first() -> None:
 # Channels
 
 
-def test_a_channel_is_answered_first_and_then_sent(post: MakePost) -> None:
-    helm = post("helm")
-    helm.offer(0)
-
-    helm.type(order_sentence("subscribe steering at 5 hz", "9"))
-
-    kinds = [found.kind for line in helm.said() if (found := parse_sentence(line))]
-    assert kinds == ["TRA", "TRN", "TRS"]
-
-
 def test_a_reader_gets_words_and_a_program_sentences(post: MakePost) -> None:
     helm = post("helm")
     helm.offer(0)
@@ -656,19 +582,6 @@ def code(kind: str) -> int:
 # Events
 
 
-def test_events_reach_the_roles_that_they_are_for(post: MakePost) -> None:
-    told = {}
-    for role in ("instructor", "helm", "observer"):
-        station = post(role)
-        for kind in ("time", "order", "exercise"):
-            station.station.tell(News(4, 2.0, kind, f"{kind} happened"))
-        told[role] = station.said()
-
-    assert told["instructor"] == ["time happened", "order happened", "exercise happened"]
-    assert told["helm"] == ["time happened"]
-    assert told["observer"] == ["time happened", "order happened"]
-
-
 def test_a_program_gets_events_as_sentences(post: MakePost) -> None:
     helm = post("helm")
     helm.type(order_sentence("subscribe events", "1"))
@@ -680,30 +593,6 @@ def test_a_program_gets_events_as_sentences(post: MakePost) -> None:
     found = parse_sentence(line)
     assert found
     assert found.fields == ("4", "2.000", "time", "frozen")
-
-
-def test_no_more_is_sent_after_a_station_is_closed(post: MakePost) -> None:
-    helm = post("helm")
-    helm.type("subscribe gauges")
-    helm.said()
-
-    helm.station.close(0.0)
-    helm.offer(1)
-    helm.station.tell(News(1, 0.5, "time", "frozen"))
-
-    assert helm.line.ended
-    assert not helm.said()
-
-
-def test_who_tells_of_a_line_what_it_did_and_lost(post: MakePost) -> None:
-    helm = post("helm")
-    helm.type("rudder left 5", "blow all", "blah")
-    helm.line.dropped, helm.line.trouble = 12, "input/output error"
-
-    assert helm.station.account() == (
-        "helm at tcp 127.0.0.1:4711: 1 orders, 1 refused, 1 bad lines, 12 lines lost; "
-        "input/output error"
-    )
 
 
 # The page
@@ -744,7 +633,7 @@ def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) 
 
 def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
     """Be a session until its client has given an order and gone; return its orders."""
-    sending = PromptSender(Roster(StateReader(boat, Ledger(0.5).summary)))
+    sending = prompt_sender(boat)
     sending.offer(0, boat.records.state.tobytes(), Pace())
     obeyed: list[Order] = []
     stations: list[Station] = []

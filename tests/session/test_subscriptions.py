@@ -8,14 +8,11 @@ import pytest
 from helpers.boats import start_bb2
 
 from trainer.boat.boat import Boat
-from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.display import SentenceDisplay
-from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster, Subscription
+from trainer.session.stations.subscriptions import Publisher, Roster, Subscription
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
 PATIENCE = 60.0  # [s] far beyond what any wait here needs
-KNOT = 1852.0 / 3600.0
 RUNNING, FROZEN = Pace(), Pace(frozen=True)
 
 
@@ -133,16 +130,6 @@ def test_with_nobody_there_a_tick_wakes_no_thread_and_the_first_to_come_is_serve
     assert rounds == [4]
 
 
-def test_a_picture_offered_reaches_all_who_subscribed(publisher: Publisher, boat: Boat) -> None:
-    to = [ticks(), ticks(), ticks()]
-    for _, subscription in to:
-        publisher.add(subscription)
-
-    publisher.offer(1, state_at(boat, 1), RUNNING)
-
-    assert [receiver.await_lines(1) for receiver, _ in to] == [["1"]] * 3
-
-
 def test_a_sender_that_hangs_does_not_hold_up_the_tick(publisher: Publisher, boat: Boat) -> None:
     hung = Hung()
     publisher.add(Subscription(hung, "ticks", 0.0, TickOnly()))
@@ -158,23 +145,6 @@ def test_a_sender_that_hangs_does_not_hold_up_the_tick(publisher: Publisher, boa
     hung.let_go.set()
 
     assert to.await_lines(1) == ["10000"]
-
-
-def test_what_comes_faster_than_it_can_be_sent_is_passed_over_but_for_the_latest(
-    publisher: Publisher, boat: Boat
-) -> None:
-    slow = Hung()
-    to, subscription = ticks()
-    publisher.add(Subscription(slow, "ticks", 0.1, TickOnly()))
-    publisher.add(subscription)
-    publisher.offer(0, state_at(boat, 0), RUNNING)
-    assert slow.reached.wait(PATIENCE)
-    for tick in range(1, 500):
-        publisher.offer(tick, state_at(boat, tick), RUNNING)
-
-    slow.let_go.set()
-
-    assert to.await_lines(2) == ["0", "499"]
 
 
 def test_an_error_in_one_display_ends_that_subscription_and_no_other(
@@ -281,18 +251,6 @@ def test_a_freeze_shows_at_once_whatever_the_rate(roster: Roster, boat: Boat) ->
     assert to.lines == ["5", "6"]
 
 
-def test_going_back_to_a_tick_that_was_sent_before_sends_it_again(
-    roster: Roster, boat: Boat
-) -> None:
-    to, subscription = ticks()
-    roster.add(subscription)
-
-    for now, tick in enumerate((5, 6, 5)):
-        roster.serve(picture(boat, tick), float(now))
-
-    assert to.lines == ["5", "6", "5"]
-
-
 def test_an_order_given_while_time_stands_shows_though_the_tick_is_the_same(
     roster: Roster, boat: Boat
 ) -> None:
@@ -306,18 +264,6 @@ def test_an_order_given_while_time_stands_shows_though_the_tick_is_the_same(
     roster.serve(before._replace(state=ordered.tobytes()), 2.0)
 
     assert to.lines == ["5", "5"]
-
-
-def test_nothing_is_computed_for_nobody(roster: Roster) -> None:
-    to, subscription = ticks()
-    roster.add(subscription)
-    roster.strike(subscription)
-
-    wait = roster.serve(Picture(1, b"no state at all", RUNNING), 1.0)
-
-    assert wait == float("inf")
-    assert not to.lines
-    assert not roster.troubles
 
 
 def test_subscriptions_that_come_and_go_leave_nothing_in_memory(roster: Roster) -> None:
@@ -335,57 +281,3 @@ def test_subscriptions_that_come_and_go_leave_nothing_in_memory(roster: Roster) 
     come_and_go(500)
 
     assert sys.getallocatedblocks() - before < 100
-
-
-def test_a_run_that_keeps_no_time_shows_every_tick_in_the_callers_thread(
-    roster: Roster, boat: Boat
-) -> None:
-    sending = PromptSender(roster)
-    to, subscription = ticks()
-    sending.add(subscription)
-
-    for tick in range(300):
-        sending.offer(tick, state_at(boat, tick), RUNNING)
-        assert to.lines[-1] == str(tick)
-
-    assert len(to.lines) == 300
-
-
-def test_promptly_too_gives_a_late_subscriber_the_present_picture(
-    roster: Roster, boat: Boat
-) -> None:
-    sending = PromptSender(roster)
-    sending.offer(4, state_at(boat, 4), FROZEN)
-    to, subscription = ticks()
-
-    sending.add(subscription)
-
-    assert to.lines == ["4"]
-    sending.strike(subscription)
-    sending.offer(5, state_at(boat, 5), RUNNING)
-    assert to.lines == ["4"]
-
-
-def test_promptly_keeps_to_a_rate_of_the_clock(roster: Roster, boat: Boat) -> None:
-    now = iter([0.0, 0.1, 0.2, 0.5, 0.6])
-    sending = PromptSender(roster, lambda: next(now))
-    to, subscription = ticks(2.0)
-    sending.add(subscription)
-
-    for tick in range(5):
-        sending.offer(tick, state_at(boat, tick), RUNNING)
-
-    assert to.lines == ["0", "3"]
-
-
-def test_a_program_that_subscribes_gets_the_names_before_the_first_state(
-    publisher: Publisher, boat: Boat
-) -> None:
-    to = Receiver()
-    publisher.offer(2, state_at(boat, 2), RUNNING)
-
-    publisher.add(Subscription(to, "steering", 10.0, SentenceDisplay(CHANNELS["steering"])))
-
-    names, state = to.await_lines(2)[:2]
-    assert names.startswith("$TRN,steering,heading:deg,")
-    assert state.startswith("$TRS,steering,2,1.000,")

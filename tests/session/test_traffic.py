@@ -60,21 +60,6 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Begin) -> None:
     assert ship.boat.ticks == here + 20
 
 
-def test_a_collision_ends_an_exercise_that_says_so(crewed: Begin) -> None:
-    ship = shallow(crewed(seconds=3600.0, world=tables(WALL.format(what="end"))))
-    ship.fly(400)
-    assert ship.conduct.ending.outcome == "lost"
-    assert ship.conduct.ending.why == "collision with wall"
-
-
-def test_a_collision_may_be_called_alone(crewed: Begin) -> None:
-    ship = shallow(crewed(seconds=None, world=tables(WALL.format(what="call"))))
-    ship.fly(400)
-    assert not ship.session.time.frozen
-    told = [each for each in ship.events(ship.instructor, "watch") if "COLLISION" in each]
-    assert len(told) == 1
-
-
 def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
@@ -111,12 +96,6 @@ def test_what_cannot_be_is_refused(crewed: Begin, words: str, why: str) -> None:
     ship = crewed(seconds=None)
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     assert why in ship.refused(words)
-
-
-def test_the_crew_has_no_ships_to_order(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    assert ship.refused("contact add tug1 tug at 0 900 course 0 speed 3", by=ship.comes("helm"))
-    assert ship.refused("subscribe contacts", by=ship.comes("diving"))
 
 
 LIVE = {
@@ -157,21 +136,6 @@ def test_a_replay_of_live_changes_ends_in_the_same_bits(crewed: Begin) -> None:
     )
 
 
-def test_going_back_takes_the_ships_back(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-    ship.fly(10)
-    ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
-    ship.fly(10)
-    ship.order("contact tug1 remove")
-    ship.fly(10)
-    contacts = contacts_in(ship.boat)
-    assert contacts is not None
-    ship.order("backtrack 8 s")
-    assert [each.name for each in contacts.seen(ship.boat.ticks)] == ["tug1"]
-    ship.order("reset")
-    assert contacts.seen(0) == ()
-
-
 def test_the_instructor_is_sent_the_nearest_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None, world=tables(WALL.format(what="call")))
     ship.order("contact add near tug at 0 100 course 180 speed 4")
@@ -207,35 +171,27 @@ def wall_ahead(folder: Path, how: str) -> Path:
     return path
 
 
-def run_alone(path: Path) -> int:
-    """Run an exercise headless at full speed; return the exit code."""
-    return run_boat(RunOptions(exercise=str(path), headless=True, speed=math.inf))
-
-
-def test_a_run_that_a_collision_ends_as_lost_has_exit_code_1(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("how", "code", "told"),
+    [
+        ("end", 1, r"(lost at [\d.]+ s: collision with wall)"),
+        (
+            "freeze",
+            1,
+            r"(frozen at [\d.]+ s by collision with wall, and nobody is left to say run)",
+        ),
+        ("call", 0, ""),
+    ],
+)
+def test_a_run_ends_with_an_exit_code_that_says_whether_a_collision_ended_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], how: str, code: int, told: str
 ) -> None:
-    code = run_alone(wall_ahead(tmp_path, "end"))
+    path = str(wall_ahead(tmp_path, how))
+    assert run_boat(RunOptions(exercise=path, headless=True, speed=math.inf)) == code
 
     said = capsys.readouterr()
-    told = re.search(r"^outcome +(lost at [\d.]+ s: collision with wall)", said.out, re.MULTILINE)
-    assert told
-    assert f"trainer: {told[1]}\n" in said.err
-    assert code == 1
-
-
-def test_a_run_that_a_collision_freezes_for_good_names_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code = run_alone(wall_ahead(tmp_path, "freeze"))
-
-    told = r"trainer: frozen at [\d.]+ s by collision with wall, and nobody is left to say run\n"
-    assert re.search(told, capsys.readouterr().err)
-    assert code == 1
-
-
-def test_a_run_that_only_calls_a_collision_has_exit_code_0(tmp_path: Path) -> None:
-    assert run_alone(wall_ahead(tmp_path, "call")) == 0
+    assert not code or re.search(rf"^trainer: {told}$", said.err, re.MULTILINE)
+    assert how != "end" or re.search(rf"^outcome +{told}", said.out, re.MULTILINE)
 
 
 def test_a_freeze_after_a_collision_is_not_that_of_the_collision(crewed: Begin) -> None:

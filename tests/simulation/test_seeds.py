@@ -9,7 +9,6 @@ from typing import Final
 import pytest
 from helpers import places
 
-from simulation.laws import Law
 from simulation.play import play
 from simulation.script import (
     Act,
@@ -101,11 +100,3 @@ def test_a_session_that_goes_on_flies_its_ticks() -> None:
     assert not docket.breaches
     assert abs(docket.ticks - 60) <= 1
     assert docket.answers == 3
-
-
-def test_a_law_that_is_broken_is_told_with_its_process() -> None:
-    docket = play(lone("depth 70"))
-    docket.enter(Law.KEPT, "an order is gone")
-
-    assert "L1" in str(docket.breaches[0])
-    assert "process 1" in str(docket.breaches[0])

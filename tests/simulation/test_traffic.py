@@ -9,7 +9,7 @@ from simulation.instruments import CABLE
 from simulation.laws import Docket, Law
 from simulation.machine import Machine
 from simulation.play import play
-from simulation.script import FLEET_EVERY, Act, Ending, Life, Player, Script, Visit, draw_script
+from simulation.script import Act, Ending, Life, Player, Script, Visit
 from simulation.traffic import Air, Audible, Moment, Receiver
 from trainer.io import ais
 from trainer.io.ais import PositionReport, ShipParticulars
@@ -93,9 +93,3 @@ def test_a_fleet_is_heard_by_cable_and_by_datagrams(monkeypatch: pytest.MonkeyPa
     assert docket.ticks > 200
     assert len(told) > 200
     assert told.count(OUTLET) == pytest.approx(len(told) / 2, rel=0.1)
-
-
-def test_one_seed_in_some_has_a_fleet() -> None:
-    seeds = [seed for seed in range(1, 101) if draw_script(seed).fleet]
-
-    assert seeds == list(range(FLEET_EVERY, 101, FLEET_EVERY))

@@ -7,21 +7,17 @@ import re
 import threading
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
 
 import pytest
 from helpers.givers import giver_at
 from helpers.orders import read_order
 
 from soak.audit import Answered, check_journal, complete
-from soak.operators import Orders, Watchbill, instruct
-from soak.session_process import Caller, GoneError, WatchedClock
+from soak.operators import Orders
+from soak.session_process import WatchedClock
 from soak.soak import Plan, Sample, flat, page, soak
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
-
-if TYPE_CHECKING:
-    from soak.session_process import SessionProcess
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
 
@@ -110,20 +106,6 @@ def test_memory_that_grows_after_the_warm_up_is_seen() -> None:
     assert flat(level).kept
     assert not flat(growing).kept
     assert "not judged: 2 looks" in flat(growing[:3]).seen
-
-
-class Ended:
-    """A session that has ended before anyone could join."""
-
-    def caller(self, role: str) -> Caller:
-        """Find nobody there."""
-        raise GoneError(f"no session for a {role}")
-
-
-def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
-    bill = Watchbill(cast("SessionProcess", Ended()), pause=lambda _: 0.0)
-    instruct(bill, 5, goes_back=True)
-    assert not bill.answered
 
 
 @pytest.mark.alone

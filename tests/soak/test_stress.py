@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from helpers.boats import make_boat
 
-from soak.__main__ import soak
 from soak.stress import propulsion, stress, stress_one, water_forces, water_power
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
@@ -99,9 +97,3 @@ def test_a_small_boat_in_a_hurricane_s_waves_keeps_its_numbers(vessel: str, seco
     found = stress_one(load_vessel(vessel), way, seconds, round(seconds / 1.8), 1)
 
     assert found.kept, found
-
-
-def test_the_command_prints_a_table_and_its_exit_code_tells() -> None:
-    ran = CliRunner().invoke(soak, ["--stress", "5", "--hours", "0.01"])
-    assert ran.exit_code == 0
-    assert ran.output.count("longitudinal") == 3

@@ -370,26 +370,6 @@ def test_a_boat_without_tanks_is_told_so_and_has_no_controls(serve: Serve, look:
         expect(each).to_be_hidden()
 
 
-def test_a_page_whose_session_dies_is_stale_and_inert(serve: Serve, look: Look) -> None:
-    session = serve()
-    page = await_readings(look(session, "ballast"))
-    session.process.kill()
-
-    expect(page.locator("#state")).to_have_text("NO LINK")
-    expect(page.locator("tank-mimic")).to_have_attribute("data-stale", "")
-    expect(page.locator("tank-mimic .cross")).to_be_visible()
-    expect(page.locator(".readouts")).to_have_attribute("data-stale", "")
-    expect(page.locator(".groups")).to_have_attribute("inert", "")
-    await_still(page)
-
-
-def await_still(page: Page) -> None:
-    """See that a control of a lost page gives no order."""
-    before = page.locator("#answer").inner_text()
-    page.locator("[data-order='blow all']").click(force=True)
-    expect(page.locator("#answer")).to_have_text(before)
-
-
 # The height of a capital as it is drawn, in millimetres of a screen of 96 points an inch.
 CAPITAL = """(each) => {
   const pen = document.createElement("canvas").getContext("2d");

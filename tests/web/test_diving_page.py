@@ -4,7 +4,7 @@ import re
 from typing import Final
 
 import pytest
-from helpers.browser import Look, Serve
+from helpers.browser import Look
 from helpers.hands import (
     UNWORKED,
     WAYS,
@@ -283,19 +283,6 @@ def test_what_else_the_officer_works(instructor: Caller, kept: Look, way: str) -
     work_frame(page, way)
     page.set_viewport_size({"width": 360, "height": 640})
     work_parts(page, way, "part-keys[part=part] button", "data-part")
-
-
-@pytest.mark.slow
-def test_pages_whose_session_dies_are_stale_and_inert(serve: Serve, look: Look) -> None:
-    session = serve()
-    pages = [await_readings(look(session, name)) for name in ("diving", "observer")]
-    session.process.kill()
-    for page in pages:
-        expect(page.locator("#state")).to_have_text("NO LINK")
-        for gauge in ("depth-gauge", "pitch-gauge", "tank-mimic", "#bow"):
-            expect(page.locator(gauge)).to_have_attribute("data-stale", "")
-        for control in page.locator("main [data-control]").all():
-            expect(control).to_have_attribute("inert", "")
 
 
 @pytest.mark.usefixtures("instructor")

@@ -53,7 +53,7 @@ WAY: Final = """() => ["speed", "rpm"].filter((name) => { // neither a bar has i
 })"""
 COUNT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
-    if (/TRO,\\d+,(rudder|bell|stern)/.test(line)) window.sent.push([performance.now(), line]);
+    if (/TRO,\\d+,(rudder|bell|stern|blow)/.test(line)) window.sent.push([performance.now(), line]);
     send.call(this, line);
 }; }"""
 
@@ -311,13 +311,14 @@ def test_without_readings_nothing_works_and_all_is_crossed_until_they_are_back(
 ) -> None:
     assert instructor.ask("run")[0]
     pages = [opened(look, shared, name) for name in NAMES]
+    pages += [look(shared, name) for name in ("ballast", "diving", "observer")]
     for page in pages:
         expect(page.locator("#state")).to_have_text("RUNNING")
         page.evaluate(COUNT)
     with stopped(shared):
         for page in pages:
             expect(page.locator("#state")).to_have_text("NO LINK")
-            expect(page.locator(".gauge:not([data-stale])")).to_have_count(0)
+            expect(page.locator(":is(.gauge, tank-mimic):not([data-stale])")).to_have_count(0)
             expect(page.locator("main [data-control]:not([inert])")).to_have_count(0)
             for cross in page.locator(".gauge:visible .cross").all():
                 expect(cross).to_be_visible()
@@ -336,7 +337,7 @@ def work_nothing(page: Page) -> None:
     """Try what gives orders, with keys and mouse."""
     for key in ("ArrowRight", "ArrowUp"):
         page.locator("body").press(key)
-    hands = "order-lever :is(.knob, .fine), [data-bell='ahead full']"
+    hands = "order-lever :is(.knob, .fine), [data-bell='ahead full'], [data-order='blow all']"
     for each in page.locator(hands).all():
         page.mouse.click(*middle(each))
 

@@ -8,7 +8,6 @@ import os
 import re
 import shutil
 import time
-import zlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -636,16 +635,6 @@ def test_a_disk_without_room_leaves_nothing(
         write_page(out, "text")
     assert out.read_bytes() == b"before"
     assert list(tmp_path.iterdir()) == [out]
-
-
-def test_what_is_packed_can_be_read_by_anybody(boat_page: str) -> None:
-    found = re.search(r'id="tab-boat">([^<]*)<', boat_page)
-    assert found
-
-    boat = json.loads(zlib.decompress(base64.b64decode(found[1])))
-
-    assert boat["title"].startswith("Joubert BB2")
-    assert boat["recording"] is None
 
 
 @pytest.mark.process

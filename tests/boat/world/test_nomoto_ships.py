@@ -89,14 +89,6 @@ def test_a_nomoto_ship_that_is_met_turns_as_one_in_a_manoeuvre() -> None:
         )
 
 
-def test_the_numbers_are_the_same_in_whatever_order_they_are_asked_for() -> None:
-    one, other = steered(7.0, 1.0), steered(7.0, 1.0)
-    late = one.at(400.0)
-    for time in (10.0, 399.5, 3.0, 400.0):
-        assert other.at(time) == one.at(time)
-    assert other.at(400.0) == late
-
-
 def test_an_order_goes_on_from_where_the_ship_is() -> None:
     before = steered(7.0, 0.5)
     after = before.then(100.0, 2.0, 3.0)

@@ -1,0 +1,22 @@
+"""The shipped exercises flown by nobody and by their reference crews, once for all tests."""
+
+import functools
+
+from trainer.analysis.exercise_page import FlownExercise, fly_at
+from trainer.boat.reference_crew import CrewReaction
+from trainer.config.reference_crew import Crew
+from trainer.debrief.judgement import judge_run
+from trainer.debrief.rehearsal import fly_rehearsal
+from trainer.debrief.scoring import Scorecard
+
+
+@functools.cache
+def flown(name: str) -> FlownExercise:
+    """Return the flights of an exercise at its own seed."""
+    return fly_at(name)
+
+
+def marks_of(name: str, crew: Crew, reaction: CrewReaction | None = None) -> Scorecard:
+    """Return the marks of another crew in an exercise."""
+    plan = flown(name).plan
+    return judge_run(fly_rehearsal(plan, crew, reaction).trajectory, plan, flown(name).nobody_marks)
