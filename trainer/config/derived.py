@@ -68,7 +68,9 @@ def compile_condition(
     match = CONDITION_PATTERN.fullmatch(text)
     if match is None:
         raise ConfigError(
-            position.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
+            position.problem(
+                f"condition {quote(text)}: write it as depth > 100, or as speed_kn <= 4.5"
+            )
         )
     words, comparison, number, unit = match.groups()
     name, suffix = _split(words, text, position, known)

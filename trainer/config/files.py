@@ -126,7 +126,9 @@ def quote(value: object) -> str:
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
     typed, by_fold = name.casefold(), {word.casefold(): word for word in known}
-    match = get_close_matches(typed, by_fold, n=1, cutoff=0.6)
+    words = sorted(typed.split("_"))  # depth_max_m is depth_m_max, though depth_m_min is as like
+    match = [word for word in by_fold if sorted(word.split("_")) == words][:1]
+    match = match or get_close_matches(typed, by_fold, n=1, cutoff=0.6)
     if not match:  # the beginning of a longer name
         beginnings = {word[: len(typed)]: word for word in reversed(by_fold)}
         begun = get_close_matches(typed, beginnings, n=1, cutoff=0.75)
