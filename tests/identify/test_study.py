@@ -345,7 +345,10 @@ def test_ship_constants_follow_from_every_models_parameters() -> None:
     [
         ("--write-ship OUT.toml", "--write-ship: with --model linear, .* --write-nomoto writes"),
         ("--predict b.csv", "--predict: with --model linear, mavmm, abkowitz, mmg alone"),
-        ("--armax --write-nomoto OUT.toml --csv OUT.csv", "--csv, --write-nomoto: not with --armax"),
+        (
+            "--armax --write-nomoto OUT.toml --csv OUT.csv",
+            "--csv, --write-nomoto: not with --armax",
+        ),
         ("--data-only --html OUT.html", "--html: not with --data-only"),
         ("--model mmg --at 12 --output sway", "--at, --output: not with the models"),
     ],

@@ -276,7 +276,9 @@ def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
         broken = entry.order.name in ("casualty", "clear")
         inside = position.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
         key = "name" if broken else "order"
-        yield inside.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
+        yield inside.wrong(
+            key, entry.order.subject or each.text, f"a run refuses it: {each.answer}"
+        )
     crew = checked.flights["crew"].refused if checked.crew else ()
     refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_GIVER}
     for i, reaction in enumerate(plan.crew.rules):

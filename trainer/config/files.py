@@ -474,13 +474,18 @@ def _toml_reason(message: str, text: str) -> str:
     if match[1].startswith(("Cannot overwrite", "Cannot declare")):
         key = line if line.startswith("[") else line.split("=")[0].strip()
         return f"line {match[2]}: {quote_key(key)} is given twice"
-    return f"line {match[2]}: is not valid TOML: {match[1]}{_decimal_hint(line)}"
+    return f"line {match[2]}: is not valid TOML: {match[1]}{_value_hint(line)}"
 
 
-def _decimal_hint(line: str) -> str:
-    """Return the number as TOML writes it where a line gives it with a decimal comma."""
+def _value_hint(line: str) -> str:
+    """Return how TOML writes the value of a line: a decimal comma, a text without quotes."""
     comma = re.search(r"=\s*(-?\d+),(\d+)\s*(#|$)", line)
-    return f"; a number has a decimal point: {comma[1]}.{comma[2]}" if comma else ""
+    if comma:
+        return f"; a number has a decimal point: {comma[1]}.{comma[2]}"
+    text = re.search(r"=\s*([A-Za-z][^#\"'=]*?)\s*(#|$)", line)
+    if text and text[1].lower() in ("true", "false"):
+        return f"; write {text[1].lower()}"
+    return f"; a text has quotes: {quote(text[1])}" if text else ""
 
 
 def toml_value(value: Any) -> str:
