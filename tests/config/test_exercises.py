@@ -338,7 +338,7 @@ def test_a_limit_with_its_words_in_another_order_is_answered_with_itself() -> No
 
 
 def test_conditions_joined_by_or_are_not_answered_with_an_or() -> None:
-    with pytest.raises(ConfigError, match="write it as depth > 100, or as speed_kn <= 4.5"):
+    with pytest.raises(ConfigError, match=r"write it as depth > 100, or as speed_kn <= 4\.5"):
         drill('lost = ["depth > 130 or pitch_deg > 20"]\n')
 
 
