@@ -432,6 +432,8 @@ def test_one_wrong_thing_gets_one_line(old: str, new: str, message: str) -> None
     [
         ("name = Lost in the fog  # of mine", '; a text has quotes: "Lost in the fog"'),
         ("name = True", "; write true"),
+        ("name = no  # never", "; write false"),
+        ("name = 66 ft", "; a number has no unit behind it: 66"),
         ("name = ", "Invalid value"),
     ],
 )

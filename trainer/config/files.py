@@ -126,8 +126,7 @@ def quote(value: object) -> str:
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
     typed, by_fold = name.casefold(), {word.casefold(): word for word in known}
-    words = sorted(typed.split("_"))  # depth_max_m is depth_m_max, though depth_m_min is as like
-    match = [word for word in by_fold if sorted(word.split("_")) == words][:1]
+    match = [each for each in by_fold if sorted(each.split("_")) == sorted(typed.split("_"))][:1]
     match = match or get_close_matches(typed, by_fold, n=1, cutoff=0.6)
     if not match:  # the beginning of a longer name
         beginnings = {word[: len(typed)]: word for word in reversed(by_fold)}
@@ -478,14 +477,15 @@ def _toml_reason(message: str, text: str) -> str:
 
 
 def _value_hint(line: str) -> str:
-    """Return how TOML writes the value of a line: a decimal comma, a text without quotes."""
-    comma = re.search(r"=\s*(-?\d+),(\d+)\s*(#|$)", line)
-    if comma:
+    """Return how TOML writes the value of a line: a decimal comma, a unit, a text, a yes."""
+    value = line.partition("=")[2].partition("#")[0].strip()
+    if comma := re.fullmatch(r"(-?\d+),(\d+)", value):
         return f"; a number has a decimal point: {comma[1]}.{comma[2]}"
-    text = re.search(r"=\s*([A-Za-z][^#\"'=]*?)\s*(#|$)", line)
-    if text and text[1].lower() in ("true", "false"):
-        return f"; write {text[1].lower()}"
-    return f"; a text has quotes: {quote(text[1])}" if text else ""
+    if number := re.fullmatch(r"(-?[\d.]+)\s*[A-Za-z/%]+\d?", value):
+        return f"; a number has no unit behind it: {number[1]}"
+    if value.lower() in ("yes", "no", "true", "false"):
+        return f"; write {'true' if value.lower() in ('yes', 'true') else 'false'}"
+    return f"; a text has quotes: {quote(value)}" if re.match(r"[A-Za-z][^\"']*$", value) else ""
 
 
 def toml_value(value: Any) -> str:
