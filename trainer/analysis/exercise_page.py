@@ -366,7 +366,7 @@ def _notes(plan: Plan, boat: Boat) -> Iterator[str]:
         if end is not None and (rule.score.from_s or 0.0) > end:
             yield f"score {rule.score.name}: begins after the end"
         waits = {rule.score.casualty, rule.score.since}
-        for name in sorted((waits & plan.casualties.keys()) - broken):
+        for name in sorted(plan.casualties.keys() & (waits - broken)):
             yield f"score {rule.score.name}: nothing here breaks {name}: it counts if you do"
         for name in missing_quantities(boat, rule):
             yield f"score {rule.score.name}: this boat has no {name}; it will not count"

@@ -90,7 +90,7 @@ def sensors_asked(options: dict[str, Any]) -> "Sensors":
 
 
 def refuse_idle(options: Mapping[str, Any]) -> None:
-    """Refuse what the page of a linear ship or a record would leave out without a word."""
+    """Refuse options that the page of a linear ship or a record would leave out."""
     if idle := flags_given(NONLINEAR_FIT_OPTIONS):
         instead = "; --write-nomoto writes this ship" if options["write_ship"] else ""
         known = ", ".join(SHIP_MODELS)
