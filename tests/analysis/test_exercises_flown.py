@@ -510,6 +510,28 @@ def test_a_check_refuses_what_only_a_run_would_find(
         check_exercise(path)
 
 
+def test_a_speed_at_which_the_crew_cannot_take_over_is_told_at_a_key_of_the_file(
+    tmp_path: Path,
+) -> None:
+    path = Path(drill(tmp_path, "[initial]\nspeed_kn = 60\n"))
+    path.write_text(path.read_text().replace("['planes']", "['planes', 'speed']"))
+    told = r'line 5: hand = \["planes", "speed"\]: begins with "turns 60 kn", and a run refuses'
+    with pytest.raises(ConfigError, match=told):
+        check_exercise(str(path))
+
+
+def test_a_check_notes_a_score_whose_casualty_nothing_breaks(tmp_path: Path) -> None:
+    answer = (
+        "[[scores]]\nname='Answer'\nmeasure='response'\ncasualty='bow-hard-over'\n"
+        "full=10\nzero=40\n"
+    )
+    breaks = "[[casualties]]\nname='bow-hard-over'\nseverity=0.1\nat_s=100\n"
+    for more, noted in ((answer, True), (answer + breaks, False)):
+        told = check_exercise(drill(tmp_path, more))
+        note = "note    score Answer: nothing here breaks bow-hard-over: it counts if you do"
+        assert (note in told) is noted
+
+
 def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "drill.toml"
     path.write_text(

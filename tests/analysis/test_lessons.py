@@ -186,6 +186,7 @@ def test_a_check_flies_what_the_texts_say(tmp_path: Path) -> None:
     ("old", "new", "why"),
     [
         ("right 10", "left 10", "[steps[0]] when: never ends, flown by a newcomer"),
+        ("[[steps]]", "duration_s = 5\n[[steps]]", "duration_s = 5.0: ends before its steps"),
         ("`rudder right 10`", "rudder right 10", "have the text say the orders, in backquotes"),
         ("rudder right 10", "rudder rihgt 10", "did you mean right?"),
         ("rudder right 10", "rudder right 90", "the boat refuses it"),

@@ -332,6 +332,31 @@ def test_a_briefing_is_printable_text_of_some_length(briefing: str) -> None:
         parse_exercise(text, Path("drill.toml"))
 
 
+def test_a_limit_with_its_words_in_another_order_is_answered_with_itself() -> None:
+    with pytest.raises(ConfigError, match="depth_max_m = 90: no such key; nearest is depth_m_max"):
+        drill("[limits]\ndepth_max_m = 90\n")
+
+
+def test_conditions_joined_by_or_are_not_answered_with_an_or() -> None:
+    with pytest.raises(ConfigError, match=r"write it as depth > 100, or as speed_kn <= 4\.5"):
+        drill('lost = ["depth > 130 or pitch_deg > 20"]\n')
+
+
+def test_a_hand_that_is_no_list_is_told_alone() -> None:
+    with pytest.raises(ConfigError) as wrong:
+        drill('hand = "planes"\n[[orders]]\nat_s = 60\norder = "order depth 80"\n')
+    assert len(wrong.value.problems) == 1
+
+
+def test_a_start_at_which_the_boat_cannot_fly_level_names_the_exercises_key(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "drill.toml"
+    path.write_text(f'{SHORTEST}vessel = "remus100"\n[initial]\nspeed_kn = 10\n')
+    with pytest.raises(ConfigError, match=r"speed_kn of an exercise's \[initial\]"):
+        plan_run(RunOptions(exercise=str(path))).launch_boat()
+
+
 def test_a_name_that_is_nearly_right_is_answered_with_the_right_one() -> None:
     with pytest.raises(ConfigError, match='no exercise "heavyboat"; nearest is heavy-boat; shipp'):
         load_exercise("heavyboat")

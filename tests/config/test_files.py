@@ -414,6 +414,7 @@ def test_an_empty_compensation_table_is_not_filled_from_the_defaults() -> None:
             'schema = "abkowitz-3dof/1"\n[X]\n[fluid]',
             'schema = "abkowitz-3dof/1": must be gertler-hagen-2510/1',
         ),
+        ("[fluid]", 'schema = "nomoto/1"\n[fluid]', 'schema = "nomoto/1": is a ship, not a boat'),
         ("length = 70.2", "length = 70.2\nlength = 71", "line 8: length is given twice"),
         ("[coefficients.X]", "[fluid]", "line 24: [fluid] is given twice"),
         ("g = 9.81", "g = ", "line 4: is not valid TOML: Invalid value"),
@@ -424,6 +425,20 @@ def test_one_wrong_thing_gets_one_line(old: str, new: str, message: str) -> None
 
     assert text.startswith(f"boat.toml: {message}")
     assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("line", "ending"),
+    [
+        ("name = Lost in the fog  # of mine", '; a text has quotes: "Lost in the fog"'),
+        ("name = True", "; write true"),
+        ("name = no  # never", "; write false"),
+        ("name = 66 ft", "; a number has no unit behind it: 66"),
+        ("name = ", "Invalid value"),
+    ],
+)
+def test_a_value_that_is_none_of_tomls_is_told_as_toml_writes_it(line: str, ending: str) -> None:
+    assert small_complaint(("g = 9.81", line)).endswith(ending)
 
 
 def test_a_decimal_comma_is_told_with_the_number_as_it_must_be_written() -> None:

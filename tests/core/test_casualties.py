@@ -637,7 +637,7 @@ def test_a_condition_holds_beyond_its_threshold_only(
         ("depth > deep", "write it as depth > 100"),
         ("depth > 1.2.3", '"1.2.3" is no number'),
         ("", "write it as depth > 100"),
-        ("depth > 1 and speed < 2", "write it as depth > 100"),
+        ("depth > 1 and speed < 2", 'speed_kn <= 4.5, one alone, without "and"'),
         ("water_ftorward > 1", "nearest is water_forward"),
     ],
 )

@@ -178,6 +178,11 @@ def test_progress_is_drawn_in_eighty_columns(capsys: pytest.CaptureFixture[str])
     assert not any("cost most" in line for line in drawn)  # nothing has cost anything yet
 
 
+def test_one_run_is_counted_as_one() -> None:
+    for runs, counted in (((LOST,), "1 run, 0 h"), ((LOST, WON), "2 runs, 0 h")):
+        assert counted in next(progress_lines(Progress(ANN, runs)))
+
+
 def test_a_class_is_a_table_with_a_row_for_each_run(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

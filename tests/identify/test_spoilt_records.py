@@ -158,7 +158,11 @@ REFUSED = {
     "rate in degrees": (scaled("yaw_rate", 1), {"yaw_rate": "rad/s"}, r"rot and gyro: .* in deg"),
 }
 TOLD = {
-    "a gap": (pick(np.delete(np.arange(400), slice(50, 53))), {}, r"row 52: time: 8 s have passed"),
+    "a gap": (
+        pick(np.delete(np.arange(400), slice(50, 53))),
+        {},
+        r"row 52: time: 8 s have passed.*: from_s, to_s",
+    ),
     "an uneven time": (put("t", 60, 0.0, add=0.7), {}, r"row 62: time: 2.7 s .* varies"),
     "missing readings": (put("yaw_rate", 7, math.nan), {}, r"row 9: rot: 1 of 400 values"),
     "a wrapped heading": (pick(slice(None)), {}, r"gyro: jumps by more than half a turn .*unwr"),
@@ -339,6 +343,14 @@ WRITTEN: dict[str, tuple[Callable[[Columns], str], str]] = {
     "thousands": (
         lambda columns: text(columns, ";").replace("\n2.0;", "\n1.002,5;"),
         r'row 3: time = "1.002,5": must be a number, or empty: .* thousands',
+    ),
+    "columns by a bar": (
+        lambda columns: text(columns).replace(",", "|"),
+        r'"\|" parts columns: write commas, semicolons or tabs instead',
+    ),
+    "a time of another form": (
+        lambda columns: text(columns).replace("\n2.0,", "\n28.11.2026 08:00:02,"),
+        r'row 3: time = "28.11.2026 08:00:02": must be a number, or empty, or a time such as 2026-',
     ),
     "a word": (
         lambda columns: text(columns).replace(",-10.0,", ",port,", 1),

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -338,6 +339,28 @@ def test_ship_constants_follow_from_every_models_parameters() -> None:
     assert found.T3v == pytest.approx(10.0)
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--write-ship OUT.toml", "--write-ship: with --model linear, .* --write-nomoto writes"),
+        ("--predict b.csv", "--predict: with --model linear, mavmm, abkowitz, mmg alone"),
+        (
+            "--armax --write-nomoto OUT.toml --csv OUT.csv",
+            "--csv, --write-nomoto: not with --armax",
+        ),
+        ("--data-only --html OUT.html", "--html: not with --data-only"),
+        ("--model mmg --at 12 --output sway", "--at, --output: not with the models"),
+    ],
+)
+def test_an_option_that_would_do_nothing_is_refused_by_its_name(
+    words: str, message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "b.csv").write_text("t,rudder\n")
+    typed_words = [tmp_path / word if "." in word else word for word in words.split()]
+    done = type_command(identify, trial(tmp_path), *typed_words, code=2)
+    assert re.search(message, done.output)
+
+
 def test_nothing_to_identify_is_a_usage_error(tmp_path: Path) -> None:
     result = CliRunner().invoke(identify, [])
     assert result.exit_code == 2
@@ -368,6 +391,14 @@ def test_orders_of_armax_are_tried_and_told(tmp_path: Path) -> None:
     assert [row["order"] for row in report["orders"]] == [1, 2, 3]
     pole = report["orders"][0]["poles"][0][0]
     assert pole == pytest.approx(math.exp(-STEP / T), abs=0.02)
+
+
+def test_armax_of_a_rate_that_was_not_recorded_names_what_was(tmp_path: Path) -> None:
+    path = trial(tmp_path)
+    lines = STUDY.split("[[columns]]")
+    path.write_text("[[columns]]".join(one for one in lines if '"yaw_rate"\ncolumn' not in one))
+    with pytest.raises(ConfigError, match="no yaw_rate was recorded: say --output heading"):
+        run(identify, path, "--armax")
 
 
 def test_armax_of_a_heading_gives_the_ship_without_wind(tmp_path: Path) -> None:

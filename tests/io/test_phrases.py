@@ -55,6 +55,8 @@ SAID = [
     ("10 dive on the stern planes", "stern planes dive 10"),
     ("planes zero", "planes zero"),
     ("zero the planes", "planes zero"),
+    ("rudder 0", "rudder amidships"),
+    ("rudder zero degrees", "rudder amidships"),
     ("flood depth control 2 tonnes", "flood depth-control 2 t"),
     ("flood two tonnes to depth control", "flood depth-control 2 t"),
     ("pump depth control 2", "pump depth-control 2 t"),

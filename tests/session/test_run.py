@@ -201,6 +201,21 @@ def test_a_disk_that_fills_up_keeps_the_rows_that_are_said_to_be_whole(
     assert "in 1200 ticks" in ran.out
 
 
+@posix
+def test_what_a_full_disk_loses_of_sentences_and_the_recording_is_told_and_no_debrief_promised(
+    start: Start,
+) -> None:
+    limit = ("sh", "-c", 'ulimit -f 1200; exec "$@"', "sh")
+    kept = ("--record", "kept.trainer", "--nmea-record", "out.nmea")
+    Run(start(*HEADLESS, "--duration", "10"))  # compiled now: the cache has no room either
+    ran = Run(start(*HEADLESS, "--duration", "1h", *kept, before=limit))
+
+    assert ran.code == 1
+    assert re.search(r"lines were not read there: .*File too large", ran.err)
+    assert "trainer: NOT RECORDED: " in ran.err
+    assert "shows how it went" not in ran.out
+
+
 # The same inputs, the same bits
 
 
@@ -310,7 +325,9 @@ def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
     assert process.wait(PATIENCE) == 0
     whole = "; the recording has all that happened" if kept else ""
     assert re.search(
-        rf"trainer: instructor at console: \d+ lines were not read there{whole}\n", told
+        r"trainer: instructor at console: \d+ lines were not read there: .*Broken pipe"
+        rf"{whole}\n",
+        told,
     )
     assert "Traceback" not in told
     assert len(rows(tmp_path / "out.csv")) == 601

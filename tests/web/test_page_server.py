@@ -815,6 +815,8 @@ WRONG = {
     "serve --web 0.0.0.0:8080": "--web 0.0.0.0: beyond this machine only with --token WORD",
     "run --web-at 0.0.0.0:8080": "--web-at 0.0.0.0: beyond this machine only with --token WORD",
     "serve --web here": "--web here: say HOST:PORT, such as 127.0.0.1:17880",
+    "serve --web http://127.0.0.1:8080/": "leave http:// out, say 127.0.0.1:8080",
+    "serve --listen tcp://127.0.0.1:17800": "leave tcp:// out, say 127.0.0.1:17800",
     "serve --web 127.0.0.1:{taken}": "in use already; give another port, or 0 for any",
     "run --web-at 127.0.0.1:{taken}": "--web-at 127.0.0.1:{taken}: in use already",
     "web --web 127.0.0.1:{taken}": "--web 127.0.0.1:{taken}: in use already; give another port",

@@ -127,6 +127,7 @@ def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
     expect(page.locator("body")).not_to_contain_text("Passage")
     page.locator("[href='/helm']").click()
     expect(page.locator("#word-title")).to_contain_text("asks for a word")
+    expect(page.locator("#refusal")).to_have_text("this session needs a token")
 
     page = look(session, "helm", has_touch=True)  # a wrong word, away and back, and the right one
     field, enter = page.locator("#word input"), page.locator("#word form button")

@@ -26,6 +26,9 @@ GRAMMAR: Final = "the page's own grammar reads an order, which is typed or in th
 BESIDE: Final = "leaves out what stands beside it on the page; other words are shown whole"
 # Where a script may look into what its name calls a text, and why.
 EXEMPT: Final = {
+    ("frame.js", 'session.refusal.replace(/: (--token|type role) .*$/, "")'): (
+        "leaves out what a terminal types; other words are shown whole"
+    ),
     ("frame.js", "told in RIGGED"): "an order to the crew in words, as the officer has told it",
     ("instructor/completion.js", r"text.toLowerCase().trimStart().split(/\s+/)"): GRAMMAR,
     ("model/causes.js", r'text.replace(/^.*?: | \[\d+\]$/g, "")'): BESIDE,

@@ -36,6 +36,7 @@ from trainer.config.files import (
     number_problems,
     parse_toml,
     path_named,
+    quote,
     read_text,
     relative_name,
     renew_file,
@@ -268,11 +269,16 @@ def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
     plan = checked.plan
     for each in checked.flights["nobody"].refused:
         entry = plan.schedule[each.entry or 0]
+        if not entry.line_number:
+            problem = f"begins with {quote(each.text)}, and a run refuses that: {each.answer}"
+            yield position.wrong("hand", [*plan.hand], problem)
+            continue
         broken = entry.order.name in ("casualty", "clear")
         inside = position.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
-        at = inside if entry.line_number else position
         key = "name" if broken else "order"
-        yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
+        yield inside.wrong(
+            key, entry.order.subject or each.text, f"a run refuses it: {each.answer}"
+        )
     crew = checked.flights["crew"].refused if checked.crew else ()
     refused = {each.text: each.answer for each in crew if each.giver == REFERENCE_GIVER}
     for i, reaction in enumerate(plan.crew.rules):
@@ -352,11 +358,16 @@ def _kept(rule: ScoreRule) -> bool:
 def _notes(plan: Plan, boat: Boat) -> Iterator[str]:
     """Yield warnings: what is allowed but may be a mistake."""
     end = plan.duration
+    broken = {entry.order.subject for entry in plan.schedule if entry.order.name == "casualty"}
+    broken |= {each.casualty.name for each in plan.armed}
     if not plan.scores:
         yield "nothing is scored: trainer debrief will give no marks"
     for rule in plan.scores:
         if end is not None and (rule.score.from_s or 0.0) > end:
             yield f"score {rule.score.name}: begins after the end"
+        waits = {rule.score.casualty, rule.score.since}
+        for name in sorted(plan.casualties.keys() & (waits - broken)):
+            yield f"score {rule.score.name}: nothing here breaks {name}: it counts if you do"
         for name in missing_quantities(boat, rule):
             yield f"score {rule.score.name}: this boat has no {name}; it will not count"
     for entry in plan.schedule:

@@ -162,7 +162,12 @@ def step_problems(plan: Plan, position: Position) -> Iterator[str]:
     if beyond:
         yield from beyond
         return
-    for i, flight in enumerate(fly_steps(plan)):
+    flights = fly_steps(plan)
+    took = sum(flight.seconds for flight in flights)
+    if plan.steps and plan.duration is not None and took > plan.duration:
+        late = f"ends before its steps, which take a newcomer {took:g} s: leave duration_s out"
+        yield position.wrong("duration_s", plan.duration, late)
+    for i, flight in enumerate(flights):
         inside, row = position.inside(f"steps[{i}]"), plan.steps[i].row
         for text, why in flight.refused:
             yield inside.wrong("text", text, f"the boat refuses it: {why}")

@@ -131,7 +131,8 @@ class Boat:
         if not self.trimmed(speed):
             raise ConfigError(
                 f"{self.file.path.name}: no straight level flight at {speed / KNOT:g} kn "
-                f"within the limits of the planes; give [run] start_speed_kn another value"
+                f"within the limits of the planes; start at another speed: start_speed_kn of "
+                "its [run], speed_kn of an exercise's [initial], or --at"
             )
         s = self.state
         s.z, s.psi, s.seed = depth, course, seed

@@ -30,7 +30,7 @@ from trainer.cli.options import (
     VESSEL_NAME,
     combine_options,
     cores_option,
-    options_given,
+    flags_given,
     record_of,
     sea_option,
     seed_option,
@@ -214,9 +214,8 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreRepo
     known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
     if not known or not any(known):
         return page.fly_boat(load_vessel(vessel), name, wishes)
-    unknown = [f"--{option}" for option in BOAT_OPTIONS if option in options_given()]
-    if unknown:
-        message = f"{vessel} is a ship: {', '.join(unknown)} are for boats"
+    if unknown := flags_given(BOAT_OPTIONS):
+        message = f"{vessel} is a ship: {unknown} are for boats"
         raise click.UsageError(message.replace("a ship", "a Nomoto ship") if known[0] else message)
     if known[1]:
         from trainer.identify.ships.vehicle import fly_ship

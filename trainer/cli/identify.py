@@ -365,6 +365,7 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
         raise click.UsageError(f"{folder} is a folder; name a study, a recording or a CSV file")
     if options["model"] in ships.SHIP_MODELS:
         sys.exit(ships.identify(files, options))
+    ships.refuse_idle(options)
     from trainer.identify.options import IdentifyOptions, study_of
 
     wishes = record_of(IdentifyOptions, options, further=files[1:])

@@ -5,7 +5,7 @@ text. ``record_of`` makes a frozen record of click's dictionary, because no othe
 command line.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from inspect import signature
 from pathlib import Path
@@ -347,6 +347,13 @@ def options_given() -> frozenset[str]:
     context = click.get_current_context()
     source = context.get_parameter_source
     return frozenset(name for name in context.params if source(name) is not ParameterSource.DEFAULT)
+
+
+def flags_given(names: Iterable[str]) -> str:
+    """Return those of the options of these names that were given, as one types them."""
+    given = options_given() & {*names}
+    options = click.get_current_context().command.params
+    return ", ".join(option.opts[-1] for option in options if option.name in given)
 
 
 def record_of(kind: type[Record], options: Mapping[str, Any], **further: Any) -> Record:

@@ -4,13 +4,14 @@ Both commands take a boat or such a ship as the same argument; they ask ``is_shi
 ship to this module.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from trainer.cli.answers import print_note, show_report, show_step, write_text
-from trainer.cli.options import options_given, record_of
+from trainer.cli.options import flags_given, options_given, record_of
 
 if TYPE_CHECKING:
     from trainer.config.sensors import Sensors
@@ -24,6 +25,12 @@ LINEAR_FIT_OPTIONS: Final = (  # options that these models do not know
     "against", "check", "kappa", "checkpoint", "write_nomoto", "write_vessel",
     "simulate", "data_only", "bech", "spiral", "joint", "matrices", "csv", "system", "reject",
 )
+# Options of a linear ship's fit, which no other page than its own carries out.
+MODEL_PAGE_OPTIONS: Final = (
+    "csv", "write_nomoto", "write_vessel", "matrices", "check", "checkpoint", "against", "without",
+    "kappa", "bech", "spiral", "joint",
+)
+NONLINEAR_FIT_OPTIONS: Final = ("ship", "prior_strength", "predict", "write_ship", "coefficients")
 # fmt: on
 # Options of experiments that ships do not know.
 BOAT_TRIAL_OPTIONS: Final = ("depth", "periods", "by", "sea", "write")
@@ -82,12 +89,22 @@ def sensors_asked(options: dict[str, Any]) -> "Sensors":
     )
 
 
+def refuse_idle(options: Mapping[str, Any]) -> None:
+    """Refuse options that the page of a linear ship or a record would leave out."""
+    if idle := flags_given(NONLINEAR_FIT_OPTIONS):
+        instead = "; --write-nomoto writes this ship" if options["write_ship"] else ""
+        known = ", ".join(SHIP_MODELS)
+        raise click.UsageError(f"{idle}: with --model {known} alone{instead}")
+    pages = {"data_only": ("html", *MODEL_PAGE_OPTIONS), "armax": MODEL_PAGE_OPTIONS}
+    for page, unused in pages.items():
+        if options[page] and (idle := flags_given(unused)):
+            raise click.UsageError(f"{idle}: not with --{page.replace('_', '-')}")
+
+
 def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
     """Fit a ship to its records and show it; return the exit code."""
-    unknown = [f"--{option}" for option in LINEAR_FIT_OPTIONS if option in options_given()]
-    if unknown:
-        known = ", ".join(SHIP_MODELS)
-        raise click.UsageError(f"{', '.join(unknown)}: not with the models {known}")
+    if unknown := flags_given(LINEAR_FIT_OPTIONS):
+        raise click.UsageError(f"{unknown}: not with the models {', '.join(SHIP_MODELS)}")
     from trainer.boat import compilation
     from trainer.config.files import path_named
     from trainer.config.ship import ship_text
@@ -114,11 +131,8 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
 
 def print_figures(vessel: str, *, as_json: bool) -> None:
     """Print the published figures of a ship beside ours; UsageError for options of boats."""
-    boats = [f"--{option}" for option in options_given() if option not in ("vessel", "as_json")]
-    if boats:
-        raise click.UsageError(
-            f"{vessel} is a ship, and {', '.join(sorted(boats))} of boats' guides"
-        )
+    if boats := flags_given(options_given() - {"vessel", "as_json"}):
+        raise click.UsageError(f"{vessel} is a ship, and {boats} of boats' guides")
     from trainer.analysis.guide.trials import load_published
     from trainer.boat import compilation
     from trainer.cli.answers import json_of

@@ -67,8 +67,11 @@ def compile_condition(
     """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
     match = CONDITION_PATTERN.fullmatch(text)
     if match is None:
+        alone = ', one alone, without "and"' if AND_WORD.search(text) else ""
         raise ConfigError(
-            position.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
+            position.problem(
+                f"condition {quote(text)}: write it as depth > 100, or as speed_kn <= 4.5{alone}"
+            )
         )
     words, comparison, number, unit = match.groups()
     name, suffix = _split(words, text, position, known)

@@ -377,6 +377,8 @@ def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
 
 def _unmanned(table: Mapping[str, Any], position: Position) -> list[str]:
     """Return problems of scheduled orders to the crew for an axis that nobody mans."""
+    if not isinstance(table.get("hand", []), list):
+        return []  # it is told as no list, and says nobody yet
     order_names = (*_texts(table, "hand"), *_texts(table, "allowed"))
     problems = []
     rows = table.get("orders", [])

@@ -126,7 +126,8 @@ def quote(value: object) -> str:
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
     typed, by_fold = name.casefold(), {word.casefold(): word for word in known}
-    match = get_close_matches(typed, by_fold, n=1, cutoff=0.6)
+    match = [each for each in by_fold if sorted(each.split("_")) == sorted(typed.split("_"))][:1]
+    match = match or get_close_matches(typed, by_fold, n=1, cutoff=0.6)
     if not match:  # the beginning of a longer name
         beginnings = {word[: len(typed)]: word for word in reversed(by_fold)}
         begun = get_close_matches(typed, beginnings, n=1, cutoff=0.75)
@@ -472,13 +473,19 @@ def _toml_reason(message: str, text: str) -> str:
     if match[1].startswith(("Cannot overwrite", "Cannot declare")):
         key = line if line.startswith("[") else line.split("=")[0].strip()
         return f"line {match[2]}: {quote_key(key)} is given twice"
-    return f"line {match[2]}: is not valid TOML: {match[1]}{_decimal_hint(line)}"
+    return f"line {match[2]}: is not valid TOML: {match[1]}{_value_hint(line)}"
 
 
-def _decimal_hint(line: str) -> str:
-    """Return the number as TOML writes it where a line gives it with a decimal comma."""
-    comma = re.search(r"=\s*(-?\d+),(\d+)\s*(#|$)", line)
-    return f"; a number has a decimal point: {comma[1]}.{comma[2]}" if comma else ""
+def _value_hint(line: str) -> str:
+    """Return how TOML writes the value of a line: a decimal comma, a unit, a text, a yes."""
+    value = line.partition("=")[2].partition("#")[0].strip()
+    if comma := re.fullmatch(r"(-?\d+),(\d+)", value):
+        return f"; a number has a decimal point: {comma[1]}.{comma[2]}"
+    if number := re.fullmatch(r"(-?[\d.]+)\s*[A-Za-z/%]+\d?", value):
+        return f"; a number has no unit behind it: {number[1]}"
+    if value.lower() in ("yes", "no", "true", "false"):
+        return f"; write {'true' if value.lower() in ('yes', 'true') else 'false'}"
+    return f"; a text has quotes: {quote(value)}" if re.match(r"[A-Za-z][^\"']*$", value) else ""
 
 
 def toml_value(value: Any) -> str:

@@ -141,6 +141,8 @@ class CsvTable:
             left, _, right = text.replace(" ", "").rpartition(",")
             readings = f"is it {left}{right} or {left}.{right}? " if left.isdigit() else ""
             remedy = f": {readings}write it without a sign between thousands" if left else ""
+            if ":" in text:
+                remedy = ", or a time such as 2026-11-28T08:00:00, 2026-11-28 08:00:00 or 08:00:00"
             raise self.wrong(row, index, f"must be a number, or empty{remedy}")
         return number
 
@@ -309,6 +311,8 @@ def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
             f"{path}: line {first}: numbers; the headings of columns belong there, "
             f"{HEADINGS_EXAMPLE}"
         )
+    if len(heads) == 1 and heads[0].count("|"):
+        raise ConfigError(f'{path}: "|" parts columns: write commas, semicolons or tabs instead')
     beyond = text.splitlines()[first : first + SEPARATOR_ROWS]
     for separator in COLUMN_SEPARATORS.keys() - {","}:  # which numbers may have within
         sizes = Counter(line.count(separator) + 1 for line in beyond if line.strip())

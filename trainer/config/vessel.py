@@ -25,6 +25,7 @@ from trainer.config.files import (
     read_text,
     shipped_path,
 )
+from trainer.config.nomoto import NOMOTO_SCHEMA
 from trainer.config.propulsion import (
     DRAG_ASTERN,
     ThrustRows,
@@ -47,6 +48,7 @@ from trainer.config.vessel_records import (
     Surfaces,
     WaveStrips,
 )
+from trainer.config.words import SHIP_FILE_SCHEMA
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 from trainer.units import KNOT
 
@@ -318,6 +320,9 @@ def _read_parts(table: Mapping[str, Any], position: Position) -> dict[str, Any]:
 
 def _heading_problems(table: Mapping[str, Any], position: Position) -> list[str]:
     """Return the faults at the top level; ConfigError at once if it is another kind of file."""
+    if table.get("schema") in (NOMOTO_SCHEMA, SHIP_FILE_SCHEMA):
+        message = "is a ship, not a boat: trainer boat manoeuvre flies it"
+        raise ConfigError(position.wrong("schema", table["schema"], message))
     if "schema" in table:
         VESSEL_SCHEMA.read("schema", table["schema"], position)
     problems: list[str] = []

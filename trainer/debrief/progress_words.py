@@ -46,7 +46,8 @@ def progress_lines(progress: Progress, width: int = MAX_COLUMNS) -> Iterator[str
     """Yield the way of a trainee: lessons, exercises, what cost most, and what is next."""
     all_lessons, exercises = lessons(), course()
     hours, minutes = divmod(round(sum(each.seconds for each in progress.runs) / 60.0), 60)
-    sailed = f"{len(progress.runs)} runs, {hours} h {minutes:02d} min"
+    runs = "1 run" if len(progress.runs) == 1 else f"{len(progress.runs)} runs"
+    sailed = f"{runs}, {hours} h {minutes:02d} min"
     name = plain(progress.trainee)
     yield f"{name[: width - len(sailed) - 2]:<{width - len(sailed)}}{sailed}"
     for title, offered in (("Lessons", all_lessons), ("Exercises", exercises)):

@@ -52,6 +52,9 @@ KEEPALIVE_OPTIONS = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT"
 
 def parse_address(text: str, example: str) -> tuple[str, int]:
     """Return host and port of ``HOST:PORT`` or ``PORT``; LinkError if it is neither."""
+    scheme, parted, rest = text.partition("://")
+    if parted:
+        raise LinkError(f"{text}: leave {scheme}:// out, say {rest.strip('/') or example}")
     host, _, port = text.rpartition(":")
     if not port.isdecimal():
         raise LinkError(f"{text}: say HOST:PORT, such as {example}")

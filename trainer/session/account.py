@@ -42,18 +42,19 @@ def account(session: Session, wall: float, options: SummaryOptions) -> int:
     lines = outcome_lines(session)
     if times := session.monitors.times:
         lines.append(f"events      {account_of(times)}")
-    lines.append(one_line(session, path))
+    recording = describe_missing(session.history.recording) if path else ""
+    lines.append(one_line(session, "" if recording else path))
     lines += details(session, wall, path) if options.verbose else []
     click.echo("\n".join(lines), err=options.aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
     ending = session.conduct.ending
     failure = failure or (f"{ending.over}: {ending.why}" if ending.outcome is Outcome.LOST else "")
-    recording = describe_missing(session.history.recording) if path else ""
     troubles = [failure, session.control.deserted, session.rows.recorder.trouble, recording]
     safe = "; the recording has all that happened" if path and not recording else ""
     for station in session.event_log.stations:
         if station.line.dropped:
-            unread = f"{station.line.dropped} lines were not read there{safe}"
+            why = f": {station.line.trouble}" if station.line.trouble else ""
+            unread = f"{station.line.dropped} lines were not read there{why}{safe}"
             click.echo(f"trainer: {station.who}: {unread}", err=True)
     if not options.aside:  # nobody was there to hear it
         troubles += session.dispatch.refused

@@ -159,6 +159,10 @@ def carry_out(study: Study) -> tuple[ArmaxReport, OrderComparison]:
     if settings is None:
         raise ConfigError(f"{study.path.name}: lacks [armax]")
     record = observe_record(study)
+    if settings.output not in record.channels:
+        known = " or ".join(name for name in OUTPUT_UNITS if name in record.channels)
+        remedy = f": say --output {known}" if known else ""
+        raise ConfigError(f"{record.source}: no {settings.output} was recorded{remedy}")
     samples = samples_of(record, (settings.output,))
     if len(samples.steps[0]) > 1:
         raise ConfigError(f"{record.source}: ARMAX needs one interval; this record has more")

@@ -138,6 +138,7 @@ def _intervals(record: Record) -> Iterator[Finding]:
         first = int(gaps[0])
         more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
         text = f"{step[first]:g} s have passed, the interval is {usual:g} s{more}"
+        text += "; where the clock jumped, fit one side of it: from_s, to_s"
         yield record.finding("t", text, first + 1)
     others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > EVEN_STEP_TOLERANCE
     if others.any():

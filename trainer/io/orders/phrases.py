@@ -123,6 +123,7 @@ PHRASES: Final = (
     ),
     Phrase("five degrees down bubble", "ANGLE [DEGREES] WAY BUBBLE", "order pitch {n} {way}"),
     Phrase("zero bubble", "0 [DEGREES] BUBBLE", "order pitch zero"),
+    Phrase("rudder zero degrees", "rudder 0 [DEGREES]", "rudder amidships"),
     Phrase("stern planes 10 dive", "STERN ANGLE [DEGREES] TILT", "{planes} planes {tilt} {n}"),
     Phrase(
         "10 dive on the stern planes",

@@ -236,7 +236,8 @@ export function askWord(session) {
     field.value = "";
   };
   session.on("state", () => {
-    write(one("#refusal"), session.refusal);
+    // Behind its colon a refusal says what a terminal types; here the word goes into the field.
+    write(one("#refusal"), session.refusal.replace(/: (--token|type role) .*$/, ""));
     if (session.state === "role" && !dialog.open) dialog.showModal();
     if (session.state !== "role" && dialog.open) dialog.close();
   });
