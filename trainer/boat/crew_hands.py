@@ -86,7 +86,7 @@ class GaugeHistory:
         seconds = max(seconds, RATE_PERIOD_S) if rate else seconds
         most = math.floor(max(seconds - TIME_ROUNDING_S, 0.0) / step) + 1  # readings of a look
         before = [row[gauge] for _, row in self.seen[-most:]]
-        sums = np.concatenate(([0.0], np.cumsum([*before, *readings[:, gauge]])))
+        sums = np.concatenate(([0.0], before, readings[:, gauge])).cumsum()
         ends = np.arange(len(before) + 1, sums.size)
         counts = np.minimum(ends, most)
         if not rate:
