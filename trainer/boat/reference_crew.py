@@ -8,7 +8,7 @@ not tire, so its marks are a ceiling for people.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -370,6 +370,12 @@ class ReferenceCrew:
             )
 
     def _give(self, text: str) -> GivenOrder:
-        order = parse(text)
-        assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
-        return GivenOrder(text, self.order(order))
+        return GivenOrder(text, self.order(order_of_hand(text)))
+
+
+@cache
+def order_of_hand(text: str) -> Order:
+    """Return the order of a hand, which has a few hundred words."""
+    order = parse(text)
+    assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
+    return order
