@@ -199,7 +199,7 @@ def gather_debrief(
     plan = plan_of(header)
     if is_shown(branches, branch):  # by the reference crew: it counts for no mark
         plan = replace(plan, scores=(), lost=(), hand=(), crew=Crew())
-    boat = Boat(plan.file, plan.method)
+    boat = plan.outfit.another()
     boat.world = world_of(boat, plan.around)
     restore_world(boat, recording, wanted, sys.maxsize)
     events = tuple(events_of(recording, branches, branch))
