@@ -72,14 +72,14 @@ class Boat:
         }
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
-        self._take(fit_out(file, method))
+        self.take_records(fit_out(file, method))
         start_ballast(self.records.vessel, self.records.state)
         # how far [m] from the origin the sail's top and the ends of the deck are, at most
         deck = math.hypot(DECK_REACH * self.vessel["ell"], self.vessel["z_deck"])
         self.reach = max(deck, math.hypot(self.vessel["x_sail"], self.vessel["z_sail"]))
         self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
 
-    def _take(self, records: Records) -> None:
+    def take_records(self, records: Records) -> None:
         """Have these records, and nothing around."""
         self.records = records
         self.vessel = records.vessel[0]
@@ -90,9 +90,9 @@ class Boat:
         self.world = World()
 
     def another(self) -> "Boat":
-        """Return a copy of this boat, which was never started, in a tenth of the time of fitting."""
+        """Return a copy of this boat, which was never started; to fit one out takes much longer."""
         boat = copy(self)
-        boat._take(self.records.copy())
+        boat.take_records(self.records.copy())
         return boat
 
     @property

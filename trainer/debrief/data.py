@@ -15,7 +15,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.config.reference_crew import Crew
