@@ -7,8 +7,8 @@ not tire, so its marks are a ceiling for people.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -59,10 +59,10 @@ class CrewReaction:
     late: float = 0.0  # [s] added to every reaction
     jitter: float = 0.0  # [s] at most, by the seed
     seed: int = 0
-    _draws: np.random.Generator = field(init=False)
 
-    def __post_init__(self) -> None:
-        self._draws = np.random.default_rng(self.seed)
+    @cached_property
+    def _draws(self) -> "np.random.Generator":  # few crews draw: numpy loads its own for them
+        return np.random.default_rng(self.seed)
 
     def delay(self) -> float:
         """Return how much later the next reaction comes [s]."""
