@@ -10,7 +10,10 @@ def main() -> None:
 
     gc.freeze()
     gc.enable()
-    command()
+    try:
+        command()
+    finally:
+        gc.freeze()  # or what is left would be looked through once more, before it is all let go
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ rewrites. Sessions, manoeuvres and sweeps all fly this one object.
 import functools
 import math
 from collections.abc import Callable, Mapping
+from copy import copy
 from operator import itemgetter
 from typing import Any
 
@@ -54,21 +55,10 @@ class Boat:
     twentieth of the time.
     """
 
-    def __init__(self, file: VesselFile, method: Method, outfit: Records | None = None) -> None:
-        """Fit the boat out; it lies still at the surface until ``start``.
-
-        ``outfit`` is one that ``fit_out`` has made of this file and method, to be copied.
-        """
+    def __init__(self, file: VesselFile, method: Method) -> None:
+        """Fit the boat out; it lies still at the surface until ``start``."""
         self.file = file
         self.method = method
-        self.records = fit_out(file, method) if outfit is None else outfit.copy()
-        self.vessel = self.records.vessel[0]
-        self.state = self.records.state[0]
-        whole: Any = self.records.state.view(np.uint8)
-        self.plain = memoryview(whole).cast("d")
-        # how far [m] from the origin the sail's top and the ends of the deck are, at most
-        deck = math.hypot(DECK_REACH * self.vessel["ell"], self.vessel["z_deck"])
-        self.reach = max(deck, math.hypot(self.vessel["x_sail"], self.vessel["z_sail"]))
         # The sign of a deflection that turns right or makes the boat rise, 0 without effect. The
         # coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
         # lift.
@@ -82,10 +72,31 @@ class Boat:
         }
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
-        self.world = World()
-        self.chart: Numbers | None = None  # of the ground, as core.soundings has it
-        self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
+        self.take_records(fit_out(file, method))
         start_ballast(self.records.vessel, self.records.state)
+        # how far [m] from the origin the sail's top and the ends of the deck are, at most
+        deck = math.hypot(DECK_REACH * self.vessel["ell"], self.vessel["z_deck"])
+        self.reach = max(deck, math.hypot(self.vessel["x_sail"], self.vessel["z_sail"]))
+        self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
+
+    def take_records(self, records: Records) -> None:
+        """Have these records, and nothing around."""
+        self.records = records
+        self.vessel = records.vessel[0]
+        self.state = records.state[0]
+        whole: Any = records.state.view(np.uint8)
+        self.plain = memoryview(whole).cast("d")
+        self.chart: Numbers | None = None  # of the ground, as core.soundings has it
+        self.world = World()
+
+    def another(self) -> "Boat":
+        """Return a copy of this boat, which was never started.
+
+        To fit one out anew takes fifty times as long.
+        """
+        boat = copy(self)
+        boat.take_records(self.records.copy())
+        return boat
 
     @property
     def time(self) -> float:

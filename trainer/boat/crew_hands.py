@@ -86,7 +86,7 @@ class GaugeHistory:
         seconds = max(seconds, RATE_PERIOD_S) if rate else seconds
         most = math.floor(max(seconds - TIME_ROUNDING_S, 0.0) / step) + 1  # readings of a look
         before = [row[gauge] for _, row in self.seen[-most:]]
-        sums = np.concatenate(([0.0], np.cumsum([*before, *readings[:, gauge]])))
+        sums = np.concatenate(([0.0], before, readings[:, gauge])).cumsum()
         ends = np.arange(len(before) + 1, sums.size)
         counts = np.minimum(ends, most)
         if not rate:
@@ -228,21 +228,19 @@ class PlanesHand:
         deeper = aim - mean
         theta, q = (np.degrees(ahead.column(name)[at]) for name in ("theta", "q"))
         up = self._up(deeper, rate)
-        bubble = np.clip(up, -habits.bubble_deg_max, habits.bubble_deg_max)
-        may = np.zeros(deeper.size, np.bool_)
+        bubble, far = bounded(up, habits.bubble_deg_max), np.abs(deeper)
+        may = np.abs(far - habits.bow_within_m) < ORDER_SLACK
         if (ordered := self.pitch.value) is not None:
-            away = (np.abs(deeper) > habits.leave_m) & (ordered * deeper < 0.0)
+            away = (far > habits.leave_m) & (ordered * deeper < 0.0)
             bubble = np.where(away, math.degrees(ordered), bubble)
-            may |= np.abs(np.abs(deeper) - habits.leave_m) < ORDER_SLACK
-            may |= np.abs(deeper) < ORDER_SLACK
+            may |= (np.abs(far - habits.leave_m) < ORDER_SLACK) | (far < ORDER_SLACK)
         rise = self._stern_rise(bubble - theta, q)
         may |= may_turn(rise, habits.stern_deg_max, self.stern, habits.stern_off_deg)
-        rise = self._bow_rise(deeper, rate)
-        rise = np.clip(rise, -habits.bow_deg_max, habits.bow_deg_max)
-        may |= np.abs(np.abs(deeper) - habits.bow_within_m) < ORDER_SLACK
+        rise = bounded(self._bow_rise(deeper, rate), habits.bow_deg_max)
+        within = far <= habits.bow_within_m
         for slack in (-ORDER_SLACK, ORDER_SLACK):
             steps = np.trunc(habits.bow_step_deg * np.rint((rise + slack) / habits.bow_step_deg))
-            wanted = np.where(np.abs(deeper) <= habits.bow_within_m, steps, 0.0)
+            wanted = np.where(within, steps, 0.0)
             near = np.abs(rise + slack - self.bow) < 0.6 * habits.bow_step_deg
             may |= (wanted != self.bow) & ~(near & (wanted != 0.0))
         return first_of(looks, may, len(ahead))
@@ -374,9 +372,14 @@ class RudderHand:
         return math.degrees(self.course.value - heading)
 
 
+def bounded(values: Numbers, most: float) -> Numbers:
+    """Return values of that size at most, sooner than ``numpy.clip`` does."""
+    return np.minimum(np.maximum(values, -most), most)
+
+
 def may_turn(wanted: Numbers, most: float, stands: int, off: float) -> NDArray[np.bool_]:
     """Return where whole degrees, ``most`` at most, may be ``off`` or more from what stands."""
-    wanted = np.clip(wanted, -most, most)
+    wanted = bounded(wanted, most)
     above = np.rint(wanted + ORDER_SLACK) - stands >= off
     result: NDArray[np.bool_] = above | (stands - np.rint(wanted - ORDER_SLACK) >= off)
     return result

@@ -15,7 +15,6 @@ import errno
 import functools
 import gzip
 import hashlib
-import importlib.metadata
 import json
 import os
 import platform
@@ -81,10 +80,12 @@ def shipped_object(platform_asked: str | None = None) -> bytes | None:
 
 def made_object() -> bytes | None:
     """Return the object for this machine, made here once; None if it cannot be."""
+    from importlib import metadata  # noqa: PLC0415  what is shipped does without
+
     from trainer.core.cache import cache_folder  # noqa: PLC0415  it claims the folder
 
     facts = [core_digest(), platform_name(), platform.python_version()]
-    facts += [importlib.metadata.version(name) for name in ("numba", "llvmlite")]
+    facts += [metadata.version(name) for name in ("numba", "llvmlite")]
     name = MADE_PREFIX + hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
     path = cache_folder() / f"{name}.o"
     digest_path = path.with_suffix(".sha256")

@@ -6,6 +6,7 @@ of it can take over and speak.
 """
 
 from collections.abc import Iterable
+from copy import copy
 from operator import itemgetter
 
 from trainer.boat.boat import Boat
@@ -50,7 +51,7 @@ class MuteCrew:
 
     def aboard(self, boat: Boat) -> "MuteCrew":
         """Return a copy of this crew, aboard another boat in the same state."""
-        other = MuteCrew(boat, self.crew.crew, self.crew.reaction)
+        other = copy(self)
         other.crew = self.crew.aboard(boat)
         return other
 

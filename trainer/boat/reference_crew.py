@@ -7,8 +7,8 @@ not tire, so its marks are a ceiling for people.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cache, cached_property, partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -59,10 +59,10 @@ class CrewReaction:
     late: float = 0.0  # [s] added to every reaction
     jitter: float = 0.0  # [s] at most, by the seed
     seed: int = 0
-    _draws: np.random.Generator = field(init=False)
 
-    def __post_init__(self) -> None:
-        self._draws = np.random.default_rng(self.seed)
+    @cached_property
+    def _draws(self) -> "np.random.Generator":  # few crews draw: numpy loads its own for them
+        return np.random.default_rng(self.seed)
 
     def delay(self) -> float:
         """Return how much later the next reaction comes [s]."""
@@ -370,6 +370,12 @@ class ReferenceCrew:
             )
 
     def _give(self, text: str) -> GivenOrder:
-        order = parse(text)
-        assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
-        return GivenOrder(text, self.order(order))
+        return GivenOrder(text, self.order(order_of_hand(text)))
+
+
+@cache
+def order_of_hand(text: str) -> Order:
+    """Return the order of a hand, which has a few hundred words."""
+    order = parse(text)
+    assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
+    return order

@@ -139,6 +139,10 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     The page is one HTML file that needs nothing else. What is changed is kept beside the
     recording, and both marks are shown.
     """
+    import gc
+
+    gc.disable()  # little of a debrief is garbage before its end: to look for it is a tenth of all
+    click.get_current_context().call_on_close(gc.enable)
     from trainer.debrief.page import (
         DebriefRequest,
         as_json,

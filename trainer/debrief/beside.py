@@ -5,6 +5,7 @@ what each minute cost. ``session/aside`` hears it; so the session's memory and a
 it.
 """
 
+import gc
 import json
 import sys
 from collections.abc import Callable
@@ -55,4 +56,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    gc.disable()  # little of a debrief is garbage before its end
     main()
+    gc.freeze()

@@ -15,7 +15,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.config.reference_crew import Crew
@@ -199,7 +198,7 @@ def gather_debrief(
     plan = plan_of(header)
     if is_shown(branches, branch):  # by the reference crew: it counts for no mark
         plan = replace(plan, scores=(), lost=(), hand=(), crew=Crew())
-    boat = Boat(plan.file, plan.method)
+    boat = plan.outfit.another()
     boat.world = world_of(boat, plan.around)
     restore_world(boat, recording, wanted, sys.maxsize)
     events = tuple(events_of(recording, branches, branch))

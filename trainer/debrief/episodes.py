@@ -63,13 +63,13 @@ class Deflection:
 def casualty_episodes(trajectory: Trajectory) -> tuple[Episode, ...]:
     """Return the casualties in the order in which they began; ConfigError for an unknown one."""
     slots = np.array([trajectory.columns[name] for name in CASUALTY_SLOTS])
-    known = np.isin(slots, range(len(KINDS) + 1))
-    if not known.all():
-        raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
+    codes = dict.fromkeys(slots[slots != 0.0].tolist())
+    if unknown := [code for code in codes if code not in range(1, len(KINDS) + 1)]:
+        raise ConfigError(f"recording: casualty {unknown[0]:g}: is none; it is damaged")
     amounts = np.array([trajectory.columns[name] for name in CASUALTY_AMOUNTS])
     episodes = [
         episode
-        for code in sorted({int(code) for code in np.unique(slots)} - {0})
+        for code in sorted(map(int, codes))
         for episode in _of_kind(trajectory, slots == code, amounts, KINDS[code - 1])
     ]
     return tuple(sorted(episodes, key=lambda episode: episode.begun))

@@ -5,7 +5,7 @@ filled ones beside the recording, drill.forms.toml beside drill.trainer, and sho
 A form has the exercise's own measures, how the crew worked together, and the whole run.
 """
 
-import statistics
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,7 +86,7 @@ class ComparedMark:
     @property
     def mean(self) -> float | None:
         """Return the assessors' mean; a peer's mark is shown, and does not count in it."""
-        return statistics.fmean(self.assessors) if self.assessors else None
+        return math.fsum(self.assessors) / len(self.assessors) if self.assessors else None
 
     @property
     def spread(self) -> float | None:

@@ -6,9 +6,9 @@ because names stand in the recordings alone.
 """
 
 import json
+import math
 import re
 import shutil
-import statistics
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -101,7 +101,8 @@ class AttemptHistory:
     @property
     def mean(self) -> float | None:
         """Return the mean of the last marks, None without any."""
-        return statistics.fmean(self.marks[-MEAN_ATTEMPTS:]) if self.marks else None
+        last = self.marks[-MEAN_ATTEMPTS:]
+        return math.fsum(last) / len(last) if last else None
 
 
 def recordings_in(sources: Iterable[Path]) -> Iterator[Path]:

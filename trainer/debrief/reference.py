@@ -60,7 +60,7 @@ def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
 
     Whoever gave the orders before counts as giving those after it, because marks are of one crew.
     """
-    rows = before.ticks < after.ticks[0]
+    rows = slice(int(before.ticks.searchsorted(after.ticks[0])))
     by_instructor = all(each.giver.role == INSTRUCTOR_ROLE for each in crew_orders(before))
     orders = [each for each in before.orders if each.tick < after.ticks[0]]
     alone = bool(orders) and by_instructor  # then the instructor is the crew

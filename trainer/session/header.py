@@ -21,7 +21,6 @@ from contextlib import closing, contextmanager
 from dataclasses import asdict, fields, replace
 from datetime import UTC, datetime
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
@@ -223,6 +222,8 @@ def notes(header: Mapping[str, str]) -> list[str]:
 @cache
 def _surroundings() -> Mapping[str, str]:
     """Return the versions and the machine that compute a run, beside the trainer's own."""
+    from importlib import metadata  # noqa: PLC0415  who reads a header does without
+
     libraries = {name: metadata.version(name) for name in USED_LIBRARIES}
     machine = f"{platform.machine()} {platform.system()}"
     return {"python": platform.python_version(), **libraries, "machine": machine}

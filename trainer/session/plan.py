@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.boat import casualties as casualties_module
-from trainer.boat.assemble import Method, Records, fit_out
+from trainer.boat.assemble import Method
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
@@ -119,7 +119,8 @@ class Plan:
 
     def alone(self) -> "Plan":
         """Return the plan without the orders that the command line adds."""
-        return replace(self, schedule=list(self.own_schedule))
+        own = list(self.own_schedule)
+        return self if own == self.schedule else replace(self, schedule=own)
 
     @property
     def hides(self) -> bool:
@@ -130,13 +131,13 @@ class Plan:
         return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
 
     @cached_property
-    def outfit(self) -> Records:
-        """Return the records that each boat of this plan copies."""
-        return fit_out(self.file, self.method)
+    def outfit(self) -> Boat:
+        """Return the boat that each boat of this plan copies."""
+        return Boat(self.file, self.method)
 
     def launch_boat(self) -> Boat:
         """Return another boat, started as planned; ConfigError if it cannot."""
-        boat = Boat(self.file, self.method, self.outfit)
+        boat = self.outfit.another()
         self.start(boat)
         return boat
 

@@ -9,6 +9,7 @@ five``, ``one eighty``, ``two hundred``.
 
 import difflib
 import re
+from functools import cache
 from typing import Final, NamedTuple
 
 from trainer.io.orders.quantities import FEET, METRES, TONNES
@@ -173,8 +174,12 @@ PHRASES: Final = (
 )
 
 
+@cache
 def pattern(row: str) -> re.Pattern[str]:
-    """Return the regular expression of a row of items, each with the blank after it."""
+    """Return the regular expression of a row of items, each with the blank after it.
+
+    It is made where a phrase is looked for, because few starts of the program hear one.
+    """
     pieces = []
     for item in row.split():
         plain = item.strip("[]")
@@ -205,22 +210,18 @@ def spoken_as(expression: str) -> list[str]:
     return [each.split()[0] for each in inner.split("|")]
 
 
-COMPILED_PHRASES: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
-PHRASES_BY_WORD: Final[dict[str, list[tuple[re.Pattern[str], Phrase]]]] = {}
-for _expression, _phrase in COMPILED_PHRASES:
+PHRASES_BY_WORD: Final[dict[str, list[Phrase]]] = {}
+for _phrase in PHRASES:
     for _word in first_words(_phrase.pattern):
-        PHRASES_BY_WORD.setdefault(_word, []).append((_expression, _phrase))
-PHRASE_OPENINGS: Final = tuple(
-    (re.compile("|".join(openings(phrase.pattern))), phrase.example) for phrase in PHRASES
-)
+        PHRASES_BY_WORD.setdefault(_word, []).append(_phrase)
 
 
 def meaning(tokens: list[str]) -> PhraseMeaning | None:
     """Return what a phrase means, None if it is none."""
     text = plain_text(tokens)
     first = text.partition(" ")[0]
-    for expression, phrase in PHRASES_BY_WORD.get(ANY_DIGIT if first[:1].isdigit() else first, ()):
-        if match := expression.fullmatch(f"{text} "):
+    for phrase in PHRASES_BY_WORD.get(ANY_DIGIT if first[:1].isdigit() else first, ()):
+        if match := pattern(phrase.pattern).fullmatch(f"{text} "):
             said = {name: value or "" for name, value in match.groupdict().items()}
             said["n"] = said.get("n", "")
             order = phrase.order.format(**said).strip()
@@ -233,9 +234,9 @@ def nearest_phrase(tokens: list[str]) -> str:
     text = plain_text(tokens)
     first = text.partition(" ")[0]
     examples = {
-        plain_text(example.lower().split()): example
-        for begins, example in PHRASE_OPENINGS
-        if begins.fullmatch(first)
+        plain_text(phrase.example.lower().split()): phrase.example
+        for phrase in PHRASES
+        if re.fullmatch("|".join(openings(phrase.pattern)), first)
     }
     near = difflib.get_close_matches(text, examples, n=1, cutoff=0.5)
     return examples[near[0]] if near else ""
