@@ -515,6 +515,17 @@ def test_no_text_of_a_recording_runs_in_its_page_and_each_is_shown_as_text(
     assert not re.search("[\u2028\u2029\u202a-\u202e\u2066-\u2069\x07\x1b]", shown)
 
 
+def test_a_boats_name_with_markup_stays_text(opened: Open) -> None:
+    name = f"</title></script>{MARKUP}"
+    parts = page_of(boat_at_start(RunOptions(vessel="bb2")), None, "instructor")
+
+    page = opened(maker.single_file("instructor", parts.boat | {"title": name}, parts.core, name))
+
+    expect(page.locator("#title")).to_have_text(name)
+    assert page.title() == name
+    assert page.locator("img").count() == 0
+
+
 def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
     page = opened(boat_page, 360, 640)
 
