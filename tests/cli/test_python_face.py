@@ -6,12 +6,11 @@ import math
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, assert_type
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -21,9 +20,6 @@ from numpy.typing import NDArray
 
 import trainer
 from trainer.analysis.series import load_series
-from trainer.cli import guide, identify, run, sweep
-from trainer.cli.boat import BoatOptions
-from trainer.cli.calls import IdentifyOptions, ManoeuvreOptions, SweepOptions
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.session.header import open_whole_recording
@@ -94,25 +90,6 @@ def test_a_type_checker_is_told_of_every_public_name() -> None:
     ]
 
     assert sorted(each.asname or each.name for each in imported) == trainer.__all__
-
-
-@pytest.mark.parametrize(
-    ("command", "keywords"),
-    [
-        (run.run, BoatOptions.__annotations__.keys() - {"exercise", "depth", "course"}),
-        (guide.manoeuvre, ManoeuvreOptions.__annotations__),
-        (sweep.sweep, SweepOptions.__annotations__),
-        (identify.identify, IdentifyOptions.__annotations__),
-    ],
-)
-def test_every_keyword_is_an_option_of_its_command(
-    command: click.Command, keywords: Collection[str]
-) -> None:
-    options = [each for each in command.params if isinstance(each, click.Option)]
-    named = {option.name for option in options}
-    words = {word.lstrip("-").replace("-", "_") for option in options for word in option.opts}
-
-    assert not set(keywords) - named - words
 
 
 # The same bits

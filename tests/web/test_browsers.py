@@ -19,7 +19,6 @@ from trainer.web.pages import PAGES
 pytestmark = pytest.mark.process
 
 STATE = "document.querySelector('#state').textContent"
-IDLE_S = 45.0  # [s] of a kiosk's dive in which nobody touches anything
 SLOW_S = 0.15  # [s] one way
 LOSS = 0.05  # of all packets
 
@@ -78,48 +77,6 @@ def test_in_firefox_a_lever_orders_and_a_second_visit_asks_for_the_page_alone(
         fox.open(f"{line.url}/pilot?lang=en")
         fox.await_that(f"{STATE} === 'FROZEN'")
         assert [each for each in line.asked if not each.startswith("/line")] == ["/pilot?lang=en"]
-
-
-@pytest.mark.slow
-def test_two_instructors_in_two_browsers_hand_over_command(
-    serve: Serve, look: Look, fox: Tab
-) -> None:
-    session = serve("first-depth-change")
-    page = look(session, "instructor", size="desk")
-    expect(page.locator("#state")).to_have_text("FROZEN")
-    command = "document.querySelector('#command')"
-    fox.open(f"{session.url}/instructor?lang=en")
-    fox.await_that(f"{command}.textContent.includes('has command. You watch and mark.')")
-    expect(page.locator("#command")).to_contain_text("You have command")
-
-    fox.evaluate(f"String({command}.querySelector('button').click())")
-    page.keyboard.press("Escape")  # the briefing
-    page.get_by_role("button", name="Give command").click()
-    fox.await_that(f"{command}.textContent.includes('You have command')")
-    expect(page.locator("#command")).to_contain_text("has command. You watch and mark.")
-
-    fox.evaluate("String(document.querySelector('#freeze').click())")
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    fox.await_that(f"{STATE} === 'RUNNING'")
-    page.locator("#order").fill("freeze")
-    page.keyboard.press("Enter")
-    expect(page.locator("#log [data-kind=refused]").first).to_contain_text("freeze")
-    expect(page.locator("#state")).to_have_text("RUNNING")  # it only watches now
-
-
-@pytest.mark.slow
-def test_a_kiosk_goes_back_by_itself_after_45_seconds_by_the_clock(serve: Serve, fox: Tab) -> None:
-    session = serve("visitor-dive")
-    scene = "document.body.dataset.scene"
-    fox.open(f"{session.url}/kiosk")
-    fox.await_that("!document.querySelector('#start').hidden")
-    fox.evaluate("String(document.querySelector('#start').click())")
-    fox.await_that(f"{scene} === 'dive'")
-    begun = time.monotonic()
-    time.sleep(IDLE_S - 3.0)  # Firefox has no clock that a test holds
-    assert fox.evaluate(scene) == "dive"
-    fox.await_that(f"{scene} === 'attract'")
-    assert IDLE_S - 1.0 < time.monotonic() - begun < IDLE_S + 5.0
 
 
 # TLS

@@ -97,11 +97,6 @@ def slider(page: Page) -> Locator:
     return page.locator("order-lever [role=slider]")
 
 
-def angle_of(page: Page) -> int:
-    """Return where the lever stands [deg], up positive."""
-    return int(slider(page).get_attribute("aria-valuenow") or 0)
-
-
 def touch_lever(page: Page, seen: dict[str, Any], wanted: int) -> None:
     """Touch the groove beyond the knob, or a fine key where the knob is nearly there."""
     lever, knob = seen["lever"], seen["knob"]
@@ -187,35 +182,6 @@ def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
     await_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == -3.0)
     kiosk.order("end exercise")
     expect(page.locator("#verdict")).to_have_text("You went past 60 metres")
-
-
-@pytest.mark.slow
-def test_mouse_touch_and_keys_work_the_lever_and_the_session_has_it(
-    kiosk: Kiosk, look: Look
-) -> None:
-    page = look(kiosk.session, "kiosk", has_touch=True)
-    page.locator("#start").click()
-    scene(page, "dive")
-
-    def ordered(angle: float) -> None:
-        expect(slider(page)).to_have_attribute("aria-valuenow", f"{angle:g}")
-        await_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == angle)
-
-    put_lever(page, -8)
-    ordered(-8)
-    slider(page).press("ArrowUp")
-    ordered(-7)
-    slider(page).press("Home")
-    ordered(0)
-    knob = slider(page).bounding_box()
-    assert knob
-    page.mouse.move(knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2)
-    page.mouse.down()
-    page.mouse.move(knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2 + 60, steps=4)
-    page.mouse.up()
-    dragged = angle_of(page)
-    assert dragged < -2
-    ordered(dragged)
 
 
 @pytest.mark.parametrize("way", WAYS)
