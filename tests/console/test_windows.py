@@ -126,7 +126,7 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
             "time left",
             "on 75 m and on 60 m",
             "lost at",
-            "> 160",
+            "deeper than 160 m",
         ):
             await seen(pilot, app, text)
         await seen(pilot, app, "no shallower than 13 m; pitch 15 deg at most")
