@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, assert_type
+from typing import Any
 
 import numpy as np
 import pytest
@@ -140,18 +140,6 @@ def test_an_exercise_by_call_is_recorded_as_by_a_headless_run(tmp_path: Path) ->
     assert {name: values[-1] for name, values in two.columns.items() if name in boat.state} == {
         name: value for name, value in boat.state.items() if name in two.columns
     }
-
-
-def test_a_run_in_parts_is_the_same_run() -> None:
-    whole, parts = trainer.Boat(sea="sea-state-3"), trainer.Boat(sea="sea-state-3")
-    whole.run(300)
-    for _ in range(3):
-        parts.run(100)
-
-    assert whole.state == parts.state
-    assert same(whole.columns, parts.columns)
-    assert len(whole.columns["t"]) == 601
-    assert_type(whole.state, dict[str, float])
 
 
 # Going back

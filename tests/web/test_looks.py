@@ -5,6 +5,7 @@ import re
 import pytest
 from helpers import node
 from helpers.browser import Look
+from helpers.contrast import contrast
 from helpers.hands import TOO_WIDE, see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
@@ -57,23 +58,13 @@ def tokens(palette: str) -> dict[str, str]:
     return found
 
 
-def luminance(colour: str) -> float:
-    """Return the relative luminance [-] of a colour, after WCAG 2.2."""
-    parts = [int(colour[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
-    red, green, blue = (
-        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
-    )
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
 @pytest.mark.parametrize("palette", PALETTES)
 def test_contrast_of_each_pair_of_tokens_suffices(palette: str) -> None:
     colours = tokens(palette)
     assert len(colours) > 25
 
     for (ink, ground), least in PAIRS.items():
-        low, high = sorted((luminance(colours[ink]), luminance(colours[ground])))
-        ratio = (high + 0.05) / (low + 0.05)
+        ratio = contrast(colours[ink], colours[ground])
         assert ratio >= least, f"{palette}: {ink} on {ground} is {ratio:.2f}"
 
 

@@ -156,15 +156,6 @@ def asset_of(session: Served, name: str) -> str:
     return next(iter(re.findall(rf'"(/assets/{stem}\.[0-9a-f]{{16}}\.{kind})"', html)), "")
 
 
-def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
-    got = request(shared.port, "/hlem")
-
-    assert got.status == 404
-    assert got.headers["content-type"].startswith("text/html")
-    assert 'class="back" href="/"' in got.body.decode()
-    assert not CODE_WITHIN.search(got.body.decode())
-
-
 # Data for scripts is no script.
 CODE_WITHIN = re.compile(
     r'<script(?![^>]*(src=|type="(application/json|importmap)"))|\son\w+=|\sstyle='
@@ -172,8 +163,8 @@ CODE_WITHIN = re.compile(
 
 
 def test_no_page_holds_a_script_or_a_style_of_its_own(shared: Served) -> None:
-    for page in PAGES:
-        html = request(shared.port, f"/{page.name}").body.decode()
+    for name in (*(page.name for page in PAGES), "hlem"):
+        html = request(shared.port, f"/{name}").body.decode()
         assert "<style" not in html
         assert not CODE_WITHIN.search(html)
 
@@ -395,19 +386,6 @@ def test_a_certificate_out_of_its_time_is_refused_in_one_line(
             _, told = process.communicate(timeout=PATIENCE)
         assert process.returncode == 2
         assert told == f"trainer: --cert {cert}: {why}: no browser takes it; make a new one\n"
-
-
-@pytest.mark.process
-def test_a_certificate_and_the_key_of_another_are_refused_in_one_line(tmp_path: Path) -> None:
-    folders = tmp_path / "a", tmp_path / "b"
-    for folder in folders:
-        folder.mkdir()
-    (cert, _), (_, key) = (make_certificate(folder) for folder in folders)
-    with program(tmp_path, "web", "--cert", str(cert), "--key", str(key)) as process:
-        _, told = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 2
-    assert told.count("\n") == 1
-    assert "not a certificate and its own key, both PEM" in told
 
 
 # What could never be an order

@@ -4,7 +4,6 @@ import base64
 import contextlib
 import hashlib
 import json
-import os
 import re
 import shutil
 import time
@@ -20,7 +19,6 @@ from helpers.altered import alter
 from helpers.firefox import firefox
 from helpers.givers import giver_at
 from helpers.lanes import sample_cases
-from helpers.nursery import run_trainer
 from helpers.places import ROOT
 from helpers.recorded import record
 from helpers.shell import typed
@@ -565,19 +563,6 @@ def test_a_debrief_leads_the_boat_inside_it_to_where_marks_were_lost(
 # What is wrong
 
 
-@pytest.mark.process
-def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
-    wrong = tmp_path / "wrong.toml"
-    wrong.write_text("[fluid]\nrho = -1\n")
-    out = tmp_path / "boat.html"
-    done = run_trainer("export-page", str(out), "--vessel", str(wrong), env=os.environ.copy())
-
-    assert done.returncode == 2
-    assert "wrong.toml" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not out.exists()
-
-
 OTHERS = {
     "another core": (
         "UPDATE header SET value = '0123456789abcdef' WHERE key = 'core'",
@@ -601,15 +586,6 @@ def test_a_recording_that_cannot_be_flown_is_refused(
     with pytest.raises(ConfigError, match=why) as wrong:
         page_of(None, path, "instructor")
     assert len(wrong.value.args) == 1
-
-
-@pytest.mark.parametrize("content", [b"", b"no recording at all" * 100])
-def test_a_file_that_is_no_recording_is_refused(content: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "empty.trainer"
-    path.write_bytes(content)
-
-    with pytest.raises(ConfigError, match=r"empty\.trainer"):
-        page_of(None, path, "instructor")
 
 
 def test_another_method_is_refused_by_name() -> None:
