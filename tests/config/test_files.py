@@ -578,7 +578,6 @@ def test_all_that_is_missing_is_told_at_once() -> None:
     ("old", "new", "told"),
     [
         # 70.2 m is 230.3 ft
-        ("70.2", "230.3", "length = 230.3 m, mass = 4.41882e+06 kg"),
         ("70.2", "230.3", "are these feet?"),
         ("mass = 4418825.0", "mass = 9741741.0", "is the mass in pounds?"),
         ("weight = 43348676.0", "weight = 9745217.0", "is the weight in pounds?"),

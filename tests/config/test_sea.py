@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.config.files import ConfigError, shipped_names, shipped_path
+from trainer.config.files import ConfigError, shipped_path
 from trainer.config.sea import load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
@@ -17,14 +17,6 @@ G = 9.81
 def settings_of(text: str) -> list[float]:
     """Return the settings of the sea whose [sea] table is ``text``."""
     return sea_settings(parse_sea(f"[sea]\n{text}", Path("my.toml")), G).tolist()  # type: ignore[no-any-return]
-
-
-@pytest.mark.parametrize("name", shipped_names("seas"))
-def test_every_shipped_sea_loads(name: str) -> None:
-    file = load_sea(name)
-
-    assert file.name
-    assert np.all(np.isfinite(sea_settings(file, G)))
 
 
 @pytest.mark.parametrize(

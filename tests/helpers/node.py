@@ -30,6 +30,11 @@ def modules() -> Path:
     return folder / "node_modules"
 
 
+def axe() -> str:
+    """Return the script of axe-core, which finds barriers."""
+    return (modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
+
+
 def install(given: list[Path], folder: Path) -> None:
     """Install the packages into a folder, whole or not at all."""
     folder.parent.mkdir(parents=True, exist_ok=True)

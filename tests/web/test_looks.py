@@ -93,23 +93,17 @@ AXE = """async () => (await axe.run(document, { resultTypes: ["violations"] })).
   .map(({ id, nodes }) => `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
 
 
-@pytest.fixture(scope="session")
-def axe() -> str:
-    """Return the script of axe-core."""
-    return (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
-
-
 @each_page
 @pytest.mark.parametrize("view", sample_cases(VIEWS, VIEWS[0]), ids="-".join)
 def test_a_page_has_no_barrier_and_fits_every_size(
-    shared: Served, look: Look, axe: str, name: str, view: tuple[str, str, str]
+    shared: Served, look: Look, name: str, view: tuple[str, str, str]
 ) -> None:
     """Of 1280 by 720 a browser's zoom of 200 % leaves 640 by 360, which is one of these."""
     language, palette, first = view
     page = look(shared, name, first, f"?lang={language}&palette={palette}")
     ready(page)
     assert page.evaluate(MOVING) == 0  # `look` asks for no motion
-    page.evaluate(axe)  # as a tool of the browser would: no page may load it
+    page.evaluate(node.axe())  # as a tool of the browser would: no page may load it
     await_that(lambda: page.evaluate(AXE) == [], lambda: page.evaluate(AXE))  # once it is drawn
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})

@@ -83,14 +83,11 @@ def missed_ticks(account: str) -> int:
     return sum(map(int, found.groups()))
 
 
-def child_of(process: int) -> int:
-    """Return the process of the pages' server, 0 for none."""
+def server_of(session: Served) -> int:
+    """Return the process of a session's pages."""
     if not Path("/proc/self/task").is_dir():
         pytest.skip("this system does not tell the children of a process")
-    for task in Path(f"/proc/{process}/task").iterdir():
-        if found := (task / "children").read_text().split():
-            return int(found[0])
-    return 0
+    return children_of(session.process.pid)[0]
 
 
 def refused(line: ClientConnection) -> int:
@@ -619,7 +616,7 @@ def process_at(port: int) -> int:
 @pytest.mark.clock
 def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve: Serve) -> None:
     session = serve()
-    server = child_of(session.process.pid)
+    server = server_of(session)
     both = (session.process.pid, server)
     for process in both:
         os.kill(process, signal.SIGSTOP)
@@ -630,7 +627,7 @@ def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve
         os.kill(process, signal.SIGCONT)
 
     stay_for(session.process, 3)  # its server would be killed in the first second
-    assert child_of(session.process.pid) == server
+    assert server_of(session) == server
     assert request(session.port, "/helm").status == 200
 
 
@@ -653,7 +650,7 @@ def test_a_server_out_of_descriptors_still_serves_who_asks_for_something(
 ) -> None:
     session = serve()
     assert request(session.port, "/helm").status == 200  # it has begun, and asked for its own
-    limit_descriptors(child_of(session.process.pid), 24)
+    limit_descriptors(server_of(session), 24)
     with contextlib.ExitStack() as silent:
         for _ in range(100):
             silent.enter_context(socket.create_connection(("127.0.0.1", session.port), PATIENCE))
@@ -671,7 +668,7 @@ def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
     before = len(list(Path(f"/proc/{session.process.pid}/fd").iterdir()))
     limit_descriptors(session.process.pid, before)
 
-    os.kill(child_of(session.process.pid), signal.SIGKILL)
+    os.kill(server_of(session), signal.SIGKILL)
     await_that(
         lambda: instructor.ask("log")[0] and any("cannot begin" in x for x in instructor.said)
     )
@@ -718,7 +715,7 @@ def test_the_end_of_a_session_is_the_end_of_its_pages(serve: Serve) -> None:
 
 def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
     session = serve("periscope-depth", "--no-record")
-    server = child_of(session.process.pid)
+    server = server_of(session)
     with dialled(session.port) as line:
         assert ask(line, "role instructor")[0] == "ok"
         assert ask(line, "end exercise")[0] == "ok"
@@ -731,7 +728,7 @@ def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
         return False
 
     await_that(is_back)
-    assert child_of(session.process.pid) == server
+    assert server_of(session) == server
 
 
 @contextlib.contextmanager

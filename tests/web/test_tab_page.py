@@ -270,11 +270,10 @@ def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) 
 
 @pytest.mark.parametrize("station", ["instructor", "pilot", "a card"])
 def test_a_page_has_no_barrier(opened: Open, drill_page: str, station: str) -> None:
-    script = (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
     page = opened(drill_page if station == "a card" else text_of(station=station))
     expect(page.locator("#state")).to_have_attribute("data-state", re.compile("running|frozen"))
 
-    page.evaluate(script)
+    page.evaluate(node.axe())
 
     assert page.evaluate(AXE) == []
 
