@@ -54,7 +54,6 @@ def refused(folder: Path, tables: str) -> tuple[str, ...]:
         (SHIP + "heading = 3\n", "heading = 3: no such key"),
         (SHIP.replace("[2000, 9000]", "[2000]"), "points[1] = [2000]: must be a pair"),
         (SHIP.replace("[2000, 9000]", "[2000, 1e9]"), "points[1][1] = 1000000000.0: must be"),
-        (SHIP + SHIP, 'name = "one": another [[contact]] has it'),
         (
             SHIP + "mmsi = 211000001\n" + SHIP.replace('"one"', '"two"') + "mmsi = 211000001\n",
             "mmsi = 211000001: another [[contact]] has it",

@@ -168,10 +168,6 @@ def test_a_casualty_waits_for_its_condition() -> None:
         ),
         ("[[casualties]]\nname = 'rudder-slow'", "[casualties[0]] give one of at_s, when"),
         (
-            "[[casualties]]\nname = 'rudder-slow'\nat_s = 1\nwhen = 'depth > 9'",
-            "[casualties[0]] give one of at_s, when",
-        ),
-        (
             "[[casualties]]\nname = 'rudder-slow'\nat_s = 9\nclear_at_s = 5",
             "clear_at_s = 5.0: is before at_s",
         ),

@@ -14,6 +14,10 @@ from helpers.places import ROOT
 LISTED: Final = ("package.json", "package-lock.json")
 NAMES: Final = "typescript, eslint, axe-core, a parser of NMEA"
 INSTALLING_S: Final = 600.0  # [s] a network that is away for two minutes is waited for
+# What axe-core finds on a page, and where.
+BARRIERS: Final = """async () =>
+  (await axe.run(document, { resultTypes: ["violations"] })).violations.map(({ id, nodes }) =>
+    `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
 RETRIES: Final = ("--fetch-retries=8", "--fetch-retry-maxtimeout=30000")
 
 

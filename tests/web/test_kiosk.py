@@ -207,22 +207,6 @@ def test_each_key_is_worked_each_way(kiosk: Kiosk, look: Look, way: str) -> None
     assert page.evaluate(UNWORKED) == []
 
 
-def test_each_dive_begins_with_the_same_bits(kiosk: Kiosk, look: Look) -> None:
-    page = look(kiosk.session, "kiosk")
-    begun = []
-    for _ in range(2):
-        page.locator("#start").click()
-        scene(page, "dive")
-        kiosk.order("freeze")
-        kiosk.order("status")
-        page.locator("#stop").click()
-        scene(page, "attract")
-        kiosk.order("reset")
-        kiosk.order("status")
-        begun.append([line for line in kiosk.instructor.said if "late" not in line.lower()][:8])
-    assert begun[0] == begun[1]
-
-
 def test_who_does_nothing_for_45_seconds_is_not_waited_for(kiosk: Kiosk, look: Look) -> None:
     page = look(kiosk.session)
     page.clock.install()
