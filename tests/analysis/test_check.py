@@ -565,17 +565,6 @@ def test_speeds_are_round_between_the_ends(
     assert round_speeds(*ends) == pytest.approx(speeds)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
-def test_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render(check_vessel(load_vessel(name)))
-
-    assert page.isascii()
-    assert max(map(len, page.splitlines())) <= 79
-    for heading in ("COEFFICIENTS", "HULL", "MODES", "STEPS", "TURN"):
-        assert f"\n{heading} " in page or f"\n{heading}\n" in page
-
-
 def test_a_body_that_nothing_damps_may_take_any_step() -> None:
     file = refsub()
     still = tuple(replace(row, a=0.0, b=0.0, c=0.0) for row in file.propulsion.sets)

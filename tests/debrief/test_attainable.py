@@ -91,7 +91,6 @@ FAULTS = (
     ("bottoming", "flood depth-control 1 t", "flood depth-control 15 t", 0.0),
     ("periscope-depth", "flood depth-control 4 t", "flood depth-control 20 t", 0.0),
 )
-QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
 SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved as finely as else
 
@@ -151,32 +150,6 @@ def test_on_the_reference_crew_s_own_run_nothing_is_ever_lost(name: str, step_s:
     assert own
     lost = {tick / 2.0: run.point(tick).marks for tick in range(0, run.last, 2 * step_s)}
     assert {at: marks for at, marks in lost.items() if abs(marks - own) > 1.0} == {}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "seconds", "order"),
-    [
-        ("stern-plane-jam", 300.0, "blow all"),
-        pytest.param("first-depth-change", 150.0, "blow all", marks=pytest.mark.slow),
-        ("flooding-aft", 300.0, "stern planes dive 20"),
-    ],
-)
-def test_a_harmful_order_is_named_within_five_seconds(
-    name: str, seconds: float, order: str
-) -> None:
-    curve = attainable_curve(explored(name, planted(name, seconds, order)))
-    dearest = min(curve.changes, key=lambda change: change.marks)
-    assert (dearest.cause, dearest.order) == (ChangeCause.ORDER, order)
-    assert dearest.tick is not None
-    assert abs(dearest.tick / 2.0 - seconds) <= 5.0
-
-
-@pytest.mark.slow
-def test_an_order_that_is_missing_is_named() -> None:
-    left_out = planted("stern-plane-jam", 0.0, "", without="bell astern full")
-    (change, *_) = attainable_curve(explored("stern-plane-jam", left_out)).changes
-    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
 
 
 def late(name: str, seconds: float) -> Rehearsal:
@@ -427,14 +400,6 @@ def is_named(name: str, right: str, wrong: str | None, late: float) -> bool:
         each.order in (right, wrong) and abs((each.tick or 0) - due.tick) <= 10
         for each in attainable_curve(run).changes
     )
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("fault", QUICK_FAULTS)
-def test_a_fault_of_the_crew_is_named_at_its_moment(
-    fault: tuple[str, str, str | None, float],
-) -> None:
-    assert is_named(*fault)
 
 
 @pytest.mark.slow

@@ -151,17 +151,6 @@ def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
     )
 
 
-@pytest.mark.slow
-def test_an_answer_that_came_too_late_is_named_where_it_was_due(jam: Path) -> None:
-    debrief = debriefed_finely(jam)
-    onset = debrief.casualties[0].episode.begun
-    (change, *_) = curve_of(debrief).changes
-
-    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
-    assert change.tick is not None
-    assert onset < change.tick <= onset + 24  # within 12 s
-
-
 def test_the_page_leads_to_each_change_in_the_charts(jammed: DebriefData) -> None:
     told = render(jammed)
     assert '<a href="#change0-attainable">Go there</a>' in told
