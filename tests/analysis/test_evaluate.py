@@ -143,23 +143,10 @@ def test_a_forward_centre_of_gravity_puts_the_bow_down() -> None:
     assert forward["qdot"] < level["qdot"] - 1e-4
 
 
-def test_last_accelerations_matter_to_the_lagged_sweep_only() -> None:
-    for rates, differ in (("lagged", True), ("exact", False)):
-        calm, shaken = found(boat(), "full", rates, line(), line(last_qdot=0.1))
-
-        assert (calm["wdot"] != shaken["wdot"]) is differ
-
-
 def test_lines_do_not_remember_each_other() -> None:
     lines = [line(last_qdot=0.1, weight=6e7, x_g=1.0, x=50.0), line()]
 
     assert found(boat(), "full", "lagged", *lines)[1] == found(boat(), "full", "lagged", line())[0]
-
-
-def test_position_changes_nothing() -> None:
-    here, there = found(boat(), "full", "exact", line(v=0.3), line(v=0.3, x=9e3, y=-5.0, z=200.0))
-
-    assert here == there
 
 
 def test_blank_lines_are_skipped_but_counted() -> None:
