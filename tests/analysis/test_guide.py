@@ -596,17 +596,6 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     assert "Out of tolerance." in ask(guide, "bb2").output
 
 
-def test_a_page_that_cannot_be_written_is_told(
-    book: GuideContents, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
-
-    done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
-
-    assert isinstance(done.exception, ConfigError)
-    assert "--html /nowhere/guide.html: cannot be written" in str(done.exception)
-
-
 def test_names_of_anybody_s_making_come_out_as_text(book: GuideContents) -> None:
     evil = '<script>alert("x")</script>'
     finding = replace(book.guide.findings[0], title=evil, claim=evil, words=evil)

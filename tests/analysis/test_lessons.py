@@ -1,7 +1,6 @@
 """The lessons: flown by a newcomer who does what they say, and by one who does nothing."""
 
 import functools
-import itertools
 import re
 import sqlite3
 from collections.abc import Callable
@@ -314,22 +313,6 @@ def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_ther
         marks = ship.conduct.marks
         ship.settle(lambda marks=marks: bool(marks.found))  # type: ignore[misc]
         assert bool(ship.facts(trainee, "marks")) is alone
-
-
-@pytest.mark.slow
-def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(crewed: Begin) -> None:
-    names = [*NAMES, *(each.name for each in course())]
-    for before, after in itertools.pairwise(names):
-        if (before, after) not in ((NAMES[0], NAMES[1]), (NAMES[-1], course()[0].name)):
-            continue
-        ship = crewed(seconds=5.0)
-        trainee = ship.comes("trainee")
-        ship.leaves(ship.instructor)
-        ship.conduct.training.exercise, ship.conduct.training.barred = before, None
-        ship.fly(20)
-        assert ship.say(trainee, "next") == ("ok", "next: the one after this")
-        assert ship.session.control.following == after
-        assert ship.facts(trainee, "next") == [""]
 
 
 @pytest.mark.parametrize("name", [each.name for each in course()])

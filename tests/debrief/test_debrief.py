@@ -21,7 +21,6 @@ import numpy as np
 import pytest
 from helpers.contrast import contrast
 from helpers.givers import journalled
-from helpers.nursery import Done, run_trainer
 from helpers.sessions import begin_run, session_over
 
 from trainer.analysis.recording_export import export_file
@@ -612,20 +611,6 @@ def test_what_is_no_recording_or_of_another_version_is_told(
     file.close()
     with pytest.raises(ConfigError, match="another version of the trainer: no theta"):
         read_dossier(other, None)
-
-
-@pytest.mark.process
-def test_the_command_writes_the_page_of_a_run(wound_back: Path, tmp_path: Path) -> None:
-    shutil.copy(wound_back, tmp_path / "j.trainer")
-
-    def ran(*words: str) -> Done:
-        return run_trainer(*words, cwd=tmp_path, timeout=120)
-
-    done = ran("debrief", "j.trainer")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "j.html\n", "")
-    assert "branch 2 of 2" in (tmp_path / "j.html").read_text(encoding="utf-8")
-    missing = ran("debrief", "k.trainer")
-    assert (missing.returncode, len(missing.stderr.splitlines())) == (2, 1)
 
 
 # Paper
