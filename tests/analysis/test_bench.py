@@ -52,24 +52,23 @@ def figures() -> BenchFigures:
 
 
 @pytest.mark.process
-def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: BenchFigures) -> None:
+def test_each_step_of_1969_has_its_ticks_and_its_duty_cycle_beside_that_of_1969(
+    figures: BenchFigures,
+) -> None:
     half, whole = figures.real_time
 
-    assert (half.step_s, half.ticks) == (0.5, 2)
-    assert (whole.step_s, whole.ticks) == (1.0, 1)
-
-
-@pytest.mark.process
-def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: BenchFigures) -> None:
-    half, whole = figures.real_time
-
-    assert (half.duty_cycle_1969_percent, whole.duty_cycle_1969_percent) == (38.0, 19.0)
+    assert (half.step_s, half.ticks, half.duty_cycle_1969_percent) == (0.5, 2, 38.0)
+    assert (whole.step_s, whole.ticks, whole.duty_cycle_1969_percent) == (1.0, 1, 19.0)
     # a single tick: its duty cycle is its work
     assert whole.duty_cycle_percent == pytest.approx(100.0 * whole.work.max_ns / 1e9)
     assert whole.times_less_than_1969 == pytest.approx(19.0 / whole.duty_cycle_percent)
     # waiting counted as work would make it nearly all of the time
     assert 0.0 < half.duty_cycle_percent < 50.0
     assert 0.0 < half.unrecorded_percent < 50.0
+    for run in figures.real_time:
+        assert run.work.p50_ns > 0
+        for spread in (run.work, run.lateness):
+            assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
 def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,14 +87,6 @@ def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None
 
     assert len(begun) == 1
     assert ticks == [1, 2, 3, 4]
-
-
-@pytest.mark.process
-def test_percentiles_rise_to_the_maximum(figures: BenchFigures) -> None:
-    for run in figures.real_time:
-        assert run.work.p50_ns > 0
-        for spread in (run.work, run.lateness):
-            assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
 def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
