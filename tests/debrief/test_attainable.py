@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
-from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.boat.mute_crew import MuteCrew, is_same_order
@@ -389,22 +388,6 @@ def test_a_run_of_another_core_has_no_curve() -> None:
     other = replace(by_crew("stern-plane-jam"), trajectory=replace(flown, columns=columns))
     with pytest.raises(NoCurve, match="cannot be flown again to the bit"):
         explored("stern-plane-jam", other)
-
-
-def test_a_mute_crew_gives_nothing_and_knows_what_is_overdue() -> None:
-    plan = plan_of("backing")
-    boat = start_plan(plan)
-    mute = MuteCrew(boat, plan.crew)
-    for tick in range(160):
-        due = [each.order for each in plan.schedule if 2 * each.seconds == tick]
-        for order in due:
-            read_order(order.text)
-        before = boat.records.state.tobytes()
-        mute.follow(due)
-        assert boat.records.state.tobytes() == before
-        assert boat.tick() == 0
-    assert mute.crew.boat is boat
-    assert [each.given for each in mute.crew.followed].count(None) > 0
 
 
 def test_orders_are_the_same_that_say_the_same_to_the_same_control() -> None:

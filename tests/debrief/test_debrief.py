@@ -398,11 +398,6 @@ def test_each_branch_is_debriefed_with_its_own_past(wound_back: Path) -> None:
     assert re.search(r"<td>2 <b>debriefed here</b></td><td>branch 1</td><td>0:20 ", render(latest))
 
 
-def test_a_branch_that_is_none_is_answered_with_those_there_are(wound_back: Path) -> None:
-    with pytest.raises(ConfigError, match=r"--branch 3: there are branches 1 to 2"):
-        read_dossier(wound_back, 3)
-
-
 # The page
 
 

@@ -399,12 +399,6 @@ def test_the_page_and_the_figures_tell_who_repeated(idle: Path) -> None:
     assert "Orders to the crew" in render(debrief)
 
 
-def test_the_instructors_words_are_in_the_page_and_escaped(idle: Path) -> None:
-    told = render(debriefed(idle))
-    assert "Marks and remarks" in told
-    assert "nobody &lt;moved&gt;" in told
-
-
 # What a run counts for
 
 
