@@ -122,17 +122,6 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
             assert np.array_equal(one.column(name), other.column(name)), name
 
 
-def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
-    method = Method("full", "exact", "exact", "rk4", 0.05)
-
-    told = programme.fly_task(
-        load_vessel("remus100").path, Task(find_manoeuvre("trim"), 2.0 * KNOT, method)
-    )
-
-    assert isinstance(told, str)
-    assert "no straight level flight at 2 kn" in told
-
-
 # --- BB2's own guide
 
 
