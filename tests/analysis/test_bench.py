@@ -27,7 +27,6 @@ from trainer.analysis.bench.tick import (
     CASUALTY_KINDS,
     STANDARD_METHOD,
     BatchCost,
-    in_a_loop,
     long_enough,
     ready_boat,
     time_batches,
@@ -152,21 +151,6 @@ def test_three_ways_to_compute_are_timed_and_the_crossing_is_their_difference(
     ]
     for update in figures.updates:
         assert update.crossing_ns == update.called.least_ns - update.in_kernel.least_ns
-
-
-def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) -> None:
-    called, looped = make_boat(), make_boat()
-    for boat in (called, looped):
-        boat.start(5.0, 60.0, 0.0)
-        boat.state.ordered_depth = 80.0
-
-    for _ in range(7):
-        called.tick()
-    status = in_a_loop(looped.records, 7)
-
-    assert status == 0
-    assert looped.state.tick == 7.0
-    assert np.array_equal(called.state.whole, looped.state.whole)
 
 
 @pytest.mark.process

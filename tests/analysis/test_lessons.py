@@ -14,7 +14,7 @@ from helpers.line import Line
 from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.stated import READING_TIME_S, StepFlight, fly_steps
 from trainer.config.course import course, lessons
-from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
@@ -324,8 +324,3 @@ def test_nothing_that_the_instructor_alone_is_told_reaches_who_trains(name: str)
     assert hidden
     assert not [line for line in hidden if any(line in text for text in told)]
     assert any(hidden[0] in text for text in briefing.heading(INSTRUCTOR_ROLE))
-
-
-def test_a_file_without_steps_has_none_and_changes_nothing() -> None:
-    text = DRILL.partition("[[steps]]")[0]
-    assert parse_exercise(text, Path("drill.toml")).steps == ()
