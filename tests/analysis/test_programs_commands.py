@@ -1,10 +1,8 @@
 """The engineer's programs as commands: pages, JSON, plots and exit codes."""
 
-import builtins
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -150,22 +148,6 @@ def test_a_wrong_option_ends_with_code_2(words: list[str], said: str, runs: dict
 
     assert done.exit_code == 2
     assert said in done.output
-
-
-def test_without_matplotlib_the_message_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    whole = builtins.__import__
-
-    def lacking(name: str, *rest: Any) -> Any:
-        if name.startswith("matplotlib"):
-            raise ImportError("No module named 'matplotlib'")
-        return whole(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", lacking)
-
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[plot\]'"):
-        plots.draw_plot((), tmp_path / "plot.png")
 
 
 def test_compare_answers_with_its_exit_code(runs: dict[str, str]) -> None:

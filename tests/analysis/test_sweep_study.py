@@ -20,7 +20,6 @@ from trainer.analysis.sweep.report import (
     spread_of,
 )
 from trainer.analysis.sweep.study import load_study, parse_study
-from trainer.analysis.sweep.sweep import check_pyarrow
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
@@ -149,21 +148,6 @@ def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
     batch = subject.batch(0, 1)
     assert batch.troubles == (None,)
     assert np.isfinite(batch.outputs).all()
-
-
-def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
-
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
-        check_pyarrow()
-
-
-def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    from trainer.analysis.sweep.sweep import cluster_crew  # noqa: PLC0415
-
-    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
-        next(cluster_crew("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
 
 
 def ask(folder: Path, *words: str) -> Result:
