@@ -51,9 +51,7 @@ def figures() -> BenchFigures:
 
 
 @pytest.mark.process
-def test_each_step_of_1969_has_its_ticks_and_its_duty_cycle_beside_that_of_1969(
-    figures: BenchFigures,
-) -> None:
+def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: BenchFigures) -> None:
     half, whole = figures.real_time
 
     assert (half.step_s, half.ticks, half.duty_cycle_1969_percent) == (0.5, 2, 38.0)

@@ -464,29 +464,17 @@ def test_a_sea_is_felt_and_another_seed_is_another_sea() -> None:
         boat_of("bb2", Rig(depth=20.0, sea="sea-stat-4"))
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("turn", "bb2", "--dive"), "--dive: turn has no such parameter"),
-        (("meander", "bb2", "--side", "port"), "--side: meander has no such parameter"),
-        (("turn", "bb2", "--planes", "5"), "--planes is for climbing-turn"),
-        (("turn", "bb2", "--depth", "400"), "below max_depth_m = 250 m"),
-        (("turn", "bb2", "--sea", "sea-state-4"), "give a --depth"),
-    ],
-)
 def test_the_command_refuses_what_cannot_be_with_exit_code_2(
-    words: tuple[str, ...],
-    told: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    words = ["turn", "bb2", "--sea", "sea-state-4"]
     monkeypatch.setattr(sys, "argv", ["trainer", "manoeuvre", *words])
 
     with pytest.raises(SystemExit) as left:
         main()
 
     assert left.value.code == 2
-    assert told in capsys.readouterr().err
+    assert "give a --depth" in capsys.readouterr().err
 
 
 def test_the_command_says_on_which_side_and_where(tmp_path: Path) -> None:
