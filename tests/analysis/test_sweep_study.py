@@ -192,21 +192,6 @@ def test_a_member_beyond_the_last_is_told(tmp_path: Path) -> None:
     assert str(done.exception) == "--member 8: members are 0 to 7"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("form", ["svg", "png"])
-def test_the_plot_has_the_distribution_and_the_tornado(tmp_path: Path, form: str) -> None:
-    plot = tmp_path / f"plot.{form}"
-    assert ask(tmp_path, "--plot", str(plot), "--measure", "steady speed").exit_code == 0
-
-    data = plot.read_bytes()
-    assert data[:5] in (b"<?xml", b"\x89PNG\r")
-    again = tmp_path / f"again.{form}"
-    ask(tmp_path, "--plot", str(again), "--measure", "steady speed")
-    assert again.read_bytes() == data
-    wrong = ask(tmp_path, "--plot", str(plot), "--measure", "stedy speed")
-    assert "nearest is steady speed" in str(wrong.exception)
-
-
 def test_what_came_to_nothing_is_counted_as_people_count() -> None:
     troubles = {"it broke": 1, "it sank": 3}
     page = render(SweepReport("a study", "a.parquet", "grid", 1, 9, 4, troubles, (), {}))
@@ -246,8 +231,12 @@ def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> N
 
 
 def test_a_grid_is_drawn_over_each_variable(tmp_path: Path) -> None:
-    done = ask(tmp_path, "--jobs", "1", "--plot", str(tmp_path / "grid.svg"))
+    plot = ("--plot", str(tmp_path / "grid.svg"))
+    done = ask(tmp_path, "--jobs", "1", *plot, "--measure", "steady speed")
     assert done.exit_code == 0, done.output
+    assert (tmp_path / "grid.svg").read_bytes().startswith(b"<?xml")
+    wrong = ask(tmp_path, *plot, "--measure", "stedy speed")
+    assert "nearest is steady speed" in str(wrong.exception)
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     result = pq.read_table(tmp_path / "grid.parquet")
