@@ -125,19 +125,6 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
 # --- BB2's own guide
 
 
-@pytest.mark.slow
-def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
-    book: GuideContents,
-) -> None:
-    modified = {sheet.title: sheet.passed("modified") for sheet in book.guide.sheets}
-    basic = {sheet.title: sheet.passed("basic") for sheet in book.guide.sheets}
-
-    assert book.guide.passed
-    assert False not in modified.values()
-    assert modified["turn, rudder 15 deg, port, 20 kn"] is True
-    assert basic["trim, dive, 10 kn"] is False  # it has no Z_waw, M_waw and M_awq
-
-
 def test_every_manoeuvre_is_flown_both_ways_deep_and_some_near_the_surface() -> None:
     found = guide_legs(load_vessel("bb2"))
     titles = [leg.title for leg in found]

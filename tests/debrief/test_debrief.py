@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -68,7 +68,6 @@ class Panel:
     orders: deque[tuple[float, str]]
     wake: threading.Event
     now: float = 0.0
-    heard: list[str] = field(default_factory=list)
     trouble: str = ""
     dropped: int = 0
     ended: bool = False
@@ -86,7 +85,7 @@ class Panel:
         return [line]
 
     def send(self, line: str) -> None:
-        self.heard.append(line)
+        pass
 
     def close(self, patience: float) -> None:
         pass
@@ -98,7 +97,6 @@ class Voyage:
 
     debrief: DebriefData
     monitor: LimitMonitor
-    heard: list[str]
 
 
 def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
@@ -142,9 +140,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     assert session.control.failure == "" or not crews
     debrief = gather_debrief(recording, path or Path("memory.trainer"), None)
     recording.close()
-    return Voyage(
-        debrief, session.monitors.limits, [line for panel in panels for line in panel.heard]
-    )
+    return Voyage(debrief, session.monitors.limits)
 
 
 # Numbers of the exported tables
