@@ -91,11 +91,6 @@ def test_nobody_aboard_earns_nothing(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_nothing_that_is_ordered_is_refused(name: str) -> None:
-    assert by_crew(name).refused == ()
-
-
-@pytest.mark.parametrize("name", NAMES)
 def test_a_check_finds_nothing_wrong_in_a_shipped_exercise(
     monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
