@@ -285,6 +285,10 @@ def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
         if reaction.order.text in refused:
             problem = f"the boat refuses it: {refused[reaction.order.text]}"
             yield position.inside(f"crew[{i}]").wrong("order", reaction.row.order, problem)
+    begun = checked.flights["nobody"].trajectory
+    for loss in plan.lost:
+        if not loss.seconds and all(begun.holds(each)[0] for each in loss.conditions):
+            yield position.wrong("lost", [loss.text], "it is lost at its start, whoever is aboard")
     if not plan.judged_by_tasks:
         return
     for i, rule in enumerate(plan.scores):
