@@ -522,6 +522,15 @@ def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
         check_exercise(str(path))
 
 
+def test_an_exercise_that_is_lost_at_its_start_is_refused(tmp_path: Path) -> None:
+    lost = "lost = ['depth > 30', 'depth > 30 for 5 s', 'time > 100']\n"  # it begins at 60 m
+    name = drill(tmp_path, KEPT)
+    Path(name).write_text(Path(name).read_text().replace("duration_s", f"{lost}duration_s", 1))
+    with pytest.raises(ConfigError, match="lost at its start") as refused:
+        check_exercise(name)
+    assert str(refused.value).count("lost at its start") == 1
+
+
 # All seeds
 
 

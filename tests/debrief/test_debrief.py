@@ -255,6 +255,13 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     return Kept(path, voyage, rows)
 
 
+def test_the_ticks_of_a_run_have_numpys_percentiles(kept: Kept) -> None:
+    debrief = kept.voyage.debrief
+    work = debrief.trajectory.work[~np.isnan(debrief.trajectory.work)]
+    found = (*np.percentile(work, (50.0, 99.0)), work.max())
+    assert debrief.ticks.work == pytest.approx(found, rel=1e-12)
+
+
 def value_in(kept: Kept, row: dict[str, float], quantity: str) -> float:
     """Return a quantity in its unit; BB2's stern planes rise with a negative angle."""
     boat = kept.voyage.debrief.trajectory.boat
