@@ -78,6 +78,12 @@ def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path)
     assert f"trainer boat reduce {path} --write" in done.output
 
 
+@pytest.mark.slow
+def test_a_change_of_length_alone_is_not_accepted() -> None:
+    text = load_vessel("bb2").text
+    assert not examine_boat(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
+
+
 def test_a_complete_boat_lacks_nothing() -> None:
     found = examine_boat(load_vessel("bb2"))
 

@@ -81,6 +81,16 @@ def test_tankage_changes_an_overshoot_of_a_shipped_boat_by_the_figures_of_the_pa
             assert f"| {boat} | {speed:g} | {tankage} | {cells} |" in PAGE
 
 
+@pytest.mark.parametrize("boat", NINE)
+def test_slow_x_g_counts_for_more_than_z_g_and_than_fast_as_in_1969(boat: str) -> None:
+    found = figures_of(boat)
+    slow, fast = sorted({speed for speed, _ in found})
+    largest = {row: max(abs(figure or 0.0) for figure in found[row]) for row in found}
+
+    assert largest[slow, "largest x_G"] > 5.0 * largest[slow, "largest z_G"]
+    assert largest[slow, "largest x_G"] > largest[fast, "largest x_G"]
+
+
 def test_pumped_tanks_move_the_centre_and_as_filled_is_the_filling_asked_for() -> None:
     moved_by, centres = centres_of(load_vessel("bb2"), {"trim_forward": 0.6, "trim_aft": 0.4})
 
