@@ -1,12 +1,19 @@
 """The command."""
 
 import gc
+import sys
+from typing import Final
+
+INTERRUPTED_CODE: Final = 130  # as shells have it
 
 
 def main() -> None:
     """Run the command line."""
     gc.disable()  # what is imported is no garbage: to look through it is a tenth of importing it
-    from trainer.cli.main import main as command  # noqa: PLC0415
+    try:
+        from trainer.cli.main import main as command  # noqa: PLC0415
+    except KeyboardInterrupt:  # nothing has begun yet
+        sys.exit(INTERRUPTED_CODE)
 
     gc.freeze()
     gc.enable()

@@ -27,7 +27,6 @@ from trainer.analysis.bench.tick import (
     CASUALTY_KINDS,
     STANDARD_METHOD,
     BatchCost,
-    in_a_loop,
     long_enough,
     ready_boat,
     time_batches,
@@ -52,24 +51,21 @@ def figures() -> BenchFigures:
 
 
 @pytest.mark.process
-def test_each_step_of_1969_gets_the_ticks_of_the_time_asked_for(figures: BenchFigures) -> None:
-    half, whole = figures.real_time
-
-    assert (half.step_s, half.ticks) == (0.5, 2)
-    assert (whole.step_s, whole.ticks) == (1.0, 1)
-
-
-@pytest.mark.process
 def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: BenchFigures) -> None:
     half, whole = figures.real_time
 
-    assert (half.duty_cycle_1969_percent, whole.duty_cycle_1969_percent) == (38.0, 19.0)
+    assert (half.step_s, half.ticks, half.duty_cycle_1969_percent) == (0.5, 2, 38.0)
+    assert (whole.step_s, whole.ticks, whole.duty_cycle_1969_percent) == (1.0, 1, 19.0)
     # a single tick: its duty cycle is its work
     assert whole.duty_cycle_percent == pytest.approx(100.0 * whole.work.max_ns / 1e9)
     assert whole.times_less_than_1969 == pytest.approx(19.0 / whole.duty_cycle_percent)
     # waiting counted as work would make it nearly all of the time
     assert 0.0 < half.duty_cycle_percent < 50.0
     assert 0.0 < half.unrecorded_percent < 50.0
+    for run in figures.real_time:
+        assert run.work.p50_ns > 0
+        for spread in (run.work, run.lateness):
+            assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
 def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,14 +84,6 @@ def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None
 
     assert len(begun) == 1
     assert ticks == [1, 2, 3, 4]
-
-
-@pytest.mark.process
-def test_percentiles_rise_to_the_maximum(figures: BenchFigures) -> None:
-    for run in figures.real_time:
-        assert run.work.p50_ns > 0
-        for spread in (run.work, run.lateness):
-            assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
 def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
@@ -161,21 +149,6 @@ def test_three_ways_to_compute_are_timed_and_the_crossing_is_their_difference(
     ]
     for update in figures.updates:
         assert update.crossing_ns == update.called.least_ns - update.in_kernel.least_ns
-
-
-def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) -> None:
-    called, looped = make_boat(), make_boat()
-    for boat in (called, looped):
-        boat.start(5.0, 60.0, 0.0)
-        boat.state.ordered_depth = 80.0
-
-    for _ in range(7):
-        called.tick()
-    status = in_a_loop(looped.records, 7)
-
-    assert status == 0
-    assert looped.state.tick == 7.0
-    assert np.array_equal(called.state.whole, looped.state.whole)
 
 
 @pytest.mark.process

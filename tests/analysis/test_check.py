@@ -31,7 +31,6 @@ from trainer.boat.stability import (
     StepVerdict,
     boat_responses,
     growth_factors,
-    largest_flown,
     largest_step,
     leading_motion,
     stable_step,
@@ -351,22 +350,7 @@ def test_remus_flies_at_a_twentieth_of_a_second_but_not_at_half(remus: CheckRepo
         assert 0.05 < short.largest == long.largest < 0.1
     assert not remus.stable
     assert all(verdict.stable == (verdict.step_s < 0.1) for verdict in remus.verdicts)
-
-
-def test_a_stiff_roll_makes_one_second_unstable() -> None:
-    file = load_vessel("bb2")
-    # 30 times the roll damping: its fast root at 10 kn is near -3 /s, and Adams wants h < 1/3 s
-    stiff = replace(
-        file, coefficients={**file.coefficients, "K_p": 30.0 * file.coefficients["K_p"]}
-    )
-
-    report = check_vessel(stiff)
-
-    assert not report.stable
-    failing = [v for v in report.verdicts if not v.stable]
-    assert {v.step_s for v in failing} >= {1.0}
-    assert all(v.worst.startswith("roll") for v in failing)
-    assert "NOT STABLE" in render(report)
+    assert "NOT STABLE" in render(remus)
 
 
 def test_the_vessels_own_step_is_judged_too() -> None:
@@ -377,17 +361,6 @@ def test_the_vessels_own_step_is_judged_too() -> None:
 
     assert not report.stable
     assert {v.step_s for v in report.verdicts if not v.stable} == {2.0}
-
-
-def test_an_undamped_swing_may_grow_a_little_and_not_much() -> None:
-    # REMUS's roll at 2 kn has a damping ratio of 0.0014: Adams turns it beyond h = 0.036 s
-    boat = flown("remus100", "adams2", 0.05, rates="exact")
-    response = boat_responses(boat, [2.0 * KNOT])[2.0 * KNOT]
-    roots = np.linalg.eigvals(tick_map(response, boat.records.scheme, 0.05))
-    roll = max(abs(root) for root in roots if root.imag > 0.2)
-
-    assert 1.0 < roll < 1.001
-    assert 0.05 < largest_flown([response], boat.records.scheme) < 0.08
 
 
 def test_the_root_to_blame_is_called_by_its_motion() -> None:
@@ -565,17 +538,6 @@ def test_speeds_are_round_between_the_ends(
     assert round_speeds(*ends) == pytest.approx(speeds)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
-def test_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render(check_vessel(load_vessel(name)))
-
-    assert page.isascii()
-    assert max(map(len, page.splitlines())) <= 79
-    for heading in ("COEFFICIENTS", "HULL", "MODES", "STEPS", "TURN"):
-        assert f"\n{heading} " in page or f"\n{heading}\n" in page
-
-
 def test_a_body_that_nothing_damps_may_take_any_step() -> None:
     file = refsub()
     still = tuple(replace(row, a=0.0, b=0.0, c=0.0) for row in file.propulsion.sets)
@@ -593,14 +555,6 @@ def test_a_body_that_nothing_damps_may_take_any_step() -> None:
     assert report.largest_flown_s["full"]["adams2"] is None
     assert "largest: Adams 2 any, Euler any" in render(report)
     assert json.dumps(asdict(report), allow_nan=False)
-
-
-def test_the_report_is_json(bb2: CheckReport, remus: CheckReport) -> None:
-    for report in (bb2, remus):
-        table = json.loads(json.dumps(asdict(report), allow_nan=False))
-
-        assert table["stable"] is report.stable
-        assert table["flights"][0]["speed_kn"] == report.flights[0].speed_kn
 
 
 def test_the_page_tells_the_boat_afloat_and_the_parts_of_a_step() -> None:

@@ -122,31 +122,7 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
             assert np.array_equal(one.column(name), other.column(name)), name
 
 
-def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
-    method = Method("full", "exact", "exact", "rk4", 0.05)
-
-    told = programme.fly_task(
-        load_vessel("remus100").path, Task(find_manoeuvre("trim"), 2.0 * KNOT, method)
-    )
-
-    assert isinstance(told, str)
-    assert "no straight level flight at 2 kn" in told
-
-
 # --- BB2's own guide
-
-
-@pytest.mark.slow
-def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
-    book: GuideContents,
-) -> None:
-    modified = {sheet.title: sheet.passed("modified") for sheet in book.guide.sheets}
-    basic = {sheet.title: sheet.passed("basic") for sheet in book.guide.sheets}
-
-    assert book.guide.passed
-    assert False not in modified.values()
-    assert modified["turn, rudder 15 deg, port, 20 kn"] is True
-    assert basic["trim, dive, 10 kn"] is False  # it has no Z_waw, M_waw and M_awq
 
 
 def test_every_manoeuvre_is_flown_both_ways_deep_and_some_near_the_surface() -> None:
@@ -594,17 +570,6 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: failed)
     assert ask(guide, "bb2").exit_code == 1
     assert "Out of tolerance." in ask(guide, "bb2").output
-
-
-def test_a_page_that_cannot_be_written_is_told(
-    book: GuideContents, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
-
-    done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
-
-    assert isinstance(done.exception, ConfigError)
-    assert "--html /nowhere/guide.html: cannot be written" in str(done.exception)
 
 
 def test_names_of_anybody_s_making_come_out_as_text(book: GuideContents) -> None:

@@ -127,13 +127,6 @@ def test_a_panel_alone_has_no_interference_and_a_hull_adds_its_own() -> None:
     assert 1.0 < on_panel(0.5) < on_both(0.5)
 
 
-def test_a_long_wing_has_the_slope_of_a_section() -> None:
-    panel = replace(shipped_hull("suboff").panels[0], root=0.0, tip=1e4, chords=(1.0, 1.0))
-    panel = replace(panel, leading=(1.0, 1.0))
-
-    assert lift_slope(panel) == pytest.approx(0.9 * 2.0 * math.pi, rel=1e-3)
-
-
 def test_a_curve_between_stations_never_overshoots() -> None:
     x = np.array([0.0, 1.0, 2.0, 5.0, 6.0])
     y = np.array([0.0, 2.0, 2.0, 2.0, 0.0])

@@ -1,7 +1,6 @@
 """The lessons: flown by a newcomer who does what they say, and by one who does nothing."""
 
 import functools
-import itertools
 import re
 import sqlite3
 from collections.abc import Callable
@@ -15,7 +14,7 @@ from helpers.line import Line
 from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.stated import READING_TIME_S, StepFlight, fly_steps
 from trainer.config.course import course, lessons
-from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
@@ -316,22 +315,6 @@ def test_who_trains_alone_gets_the_marks_at_once_and_an_instructor_first_if_ther
         assert bool(ship.facts(trainee, "marks")) is alone
 
 
-@pytest.mark.slow
-def test_next_is_the_one_after_this_and_its_name_is_kept_from_who_trains(crewed: Begin) -> None:
-    names = [*NAMES, *(each.name for each in course())]
-    for before, after in itertools.pairwise(names):
-        if (before, after) not in ((NAMES[0], NAMES[1]), (NAMES[-1], course()[0].name)):
-            continue
-        ship = crewed(seconds=5.0)
-        trainee = ship.comes("trainee")
-        ship.leaves(ship.instructor)
-        ship.conduct.training.exercise, ship.conduct.training.barred = before, None
-        ship.fly(20)
-        assert ship.say(trainee, "next") == ("ok", "next: the one after this")
-        assert ship.session.control.following == after
-        assert ship.facts(trainee, "next") == [""]
-
-
 @pytest.mark.parametrize("name", [each.name for each in course()])
 def test_nothing_that_the_instructor_alone_is_told_reaches_who_trains(name: str) -> None:
     exercise = load_exercise(name)
@@ -341,8 +324,3 @@ def test_nothing_that_the_instructor_alone_is_told_reaches_who_trains(name: str)
     assert hidden
     assert not [line for line in hidden if any(line in text for text in told)]
     assert any(hidden[0] in text for text in briefing.heading(INSTRUCTOR_ROLE))
-
-
-def test_a_file_without_steps_has_none_and_changes_nothing() -> None:
-    text = DRILL.partition("[[steps]]")[0]
-    assert parse_exercise(text, Path("drill.toml")).steps == ()

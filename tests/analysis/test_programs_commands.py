@@ -1,10 +1,8 @@
 """The engineer's programs as commands: pages, JSON, plots and exit codes."""
 
-import builtins
 import json
 import math
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -53,16 +51,18 @@ def words_of(name: str, runs: dict[str, str]) -> list[str]:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_page_fits_a_terminal_and_says_with_an_example_how_it_was_asked_for(
-    name: str, runs: dict[str, str]
+def test_a_page_fits_a_terminal_beside_its_plot_and_its_help_has_an_example(
+    name: str, runs: dict[str, str], tmp_path: Path
 ) -> None:
-    done = ask(*words_of(name, runs))
+    path = tmp_path / "plot.svg"
+    done = ask(*words_of(name, runs), "--plot", str(path))
 
     assert done.exit_code == 0, done.output
     lines = done.stdout.splitlines()
     assert len(lines) > 5
     assert max(map(len, lines)) <= 79
     assert done.stdout.isascii()
+    assert path.read_bytes().startswith(FORMS[".svg"])
     assert f"Example:  trainer report-1969 {name} " in ask(name, "--help").stdout
 
 
@@ -92,20 +92,6 @@ def test_a_plot_has_the_form_of_its_name_and_the_same_bytes_each_time(
 
     assert drawn[0].startswith(FORMS[form])
     assert drawn[0] == drawn[1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_program_draws_its_plot_and_prints_its_page_as_well(
-    name: str, runs: dict[str, str], tmp_path: Path
-) -> None:
-    path = tmp_path / "plot.svg"
-
-    done = ask(*words_of(name, runs), "--plot", str(path))
-
-    assert done.exit_code == 0, done.output
-    assert len(done.stdout.splitlines()) > 5
-    assert path.read_bytes().startswith(FORMS[".svg"])
 
 
 def test_curves_differ_by_line_as_well_as_by_colour() -> None:
@@ -150,22 +136,6 @@ def test_a_wrong_option_ends_with_code_2(words: list[str], said: str, runs: dict
 
     assert done.exit_code == 2
     assert said in done.output
-
-
-def test_without_matplotlib_the_message_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    whole = builtins.__import__
-
-    def lacking(name: str, *rest: Any) -> Any:
-        if name.startswith("matplotlib"):
-            raise ImportError("No module named 'matplotlib'")
-        return whole(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", lacking)
-
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[plot\]'"):
-        plots.draw_plot((), tmp_path / "plot.png")
 
 
 def test_compare_answers_with_its_exit_code(runs: dict[str, str]) -> None:

@@ -216,9 +216,7 @@ def test_a_column_that_a_run_lacks_is_named_with_the_nearest() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "is empty; headings of columns belong there"),
         ("time,u\n0,1\n1,2\n", "first line must name the columns, t"),
-        ("t,u,u\n0,1,1\n", 'column "u" is given twice'),
         ("t,u\n0,1\n1\n", "row 3: has 1 fields, the heading 2"),
         ("t,u\n0,1\n1,fast\n", 'row 3: u = "fast": must be a number'),
         ("t,u\n0,1\n1,nan\n", 'row 3: u = "nan": must be a number'),

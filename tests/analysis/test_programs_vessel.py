@@ -312,15 +312,6 @@ def test_the_depth_loop_of_1969_by_the_steps_of_the_reference_has_its_roots(
 
 
 @pytest.mark.parametrize("case", ROOTS["autopilot_closed_loop"], ids=loop_name)
-def test_the_depth_loop_of_1969_has_the_roots_of_the_reference_but_for_its_steps(
-    case: dict[str, Any],
-) -> None:
-    expected = in_order(complex(*pair) for pair in case["eig"])
-
-    assert in_order(depth_loop_of(case).eigenvalues) == pytest.approx(expected, rel=2e-6)
-
-
-@pytest.mark.parametrize("case", ROOTS["autopilot_closed_loop"], ids=loop_name)
 def test_the_depth_loop_of_1969_is_what_differences_tend_to(case: dict[str, Any]) -> None:
     exact = in_order(depth_loop_of(case).eigenvalues)
     near, far = (in_order(np.linalg.eigvals(differentiated(case, h))) for h in (5e-5, 1e-4))

@@ -45,6 +45,10 @@ def test_a_shipped_boat_is_accepted(name: str) -> None:
 
     assert done.exit_code == 0, done.output
     assert "The compact set is within tolerance in all of them." in done.output
+    assert done.output.isascii()
+    assert max(map(len, done.output.splitlines())) <= 79
+    for heading in ("COEFFICIENTS", "HULL", "MODES", "STEPS", "TURN"):
+        assert re.search(rf"^{heading}\b", done.output, re.MULTILINE), heading
 
 
 @pytest.mark.slow
@@ -99,15 +103,6 @@ def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
 
     assert "trainer boat new like.toml --from bb2 --length 1.33" in told["[ballast]"]
     assert told["periscope_depth_m"] == "a line in [run]"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", BOATS)
-def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
-    page = render_readiness(examine_boat(load_vessel(name)))
-
-    assert page.isascii()
-    assert max(map(len, page.splitlines())) <= 79
 
 
 def test_the_figures_are_json() -> None:

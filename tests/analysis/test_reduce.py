@@ -217,16 +217,6 @@ def test_an_event_more_than_a_cycle_from_the_others_is_ones_own() -> None:
     assert event(0.1, [0.5]) == 10.0
 
 
-def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
-    file = load_vessel("bb2")
-    (leg,) = (
-        leg for leg in guide_legs(file) if leg.title == "overshoot, execute 5 deg, rise, 20 kn"
-    )
-
-    assert leg.task(file, "full").beside is None
-    assert leg.task(file, "modified").beside == leg.task(file, "full").method
-
-
 # --- what is flown
 
 

@@ -29,22 +29,6 @@ from trainer.core.state import STATE_FIELDS
 
 # Another equation or another order makes it another hour: then take the new one from the failure,
 # as long as every way to compute it still agrees.
-# It was 1855b171... until the state had numbers of the envelope (last_turn, last_step, polar,
-# validity) and floated by the water's level along the hull, inside the rates: the motion is the
-# same up to tick 5448; in the next the hull first breaks the surface, ordered up in a sea (2724 s).
-# It was 219df557... until the sea had the spectrum's energy and suction, and pushed on strips; the
-# keepers kept speed, depth, trim and hover otherwise; and an emergency blow was among the orders.
-# It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more,
-# the third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with
-# history 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
-# It was 7b102e64... until BB2's compact set was found on both sides (docs/reduction.md), and the
-# state held orders to the crew, ten numbers more that are zero here.
-# It was 505b929f... until the reference of a boat in hand, or on the way up after a blow, moved
-# with the boat no faster than it is slewed: one handed over in a hard turn is stopped.
-# It was 9beb354c... until the force of the wave filter had no part at rest, and rows down to the
-# surface. Without a sea the hour has the bits of before.
-# It was 075af4c0... until a boat afloat heeled outward: the hour ends at the surface.
-# It was 6803b421... until waves had a moment of roll, and a boat afloat heeled inward.
 # It was a200bc78... until `dive` ended an ascent (2026-11-27): from tick 6201 on (3100 s) the boat,
 # afloat after the blow, keeps the depth that the order names. Without that the core, which surfaces
 # level since then, ends the hour in a200bc78... still: none of its orders is `surface`.

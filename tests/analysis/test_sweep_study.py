@@ -20,7 +20,6 @@ from trainer.analysis.sweep.report import (
     spread_of,
 )
 from trainer.analysis.sweep.study import load_study, parse_study
-from trainer.analysis.sweep.sweep import check_pyarrow
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
@@ -67,13 +66,10 @@ KEY = "vessel.coefficients.N_v"
         (KEY, "vessel.coeffcients.N_v", "nearest is coefficients"),
         (KEY, "vessel.vessel.cg[3]", "of 3, counted from 0"),
         (KEY, "vessel..N_v", "'' is no word of a key"),
-        (KEY, "manoeuvre.angle_deg", "relative: manoeuvre.angle_deg is null: no factor"),
         (KEY, "vessel.coefficients.Y_pap", "is 0.0: no factor"),
-        ("std = 0.1\n", "", "normal lacks std"),
         ("std =", "high =", "normal lacks std and has high besides"),
         ("relative = true", "values = [1.0]", "give one of values, distribution"),
         ("relative = true\n", "relative = true\n" + VARY, 'vary[1]] name = "N_v": is given twice'),
-        ('normal"\nmean = 1', 'uniform"\nhigh = 0.1\nlow = 1', "uniform has std besides"),
         (VARY, VARY.replace("normal", "uniform"), "uniform lacks low, high and has mean, std"),
         ('"normal"\nmean = 1.0\nstd', '"uniform"\nhigh = 0.1\nlow', "low, high must rise"),
         (SAMPLE, GRID, "a grid wants values"),
@@ -151,21 +147,6 @@ def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
     assert np.isfinite(batch.outputs).all()
 
 
-def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
-
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
-        check_pyarrow()
-
-
-def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    from trainer.analysis.sweep.sweep import cluster_crew  # noqa: PLC0415
-
-    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
-    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
-        next(cluster_crew("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
-
-
 def ask(folder: Path, *words: str) -> Result:
     """Run the program on a small grid of turns, in a folder of its own."""
     (folder / "grid.toml").write_text(
@@ -208,21 +189,6 @@ def test_a_member_beyond_the_last_is_told(tmp_path: Path) -> None:
     assert str(done.exception) == "--member 8: members are 0 to 7"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("form", ["svg", "png"])
-def test_the_plot_has_the_distribution_and_the_tornado(tmp_path: Path, form: str) -> None:
-    plot = tmp_path / f"plot.{form}"
-    assert ask(tmp_path, "--plot", str(plot), "--measure", "steady speed").exit_code == 0
-
-    data = plot.read_bytes()
-    assert data[:5] in (b"<?xml", b"\x89PNG\r")
-    again = tmp_path / f"again.{form}"
-    ask(tmp_path, "--plot", str(again), "--measure", "steady speed")
-    assert again.read_bytes() == data
-    wrong = ask(tmp_path, "--plot", str(plot), "--measure", "stedy speed")
-    assert "nearest is steady speed" in str(wrong.exception)
-
-
 def test_what_came_to_nothing_is_counted_as_people_count() -> None:
     troubles = {"it broke": 1, "it sank": 3}
     page = render(SweepReport("a study", "a.parquet", "grid", 1, 9, 4, troubles, (), {}))
@@ -262,8 +228,12 @@ def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> N
 
 
 def test_a_grid_is_drawn_over_each_variable(tmp_path: Path) -> None:
-    done = ask(tmp_path, "--jobs", "1", "--plot", str(tmp_path / "grid.svg"))
+    plot = ("--plot", str(tmp_path / "grid.svg"))
+    done = ask(tmp_path, "--jobs", "1", *plot, "--measure", "steady speed")
     assert done.exit_code == 0, done.output
+    assert (tmp_path / "grid.svg").read_bytes().startswith(b"<?xml")
+    wrong = ask(tmp_path, *plot, "--measure", "stedy speed")
+    assert "nearest is steady speed" in str(wrong.exception)
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     result = pq.read_table(tmp_path / "grid.parquet")

@@ -45,10 +45,7 @@ class Waits:
 def time_waits() -> Waits:
     """Return what each command takes."""
     flown = {
-        each.name: (
-            ("run", each.name, "--headless", "--speed", "max", "--record", "run.trainer"),
-            ("debrief", "run.trainer", "--html", "run.html"),
-        )
+        each.name: (("run", each.name, "--headless", "--speed", "max", "--debrief", "run.html"),)
         for each in course()
     }
     return Waits(dict(time_each(COMMANDS, processor_s)), dict(time_each(flown, processor_s)))

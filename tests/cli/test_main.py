@@ -65,6 +65,25 @@ def test_closed_standard_streams_change_no_exit_code_and_nothing_that_is_written
     assert (tmp_path / "d.html").stat().st_size > 10_000
 
 
+@pytest.mark.process
+def test_a_headless_run_ends_with_its_debrief_and_the_run_beside_it(tmp_path: Path) -> None:
+    fly = ("run", "steady-course", "--headless", "--speed", "max", "--duration", "20")
+
+    code, out, _ = typed(*fly, "--debrief", "it.html", folder=tmp_path)
+    again = typed("debrief", "it.trainer", "--html", "again.html", folder=tmp_path)
+    refused = [
+        typed(*words, "--debrief", "no.html", folder=tmp_path)
+        for words in (fly[:2], (*fly, "--no-record"))
+    ]
+
+    assert (code, again[0]) == (0, 0)
+    assert "it.html" in out
+    assert (tmp_path / "it.html").read_bytes() == (tmp_path / "again.html").read_bytes()
+    assert {each[0] for each in refused} == {2}
+    assert all("--debrief goes with --headless and a recording" in each[2] for each in refused)
+    assert not (tmp_path / "no.trainer").exists()
+
+
 @pytest.fixture
 def fallen(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Typed:
     """Give what runs the command line into an exception, and returns what is told."""

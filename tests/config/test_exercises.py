@@ -153,7 +153,11 @@ def test_a_casualty_waits_for_its_condition() -> None:
         ("step_s = 5", "step_s = 5: must be 0.001 to 2 s"),
         ('equations = "ful"', 'equations = "ful": must be full or modified or basic'),
         ("[sea]", "[sea] has none of them: give one of sea_state, wind_kn, height_m"),
-        ('sea = "sea-state-55"', 'no sea "sea-state-55"; nearest is sea-state-5'),
+        (
+            'sea = "sea-state-55"',
+            'drill.toml: line 4: sea = "sea-state-55": no sea "sea-state-55"; ',
+        ),
+        ('vessel = "bb3"', 'line 4: vessel = "bb3": no vessel "bb3"; nearest is bb2'),
         (
             "[[orders]]\nat_s = 1\norder = 'rudder lefy 15'",
             '[orders[0]] order = "rudder lefy 15": "lefy" after "rudder"; did you mean left?',

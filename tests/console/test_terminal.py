@@ -275,6 +275,22 @@ def test_a_screen_that_cannot_end_because_its_terminal_is_gone_is_left() -> None
     assert done.returncode == 1
 
 
+def test_a_console_whose_terminal_goes_without_a_signal_ends() -> None:
+    far, near = pty.openpty()
+    words = [*TRAINER, "run", "--no-record", "--speed", "10"]
+    with subprocess.Popen(
+        words, stdin=near, stdout=near, stderr=near, start_new_session=True
+    ) as process:  # which the terminal does not control, as no shell began it there
+        os.close(near)
+        written = b""
+        while OPENED not in written:
+            written += os.read(far, 65536)
+        os.close(far)
+        await_work(process.pid, lambda: process.poll() is not None, lambda: "it lives on")
+    assert process.returncode == 1
+    assert gone(paths.socket_path())
+
+
 OPENED, LEFT = b"\x1b[?1049h", b"\x1b[?1049l"  # the screen, over what was on the terminal
 
 

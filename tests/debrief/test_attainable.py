@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.givers import journalled
-from helpers.orders import read_order
 from helpers.sessions import start_plan
 
 from trainer.boat.mute_crew import MuteCrew, is_same_order
@@ -91,7 +90,6 @@ FAULTS = (
     ("bottoming", "flood depth-control 1 t", "flood depth-control 15 t", 0.0),
     ("periscope-depth", "flood depth-control 4 t", "flood depth-control 20 t", 0.0),
 )
-QUICK_FAULTS = (FAULTS[2], FAULTS[12], FAULTS[16])
 SHIPPED = shipped_names("exercises")
 SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved as finely as else
 
@@ -151,32 +149,6 @@ def test_on_the_reference_crew_s_own_run_nothing_is_ever_lost(name: str, step_s:
     assert own
     lost = {tick / 2.0: run.point(tick).marks for tick in range(0, run.last, 2 * step_s)}
     assert {at: marks for at, marks in lost.items() if abs(marks - own) > 1.0} == {}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "seconds", "order"),
-    [
-        ("stern-plane-jam", 300.0, "blow all"),
-        pytest.param("first-depth-change", 150.0, "blow all", marks=pytest.mark.slow),
-        ("flooding-aft", 300.0, "stern planes dive 20"),
-    ],
-)
-def test_a_harmful_order_is_named_within_five_seconds(
-    name: str, seconds: float, order: str
-) -> None:
-    curve = attainable_curve(explored(name, planted(name, seconds, order)))
-    dearest = min(curve.changes, key=lambda change: change.marks)
-    assert (dearest.cause, dearest.order) == (ChangeCause.ORDER, order)
-    assert dearest.tick is not None
-    assert abs(dearest.tick / 2.0 - seconds) <= 5.0
-
-
-@pytest.mark.slow
-def test_an_order_that_is_missing_is_named() -> None:
-    left_out = planted("stern-plane-jam", 0.0, "", without="bell astern full")
-    (change, *_) = attainable_curve(explored("stern-plane-jam", left_out)).changes
-    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern full")
 
 
 def late(name: str, seconds: float) -> Rehearsal:
@@ -430,14 +402,6 @@ def is_named(name: str, right: str, wrong: str | None, late: float) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("fault", QUICK_FAULTS)
-def test_a_fault_of_the_crew_is_named_at_its_moment(
-    fault: tuple[str, str, str | None, float],
-) -> None:
-    assert is_named(*fault)
-
-
-@pytest.mark.slow
 def test_nine_of_ten_faults_of_a_crew_are_named_at_their_moments() -> None:
     missed = [fault for fault in FAULTS if not is_named(*fault)]
     assert len({name for name, *_ in FAULTS}) >= 8
@@ -450,22 +414,6 @@ def test_a_run_of_another_core_has_no_curve() -> None:
     other = replace(by_crew("stern-plane-jam"), trajectory=replace(flown, columns=columns))
     with pytest.raises(NoCurve, match="cannot be flown again to the bit"):
         explored("stern-plane-jam", other)
-
-
-def test_a_mute_crew_gives_nothing_and_knows_what_is_overdue() -> None:
-    plan = plan_of("backing")
-    boat = start_plan(plan)
-    mute = MuteCrew(boat, plan.crew)
-    for tick in range(160):
-        due = [each.order for each in plan.schedule if 2 * each.seconds == tick]
-        for order in due:
-            read_order(order.text)
-        before = boat.records.state.tobytes()
-        mute.follow(due)
-        assert boat.records.state.tobytes() == before
-        assert boat.tick() == 0
-    assert mute.crew.boat is boat
-    assert [each.given for each in mute.crew.followed].count(None) > 0
 
 
 def test_orders_are_the_same_that_say_the_same_to_the_same_control() -> None:

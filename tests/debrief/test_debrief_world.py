@@ -1,8 +1,8 @@
 """A debrief of the world around the boat: ships, what was seen of them, and the ground."""
 
 import re
+from pathlib import Path
 
-import pytest
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
@@ -41,19 +41,17 @@ zero = 60
 """
 
 
-@pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Return the page of a run past a ship, with two looks, over ground that rises."""
-    folder = tmp_path_factory.mktemp("lane")
-    exercise, orders, record = (folder / name for name in ("lane.toml", "o.txt", "r.trainer"))
+def test_a_page_has_the_ways_of_ships_what_was_seen_each_look_and_the_water_below(
+    tmp_path: Path,
+) -> None:
+    """Of a run past a ship, with two looks, over ground that rises."""
+    exercise, orders, record = (tmp_path / name for name in ("lane.toml", "o.txt", "r.trainer"))
     exercise.write_text(LANE)
     orders.write_text("2 scope raise\n30 scope lower\n60 scope raise\n")
     words = ["run", str(exercise), "--orders", str(orders), "--record", str(record)]
     type_command(cli, *words, "--headless", "--speed", "max")
-    return render(read_dossier(record, None))
+    told = render(read_dossier(record, None))
 
-
-def test_the_track_has_the_ways_of_ships_and_the_closest_approach(told: str) -> None:
     track = told[told.index("The track from above") :]
     track = track[: track.index("</svg>")]
     assert re.search(r'class="ship-name[^>]*>big<', track)
@@ -61,18 +59,9 @@ def test_the_track_has_the_ways_of_ships_and_the_closest_approach(told: str) -> 
     apart = re.search(r'class="approach".*?>(\d+) m<', track)
     assert apart
     assert f"<td>{apart[1]} m</td>" in told  # as the table of ships has it
-
-
-def test_the_table_of_ships_tells_what_was_seen_and_not_marked(told: str) -> None:
     ships = told[told.index('id="ships"') :]
     assert re.search(r"<td>big</td>.*?<small>tick \d+</small></td><td>no</td>", ships)
-
-
-def test_the_time_line_has_a_bar_for_each_look(told: str) -> None:
     line = told[told.index("What happened when") :]
     assert line[: line.index("</svg>")].count('class="shown"') == 2
-
-
-def test_the_water_under_the_keel_has_a_chart_with_its_limit(told: str) -> None:
     chart = told[told.index("Water under the keel against time") :]
     assert "limit 35 m" in chart[: chart.index("</svg>")]

@@ -93,7 +93,8 @@ def test_kinds_of_loss_follow_from_the_causes_of_the_curve() -> None:
         MarkChange(30, 40, -4.0, cause.ORDER, "rudder left 20"),
         MarkChange(40, 50, 6.0, cause.BETTER),
     ]
-    assert costs_of(changes) == {"late": 20.0, "trim": 7.0, "overshoot": 9.0, "wrong way": 4.0}
+    found = {"late": 20.0, "trim": 7.0, "overshoot": 9.0, "wrong way": 4.0, "other": 0.0}
+    assert costs_of(changes) == found
 
 
 def test_what_cost_most_is_of_the_last_five_runs_with_marks() -> None:
@@ -197,7 +198,7 @@ def test_a_class_is_a_table_with_a_row_for_each_run(
     rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
     assert [(row["trainee"], row["marks"], row["late"]) for row in rows] == [
         (ANN, "40.0", "35.0"),
-        (ANN, "91.0", "0.0"),
+        (ANN, "91.0", ""),  # what cost it is not known yet
         ("Bob", "40.0", "35.0"),
     ]
 

@@ -95,6 +95,14 @@ def test_a_model_needs_a_ship_and_logs_need_their_places(tmp_path: Path) -> None
     with pytest.raises(ConfigError, match=r"\[model\] needs a \[ship\]"):
         load_study(write(tmp_path, table(), STUDY + model))
     ship = "\n[ship]\nlength_m = 100\n"
+    ship_alone = STUDY + '[ship]\n[model]\nkind = "nomoto1"\noutputs = ["yaw_rate"]\n'
+    with pytest.raises(ConfigError) as lacking:
+        observed(tmp_path, table(), ship_alone)
+    assert str(lacking.value) == "trial.toml: [ship] lacks length_m"
+    other_form = 'schema = "nomoto/1"\n[ship]\nlength = 300\n'
+    with pytest.raises(ConfigError) as other:  # and no word of its keys
+        observed(tmp_path, table(), other_form)
+    assert str(other.value) == 'trial.toml: schema = "nomoto/1": must be identify/1'
     with pytest.raises(ConfigError, match="bow_sway needs bow_log_m"):
         load_study(write(tmp_path, table(), STUDY + model + ship))
 

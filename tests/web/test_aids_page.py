@@ -47,6 +47,12 @@ def test_who_trains_has_both_aids_and_the_way_by_keyboard(
     page.set_viewport_size({"width": size[0], "height": size[1]})
     page.locator("#close-briefing").click()
     expect(page.locator("depth-gauge .ghost").first).to_be_hidden()
+    if size == (1280, 720):  # low and wide: alerts and keys share a row
+        tops = (
+            "['.bell', '#aids'].map((one) => document.querySelector(one).getBoundingClientRect().y)"
+        )
+        bell, keys = page.evaluate(tops)
+        assert keys < bell + 48
 
     press(page, "#ghost")
     expect(page.locator("#ghost")).to_have_attribute("aria-pressed", "true", timeout=LONG)

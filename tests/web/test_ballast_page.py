@@ -66,7 +66,8 @@ CONTROLS: Final = (
     ("[data-switch=drain] [data-position=stop]", "tanks.draining", ""),
 )
 
-# Words at valves and of flooded compartments that a pipe, a valve or another word goes through.
+# Words at valves and of flooded compartments that a pipe or a valve goes through, and any words
+# that others go through.
 CROSSED: Final = """() => {
   const seen = (each) => each.checkVisibility() && (each.textContent || !each.matches("text"));
   const all = (kind) => [...document.querySelectorAll(`tank-mimic ${kind}`)].filter(seen);
@@ -75,14 +76,15 @@ CROSSED: Final = """() => {
   const places = (line) => Array.from({ length: 200 }, (_, at) => line
     .getPointAtLength((line.getTotalLength() * at) / 199).matrixTransform(line.getScreenCTM()));
   const lines = [...all(".pipe"), ...all(".body"), ...all(".pump")].flatMap(places);
-  return all(".word").filter((word) => {
+  return all(".word, .name, .value").filter((word) => {
     const box = word.getBoundingClientRect();
     const ends = all("text").filter((each) => each !== word).flatMap((each) => {
       const { left, right, top, bottom } = each.getBoundingClientRect();
       const y = (top + bottom) / 2;
       return [{ x: left, y }, { x: (left + right) / 2, y }, { x: right, y }];
     });
-    return [...lines, ...ends].some((place) => within(place, box));
+    const others = word.matches(".word") ? [...lines, ...ends] : ends;
+    return others.some((place) => within(place, box));
   }).map((word) => word.textContent);
 }"""
 
@@ -332,6 +334,9 @@ def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
     shared: Served, instructor: Caller, look: Look
 ) -> None:
     page = await_readings(look(shared, "ballast"))
+    expect(page.locator("[data-part='forward value']")).to_contain_text("100 %")  # the longest
+    page.set_viewport_size({"width": 1280, "height": 720})
+    assert page.evaluate(CROSSED) == []
     for compartment in ("aft", "centre", "forward"):
         assert instructor.ask(f"casualty flooding-{compartment}")[0]
     assert instructor.ask("emergency blow")[0]

@@ -14,6 +14,7 @@ from helpers.lanes import sample_cases
 from helpers.pages import Served
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, expect
+from soak.session_process import Caller
 
 from trainer.config.casualties import clause_of, load_casualties
 from trainer.io import client
@@ -216,7 +217,9 @@ def test_a_word_that_a_catalogue_lacks_is_english(odd: wire.Pages, browser: Brow
 
 
 @pytest.mark.process
-def test_language_and_units_are_chosen_on_the_page_and_kept(shared: Served, look: Look) -> None:
+def test_language_and_units_are_chosen_on_the_page_and_kept(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
     page = look(shared, "pilot", query="?lang=en&units=m")
     expect(page.locator("#state")).to_have_text("FROZEN")
     metres = digits_of(page)
@@ -227,6 +230,8 @@ def test_language_and_units_are_chosen_on_the_page_and_kept(shared: Served, look
     expect(page.locator("#state")).to_have_text("ANGEHALTEN")
     expect(page.locator("#h-depth")).to_contain_text("Tiefe")
     see_decimals(page, ",")
+    assert instructor.ask("order depth 70.5")[0]
+    expect(page.locator("#ordered")).to_contain_text("Tiefe 70,5 m")
     knob = page.locator("order-lever[name=stern] [role=slider]")
     knob.press("ArrowUp")  # whose order is in the grammar's words in any language
     expect(page.locator("#answer")).to_contain_text("stern rise 1")

@@ -252,7 +252,7 @@ def check_exercise(name: str) -> list[str]:
     if problems:
         raise ConfigError(*number_problems(problems, read_text(path), path.name))
     if checked is not None:
-        problems = [*_refused(checked, position)]
+        problems = [*_refused(checked, position), *_lost_at_start(checked, position)]
         for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
             if not figure.holds:
                 said = figure.stated.row.says
@@ -295,6 +295,14 @@ def _refused(checked: FlownExercise, position: Position) -> Iterator[str]:
             yield position.inside(f"scores[{i}]").wrong("name", rule.score.name, problem)
     if plan.scores and all(each.earned is None for each in checked.nobody.scores):
         yield position.problem("[[scores]]: this exercise is won by standing still")
+
+
+def _lost_at_start(checked: FlownExercise, position: Position) -> Iterator[str]:
+    """Yield the conditions that nobody can keep from losing the exercise."""
+    begun = checked.flights["nobody"].trajectory
+    for loss in checked.plan.lost:
+        if not loss.seconds and all(begun.holds(each)[0] for each in loss.conditions):
+            yield position.wrong("lost", [loss.text], "it is lost at its start, whoever is aboard")
 
 
 def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tuple[str, str]]:

@@ -4,6 +4,7 @@
 (``console/own_session``); headless, or without a terminal, it runs the session itself.
 """
 
+import gc
 import getpass
 import json
 import math
@@ -20,6 +21,7 @@ import click
 from trainer.cli.answers import input_waits, print_note
 from trainer.cli.options import (
     EXERCISE_NAME,
+    HTML_OUTPUT,
     RECORDING_FILE,
     connect_options,
     console_options,
@@ -38,7 +40,7 @@ from trainer.cli.options import (
     without_console,
 )
 from trainer.config.files import ConfigError
-from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
+from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT, RECORDING_SUFFIX
 from trainer.session.options import RunOptions
 
 if TYPE_CHECKING:
@@ -80,6 +82,9 @@ STATION_ROLES = (
 @click.option("--train", is_flag=True, help="Train alone: nothing hidden is told, lessons lead.")
 @click.option("--instruct", is_flag=True, help="Instruct: all is shown, others may join as crew.")
 @teletype_option
+@click.option(
+    "--debrief", type=HTML_OUTPUT, help="With --headless: the debrief's page; keeps the recording."
+)
 def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
@@ -91,6 +96,7 @@ def run(*, teletype: bool, **options: Any) -> None:
               trainer run periscope-depth --train
               trainer run --web
               trainer run --headless --duration 1h --speed max --csv out.csv
+              trainer run depth-changes --headless --speed max --debrief it.html
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
     On a terminal you see the instructor's console; F1 shows its help. Without any option you are
@@ -102,6 +108,8 @@ def run(*, teletype: bool, **options: Any) -> None:
     """
     choices = run_options(options)
     refuse_both(choices)
+    if choices.debrief is not None:
+        fly_and_debrief(choices, choices.debrief)
     if choices.browse or choices.web:
         refuse_other_screens(choices)
         take_to_sea(without_console(with_pages(replace(choices, browse=True))))
@@ -113,6 +121,25 @@ def refuse_both(asked: RunOptions) -> None:
     """Refuse to be both who trains and who instructs; UsageError."""
     if asked.train and asked.instruct:
         raise click.UsageError("--train and --instruct exclude each other: say who you are")
+
+
+def fly_and_debrief(asked: RunOptions, page: Path) -> NoReturn:
+    """Run without a console, and write the debrief's page.
+
+    The recording goes beside the page, unless a place was asked for.
+    """
+    if not asked.headless or asked.serve or asked.no_record:
+        raise click.UsageError(
+            "--debrief goes with --headless and a recording; of any other run that was kept: "
+            "trainer debrief --last"
+        )
+    record = asked.record or page.with_suffix(RECORDING_SUFFIX)
+    code = sail(replace(asked, record=record))
+    gc.disable()  # as for the command debrief
+    from trainer.debrief.page import DebriefRequest, debrief_file
+
+    debrief_file(record, page, None, DebriefRequest())
+    sys.exit(code)
 
 
 def with_pages(asked: RunOptions) -> RunOptions:
@@ -235,8 +262,11 @@ def account_names() -> tuple[str, ...]:
 
 def take_to_sea(options: RunOptions) -> NoReturn:
     """Run a boat as the command line's ``options`` say, and leave with the exit code."""
-    import gc
+    sys.exit(sail(options))
 
+
+def sail(options: RunOptions) -> int:
+    """Run a boat as the command line's ``options`` say; return the exit code."""
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
     refuse_little_memory()
     from trainer.session.run import run_boat
@@ -249,7 +279,7 @@ def take_to_sea(options: RunOptions) -> NoReturn:
         gc.enable()
     if alone and not told:  # the program before the pipe may have begun later
         tell_unread_orders()
-    sys.exit(code)
+    return code
 
 
 def tell_unread_orders() -> bool:

@@ -328,6 +328,8 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
         parts["heading"] = replace(
             heading, vessel=heading.vessel and relative_name(path, heading.vessel)
         )
+        if heading.vessel is not None:
+            _refuse_unknown(position, "vessel", heading.vessel, "vessels")
         if heading.seed is not None and heading.seed != int(heading.seed):
             problems.append(position.wrong("seed", heading.seed, "must be a whole number"))
     with collecting(problems):
@@ -403,9 +405,18 @@ def _without_win(rules: tuple[ScoreRule, ...], position: Position) -> list[str]:
     return [position.problem('[[scores]] have no part = "task": nothing wins this exercise')]
 
 
+def _refuse_unknown(position: Position, key: str, name_or_path: str, kind: str) -> None:
+    """Refuse a key's name that no shipped file of ``kind`` has. ConfigError."""
+    try:
+        path_named(name_or_path, kind)
+    except ConfigError as wrong:
+        raise ConfigError(position.wrong(key, name_or_path, str(wrong))) from None
+
+
 def sea_given(value: object, path: Path) -> SeaFile:
     """Return a sea given by name or path, or as a table of its own."""
     if isinstance(value, str):
+        _refuse_unknown(Position(path.name, ""), "sea", value, "seas")
         return load_sea(relative_name(path, value))
     sea = read_sea(value, Position(path.name, "sea"))
     return SeaFile(path=path, text="", name=sea_words(sea), sea=sea)

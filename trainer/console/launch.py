@@ -6,7 +6,9 @@ screen that closes.
 
 import gc
 import os
+import select
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -72,6 +74,7 @@ class Visit:
                 last.start()
 
         handlers = {number: signal.signal(number, end) for number in ending_signals()}
+        threading.Thread(target=watch_terminal, daemon=True).start()
         try:
             refused = self.console.run()
             while self.model.chair:
@@ -100,6 +103,20 @@ def forget_size() -> None:
     """
     for name in ("COLUMNS", "LINES"):
         os.environ.pop(name, None)
+
+
+def watch_terminal() -> None:
+    """Hang this process up when the terminal at its input goes.
+
+    The system does so itself only where that terminal is the one that controls the process. Without
+    it the screen would wait for ever to write, and read nothing again and again.
+    """
+    if not hasattr(select, "poll"):
+        return
+    terminal = select.poll()
+    terminal.register(sys.stdin.fileno(), 0)  # no event but that it hangs up, or is no terminal
+    if any(event & select.POLLHUP for _, event in terminal.poll()):
+        os.kill(os.getpid(), signal.SIGHUP)
 
 
 def ending_signals() -> tuple[int, ...]:

@@ -414,7 +414,9 @@ def ticks_of(trajectory: Trajectory) -> TickCounts:
 
 
 def _spread(values: np.ndarray) -> tuple[float, float, float]:
-    median, most_of_them = np.percentile(values, (50.0, 99.0))
+    # not by percentile, which loads masked arrays: a hundredth of a debrief
+    slots = np.array([0.5, 0.99]) * (len(values) - 1)
+    median, most_of_them = np.interp(slots, np.arange(len(values)), np.sort(values))
     return float(median), float(most_of_them), float(values.max())
 
 

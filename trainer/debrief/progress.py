@@ -6,7 +6,6 @@ moments of the run; it is added when it is known.
 """
 
 import sys
-from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run
+from trainer.config.progress import COST_KINDS, ProgressRun, add_run
 from trainer.debrief.attainable import ChangeCause, MarkChange
 from trainer.debrief.data import DebriefData, compare_debrief
 from trainer.debrief.page import read_dossier
@@ -56,7 +55,7 @@ def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
     rudder that were worked otherwise than by the reference crew overshoot. What concerns water is
     trim.
     """
-    costs: dict[str, float] = defaultdict(float)
+    costs = dict.fromkeys(COST_KINDS, 0.0)
     for change in changes:
         if change.marks < 0.0:
             trims = name_of(change.order) in TRIM_ORDERS

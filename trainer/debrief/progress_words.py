@@ -147,7 +147,8 @@ def class_rows(found: Iterable[Progress]) -> Iterator[tuple[object, ...]]:
     for progress in found:
         for run in progress.runs:
             marks = "" if run.total is None else f"{run.total:.1f}"
-            costs = (f"{run.costs.get(kind, 0.0):.1f}" for kind in COST_KINDS)
+            known = run.costs  # nothing before they are known: a flight of its own finds them
+            costs = (f"{known.get(kind, 0.0):.1f}" if known else "" for kind in COST_KINDS)
             yield (
                 *(progress.trainee, run.exercise, run.title, run.started),
                 *(f"{run.seconds / 60.0:.1f}", run.outcome, marks, "yes" if run.counts else "no"),

@@ -173,7 +173,7 @@ def make_room(path: Path) -> None:
         raise LinkError(f"{path}: is there and is no socket; give another path")
     if socket_answers(path):
         raise LinkError(
-            f"{path}: a session listens there; attach to it, or give this one another path"
+            f"{path}: a session listens there; attach to it, or give this one another by --socket"
         )
     with contextlib.suppress(OSError):
         path.unlink()

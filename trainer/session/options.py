@@ -43,6 +43,7 @@ class RunOptions:
     csv_path: Path | None = None
     record: Path | None = None
     no_record: bool = False
+    debrief: Path | None = None  # the page, written by the command once the run is over
     rerun: bool = False
     rerun_at: str | None = None
     rrd: Path | None = None

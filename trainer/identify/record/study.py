@@ -12,7 +12,13 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError, Position, collecting, nearest, parse_toml, read_text
-from trainer.config.schema import describe_kind, file_schema, read_record, record_schema
+from trainer.config.schema import (
+    describe_kind,
+    file_schema,
+    kind_of,
+    read_record,
+    record_schema,
+)
 from trainer.config.sensors import Sensors
 from trainer.identify.model.own_systems import System
 from trainer.identify.record.findings import examine_columns, examine_record, unwrap_heading
@@ -124,7 +130,7 @@ def parse_study(text: str, path: Path) -> Study:
         )
         _check_once([row.name for row in parts["parameters"]], position, "parameters")
     with collecting(problems):
-        _check_whole(parts, position)
+        _check_whole(parts, table, position)
     if problems:
         raise ConfigError(*problems)
     study = Study(path=path, **parts)
@@ -148,6 +154,8 @@ def read_parts(
     ``heading`` is the record of the keys above all tables, and all keys that there may be.
     """
     record, known = heading
+    if "schema" in table:  # alone: a file of another form has other keys
+        kind_of(record.__dataclass_fields__["schema"]).read("schema", table["schema"], position)
     problems = [
         position.wrong(key, value, f"no such key{nearest(key, known)}")
         for key, value in table.items()
@@ -192,7 +200,7 @@ def _check_once(names: list[str], position: Position, table: str) -> None:
         raise ConfigError(position.inside(table).problem(f"{twice[0]} is given twice"))
 
 
-def _check_whole(parts: Mapping[str, Any], position: Position) -> None:
+def _check_whole(parts: Mapping[str, Any], table: Mapping[str, Any], position: Position) -> None:
     """Check whole numbers, and what goes together; ConfigError with all faults."""
     problems: list[str] = []
     heading = parts.get("heading")
@@ -201,14 +209,14 @@ def _check_whole(parts: Mapping[str, Any], position: Position) -> None:
         problems.append(position.wrong("to_s", end, f"must be after from_s = {begin:g}"))
     counts = {"": ("heading", ("every",)), "armax": ("armax", ("most", "dead_time", "lags"))}
     counts["model"] = ("model", ("restarts", "predict_from", "predict_to"))
-    for table, (part, keys) in counts.items():
+    for name, (part, keys) in counts.items():
         for key in keys:
             value = getattr(parts.get(part), key, None)
             if value is not None and value != int(value):
-                inside = position.inside(table) if table else position
+                inside = position.inside(name) if name else position
                 problems.append(inside.wrong(key, value, "must be a whole number"))
     model = parts.get("model")
-    if model is not None:
+    if model is not None and (parts.get("ship") or "ship" not in table):
         problems += _model_problems(model, parts.get("ship"), position)
     if problems:
         raise ConfigError(*problems)

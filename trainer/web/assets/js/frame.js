@@ -7,7 +7,7 @@ import { furnishChoices } from "./choices.js";
 import { furnishBriefing } from "./briefing.js";
 import { furnishAids } from "./aids.js";
 import { bearing, clock, one, write } from "./draw.js";
-import { say } from "./words.js";
+import { say, short } from "./words.js";
 
 /**
  * @typedef {import("./model/session.js").Session} Session
@@ -179,7 +179,7 @@ function courseOrder(to, side) {
 /** Returns a depth in the unit of its order. @param {Session} session @param {number} metres */
 export function depthOrder(session, metres) {
   const feet = session.word("orders.depth_unit") === "ft";
-  return feet ? `${Math.round(metres / FOOT)} ft` : `${metres} m`;
+  return feet ? `${Math.round(metres / FOOT)} ft` : `${short(metres)} m`;
 }
 
 /** Returns an ordered pitch in words. @param {number} pitch */

@@ -1,5 +1,5 @@
 // Lengths in the unit that is chosen: metres or feet. Speeds are knots, as everywhere at sea.
-import { decimals } from "./words.js";
+import { decimals, short } from "./words.js";
 
 const FOOT = 0.3048; // [m]
 const KEPT = "units"; // where the browser keeps the choice
@@ -28,7 +28,7 @@ export function lengthOf(metres, digits = 1) {
 
 /** Returns a whole length as short as it is known, with its unit. @param {number} metres */
 export function shortLength(metres) {
-  return `${feet ? Math.round(inUnit(metres)) : metres} ${unit}`;
+  return `${short(feet ? Math.round(inUnit(metres)) : metres)} ${unit}`;
 }
 
 /** Keeps a unit for this browser. @param {string} wanted */

@@ -37,7 +37,13 @@ export function languages() {
  * @param {...(string | number)} values
  */
 export function say(words, ...values) {
-  return translate(language, words).replace(/\{(\d)\}/g, (_, place) => String(values[place]));
+  const write = (/** @type {string | number} */ each) => (typeof each === "number" ? short(each) : each);
+  return translate(language, words).replace(/\{(\d)\}/g, (_, place) => write(values[place]));
+}
+
+/** Returns a number as short as it is known, with the mark that the language writes. @param {number} value */
+export function short(value) {
+  return String(value).replace(".", mark);
 }
 
 /** @param {string} into a language @param {string} words */

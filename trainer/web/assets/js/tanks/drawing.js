@@ -64,13 +64,14 @@ function drawWords(/** @type {string} */ name, /** @type {Form} */ form) {
   const [x, y, width, height] = form.tanks[name];
   const main = MAIN.includes(name);
   const [middle, half] = [x + width / 2, y + height / 2];
-  const pad = form.short ? 5 : 10;
-  const titled = main
+  const pad = 5;
+  const side = main && form.short; // beside one another: a name in full goes above
+  const titled = side
     ? { x: x + pad, y: half, class: "name start" }
-    : { x: middle, y: y + height + form.names, class: "name" };
-  const worth = main
+    : { x: middle, y: main ? y + 0.28 * height : y + height + form.names, class: "name" };
+  const worth = side
     ? { x: x + width - pad, y: half, class: "value end" }
-    : { x: middle, y: half, class: "value tight" };
+    : { x: middle, y: main ? y + 0.72 * height : half, class: "value tight" };
   return svg(
     "g",
     { class: "words", "aria-hidden": "true", "data-part": `${name} words` },
