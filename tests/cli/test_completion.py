@@ -1,32 +1,36 @@
 """Tab completes commands, names and files, in the shells that click knows."""
 
+import contextlib
 import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
-from helpers.nursery import run_trainer
-from helpers.places import environment
+from click.testing import CliRunner
 from helpers.shell import HEAVY, imported, shell_environment
 
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES
 from trainer.cli import guide
 from trainer.cli import run as run_commands
+from trainer.cli.main import cli
 from trainer.config.files import shipped_names
 from trainer.session.stations.roles import ROLES
 
 
-def completed(folder: Path, *words: str, shell: str = "bash") -> list[str]:
+def completed(folder: Path, *words: str) -> list[str]:
     """Return what Tab offers after these words in a folder: type,word each."""
-    asked = {
-        "_TRAINER_COMPLETE": f"{shell}_complete",
-        "COMP_WORDS": "\n".join(("trainer", *words)),
-        "COMP_CWORD": str(len(words)),
-    }
-    done = run_trainer(cwd=folder, env=environment(**asked))
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout.split()
+    asked = {"COMP_WORDS": "\n".join(("trainer", *words)), "COMP_CWORD": str(len(words))}
+    with contextlib.chdir(folder):
+        return asked_by_shell("bash_complete", **asked).split()
+
+
+def asked_by_shell(wanted: str, **asked: str) -> str:
+    """Return what the trainer prints where a shell asks it for this."""
+    own = {"_TRAINER_COMPLETE": wanted, **asked}
+    done = CliRunner().invoke(cli, [], prog_name="trainer", env=own, catch_exceptions=False)
+    assert (done.exit_code, done.stderr) == (0, "")
+    return done.stdout
 
 
 def words_of(offered: list[str]) -> list[str]:
@@ -34,7 +38,6 @@ def words_of(offered: list[str]) -> list[str]:
     return [each.removeprefix("plain,") for each in offered if each.startswith("plain,")]
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     ("words", "kind"),
     [
@@ -53,7 +56,6 @@ def test_shipped_names_are_offered(tmp_path: Path, words: tuple[str, ...], kind:
     ]
 
 
-@pytest.mark.process
 def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) -> None:
     assert words_of(completed(tmp_path, "manoeuvre", "")) == list(MANOEUVRES)
     assert words_of(completed(tmp_path, "manoeuvre", "turn")) == ["turn", "turning-circle"]
@@ -62,9 +64,10 @@ def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) 
     assert tuple(ROLES) == run_commands.STATION_ROLES
 
 
-@pytest.mark.process
-def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) -> None:
-    for name in ("boat.toml", "bill.trainer", ".hidden.toml", "b.txt"):
+def test_a_file_is_offered_by_its_ending_a_folder_with_it_and_what_is_quoted_left_to_the_shell(
+    tmp_path: Path,
+) -> None:
+    for name in ("boat.toml", "bill.trainer", ".hidden.toml", "b.txt", "my drill.trainer"):
         (tmp_path / name).touch()
     (tmp_path / "boats").mkdir()
 
@@ -73,19 +76,12 @@ def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) ->
     assert words_of(completed(tmp_path, "check", ".h")) == [".hidden.toml"]
     assert words_of(completed(tmp_path, "replay", "b")) == ["bill.trainer", "boats/"]
     assert completed(tmp_path, "replay", "bo") == ["dir,bo"]
+    assert completed(tmp_path, "replay", "my") == ["file,my"]
     assert completed(tmp_path, "export-core", "b") == ["file,b"]
     assert completed(tmp_path, "check", "nowhere/b") == []
     assert completed(tmp_path, "check", "~no_such_user/b") == []
 
 
-@pytest.mark.process
-def test_a_name_that_a_shell_has_to_quote_is_left_to_the_shell(tmp_path: Path) -> None:
-    (tmp_path / "my drill.trainer").touch()
-
-    assert completed(tmp_path, "replay", "my") == ["file,my"]
-
-
-@pytest.mark.process
 def test_a_command_that_is_not_there_is_no_error_while_it_is_typed(tmp_path: Path) -> None:
     assert words_of(completed(tmp_path, "exer")) == ["exercises", "exercise"]
     assert completed(tmp_path, "nothing-like-it", "x") == []
@@ -103,17 +99,11 @@ def test_completion_loads_no_core(tmp_path: Path) -> None:
 @pytest.mark.process
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
-    done = subprocess.run(
-        ["trainer"],
-        env=shell_environment(_TRAINER_COMPLETE=f"{shell}_source"),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    told = asked_by_shell(f"{shell}_source")
 
-    assert f"{shell}_complete" in done.stdout
+    assert f"{shell}_complete" in told
     if shutil.which(shell):
-        (tmp_path / "completion").write_text(done.stdout)
+        (tmp_path / "completion").write_text(told)
         subprocess.run([shell, "-n", str(tmp_path / "completion")], check=True)
 
 

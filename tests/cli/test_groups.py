@@ -84,8 +84,6 @@ def test_no_two_groups_have_a_command_of_one_name() -> None:
         (("boat", "chek", "bb2"), "no command 'chek'; did you mean check?"),
         (("vessle", "new", "x.toml"), "no command 'vessle'; did you mean boat?"),
         (("steerng",), "no command 'steerng'; did you mean ship steering?"),
-        (("identfy",), "no command 'identfy'; did you mean identify?"),
-        (("exercize",), "no command 'exercize'; did you mean exercise?"),
         (("help", "manouvre"), "no command 'manouvre'; did you mean boat manoeuvre?"),
     ],
 )

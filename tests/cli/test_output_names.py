@@ -244,17 +244,6 @@ def test_what_a_command_has_written_it_may_write_again(typed: Typed, tmp_path: P
     assert typed("schema", "sea", "-o", os.devnull) == (0, "")
 
 
-@pytest.mark.parametrize("there", ['schema = "identify/1"\n', 'schema = "gert', "# notes\n"])
-def test_settings_of_another_kind_are_not_written_over(
-    typed: Typed, tmp_path: Path, there: str
-) -> None:
-    (tmp_path / "mine.toml").write_text(there)
-    code, told = typed("boat", "estimate", "small-boat", "-o", "mine.toml", "--draws", "0")
-    wrong = "cannot be written: a file of another kind is there; give another name"
-    assert (code, told) == (2, f"trainer: mine.toml: {wrong}\n")
-    assert (tmp_path / "mine.toml").read_text() == there
-
-
 def test_a_boat_of_one_s_own_is_not_written_over_but_an_estimate_is(
     typed: Typed, tmp_path: Path
 ) -> None:

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, assert_type
+from typing import Any
 
 import numpy as np
 import pytest
@@ -140,18 +140,6 @@ def test_an_exercise_by_call_is_recorded_as_by_a_headless_run(tmp_path: Path) ->
     assert {name: values[-1] for name, values in two.columns.items() if name in boat.state} == {
         name: value for name, value in boat.state.items() if name in two.columns
     }
-
-
-def test_a_run_in_parts_is_the_same_run() -> None:
-    whole, parts = trainer.Boat(sea="sea-state-3"), trainer.Boat(sea="sea-state-3")
-    whole.run(300)
-    for _ in range(3):
-        parts.run(100)
-
-    assert whole.state == parts.state
-    assert same(whole.columns, parts.columns)
-    assert len(whole.columns["t"]) == 601
-    assert_type(whole.state, dict[str, float])
 
 
 # Going back
@@ -392,14 +380,10 @@ def test_what_an_exercise_has_in_hand_is_refused_as_at_the_console() -> None:
     ("call", "told"),
     [
         (lambda boat: boat.order(5), "order(): an order is text, such as 'depth 80', not int"),
-        (lambda boat: boat.order(None), "order(): an order is text, such as 'depth 80', not None"),
         (lambda boat: boat.run("5"), "run(): give a number of seconds, such as run(900), not str"),
         (lambda boat: boat.run(10**400), "run(1000000000"),
         (lambda boat: boat.run(10**5000), "run((too long to show)): a run lasts longer than 0 s"),
-        (lambda boat: boat.run(1e300), "run(1e+300): a run lasts longer than 0 s, and ends"),
         (lambda boat: boat.run(0.0), "run(0.0): a run lasts longer than 0 s, and ends"),
-        (lambda boat: boat.run(-1.0), "run(-1.0): a run lasts longer than 0 s, and ends"),
-        (lambda boat: boat.run(math.inf), "run(inf): a run lasts longer than 0 s, and ends"),
         (lambda boat: boat.run(math.nan), "run(nan): a run lasts longer than 0 s, and ends"),
         (lambda boat: boat.run(), "say run(seconds)"),
         (lambda boat: boat.restore(5), "restore: this is no snapshot"),

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-from helpers.nursery import run_trainer
 from helpers.sessions import start_exercise, start_plan
 
 from trainer.boat.world.contacts import contacts_in
@@ -55,7 +54,6 @@ def refused(folder: Path, tables: str) -> tuple[str, ...]:
         (SHIP + "heading = 3\n", "heading = 3: no such key"),
         (SHIP.replace("[2000, 9000]", "[2000]"), "points[1] = [2000]: must be a pair"),
         (SHIP.replace("[2000, 9000]", "[2000, 1e9]"), "points[1][1] = 1000000000.0: must be"),
-        (SHIP + SHIP, 'name = "one": another [[contact]] has it'),
         (
             SHIP + "mmsi = 211000001\n" + SHIP.replace('"one"', '"two"') + "mmsi = 211000001\n",
             "mmsi = 211000001: another [[contact]] has it",
@@ -79,14 +77,6 @@ def test_what_is_wrong_with_a_ship_is_refused_by_its_name(
     said = refused(tmp_path, tables)
     assert all(each.startswith("ships.toml:") for each in said)
     assert any(told in each for each in said)
-
-
-@pytest.mark.process
-def test_a_run_with_a_wrong_ship_ends_with_2(tmp_path: Path) -> None:
-    path = write(tmp_path, SHIP + "speed_kn = 21\n")
-    done = run_trainer("run", str(path), "--headless", "--speed", "max", timeout=300)
-    assert done.returncode == 2
-    assert "ships.toml: line 9: [contact[0]] speed_kn = 21.0: a cargo makes 20 kn" in done.stderr
 
 
 def test_a_ship_in_the_boats_hull_is_refused(tmp_path: Path) -> None:

@@ -151,7 +151,6 @@ def test_a_casualty_waits_for_its_condition() -> None:
         ("[order]", "drill.toml: line 4: order = {}: no such key; nearest is orders"),
         ("seed = 1.5", "seed = 1.5: must be a whole number"),
         ("step_s = 5", "step_s = 5: must be 0.001 to 2 s"),
-        ("duration_s = 0", "duration_s = 0: must be 0.001 to"),
         ('equations = "ful"', 'equations = "ful": must be full or modified or basic'),
         ("[sea]", "[sea] has none of them: give one of sea_state, wind_kn, height_m"),
         (
@@ -172,10 +171,6 @@ def test_a_casualty_waits_for_its_condition() -> None:
             '[casualties[0]] name = "ruder-slow": no such casualty; nearest is rudder-slow',
         ),
         ("[[casualties]]\nname = 'rudder-slow'", "[casualties[0]] give one of at_s, when"),
-        (
-            "[[casualties]]\nname = 'rudder-slow'\nat_s = 1\nwhen = 'depth > 9'",
-            "[casualties[0]] give one of at_s, when",
-        ),
         (
             "[[casualties]]\nname = 'rudder-slow'\nat_s = 9\nclear_at_s = 5",
             "clear_at_s = 5.0: is before at_s",
@@ -323,12 +318,6 @@ def test_what_the_crew_works_is_put_in_hand_as_it_stands(tmp_path: Path) -> None
     assert plan_run(RunOptions(exercise=str(path))).schedule == []
 
 
-def test_all_that_is_wrong_is_told_at_once() -> None:
-    with pytest.raises(ConfigError) as wrong:
-        drill("step_s = 5\n[initial]\nspeed_kn = 0\n[[orders]]\nat_s = 1\norder = 'x'\n")
-    assert len(wrong.value.problems) == 3
-
-
 @pytest.mark.parametrize("briefing", ["5", '""', '"\\u001b[2J"', f'"{"x" * 4001}"'])
 def test_a_briefing_is_printable_text_of_some_length(briefing: str) -> None:
     text = f'schema = "exercise/1"\nname = "Drill"\nbriefing = {briefing}\n'
@@ -359,11 +348,6 @@ def test_a_start_at_which_the_boat_cannot_fly_level_names_the_exercises_key(
     path.write_text(f'{SHORTEST}vessel = "remus100"\n[initial]\nspeed_kn = 10\n')
     with pytest.raises(ConfigError, match=r"speed_kn of an exercise's \[initial\]"):
         plan_run(RunOptions(exercise=str(path))).launch_boat()
-
-
-def test_a_name_that_is_nearly_right_is_answered_with_the_right_one() -> None:
-    with pytest.raises(ConfigError, match='no exercise "heavyboat"; nearest is heavy-boat; shipp'):
-        load_exercise("heavyboat")
 
 
 def test_files_that_an_exercise_names_are_looked_for_beside_it(tmp_path: Path) -> None:
@@ -546,17 +530,9 @@ def test_the_file_to_begin_with_judges_what_it_breaks_and_its_reference_crew_win
     assert re.fullmatch(r"crew    (9\d|100) marks, won", crew)
 
 
-@pytest.mark.parametrize(
-    "kinds",
-    [("table", "key", "value", "reference", "condition"), tuple(MISTAKES)],
-    ids=["five", "all"],
-)
-def test_a_check_tells_every_mistake_of_a_file_at_once(
-    kinds: tuple[str, ...], tmp_path: Path
-) -> None:
+def test_a_check_tells_every_mistake_of_a_file_at_once(tmp_path: Path) -> None:
     text = shipped_path("", "exercise-skeleton").read_text(encoding="utf-8")
-    for kind in kinds:
-        sound, wrong, _ = MISTAKES[kind]
+    for sound, wrong, _ in MISTAKES.values():
         assert sound in text
         text = text.replace(sound, wrong, 1)
     path = tmp_path / "drill.toml"
@@ -565,8 +541,7 @@ def test_a_check_tells_every_mistake_of_a_file_at_once(
     with pytest.raises(ConfigError) as error:
         check_exercise(str(path))
 
-    for kind in kinds:
-        *_, told = MISTAKES[kind]
+    for kind, (*_, told) in MISTAKES.items():
         assert any(re.search(told, each) for each in error.value.problems), kind
     unplaced = [each for each in error.value.problems if not each.startswith("drill.toml: line ")]
     assert unplaced == [each for each in unplaced if each.startswith("no vessel")]

@@ -25,7 +25,6 @@ from trainer.config.files import ConfigError, Position, reading_recorded, rememb
 from trainer.config.soundings import (
     MAX_CELLS,
     Grid,
-    interpolate,
     on_the_plane,
     read_as_kept,
     read_grid,
@@ -62,13 +61,6 @@ def refused(path: Path, **table: Any) -> str:
 # ESRI ASCII
 
 
-def test_the_first_row_is_the_north_and_the_centre_is_the_sample(asc: Path) -> None:
-    grid = read_grid(asc)
-    assert grid.values.tolist() == [[30.0, 40.0], [10.0, 20.0]]
-    assert (grid.south, grid.west, grid.cell) == (0.0, 0.0, (100.0, 100.0))
-    assert interpolate(grid.values, np.array(0.5), np.array(0.5)) == 25.0
-
-
 def test_depths_are_those_between_the_samples_and_beyond_the_end_those_of_the_edge(
     asc: Path,
 ) -> None:
@@ -97,7 +89,6 @@ def test_a_corner_is_half_a_cell_from_the_sample_whatever_the_case_and_line_ends
         (HEAD.replace("cellsize 100\n", "") + SAMPLES, "lacks CELLSIZE"),
         (HEAD.replace("cellsize 100", "cellsize 0") + SAMPLES, "CELLSIZE = 0: must be above 0"),
         (HEAD.replace("nrows 2", "nrows 2.5") + SAMPLES, "NROWS = 2.5: must be a whole number"),
-        (HEAD.replace("nrows 2", "nrows x") + SAMPLES, "NROWS = x: must be a finite number"),
         (HEAD.replace("xllcenter", "xllcorner") + SAMPLES, "both of one kind"),
         (HEAD + "10 20 30", "has 3 samples; NROWS times NCOLS is 4"),
         (HEAD + "10 20 30 40 50", "has 5 samples"),
@@ -440,12 +431,6 @@ def test_a_start_over_bad_ground_is_refused(
     with pytest.raises(ConfigError) as error:
         start_plan(plan)
     assert told in str(error.value)
-
-
-def test_an_exercise_has_its_grid_from_beside_it(asc: Path) -> None:
-    drill = exercise(asc, 'grid = "canyon.asc"\nvalues = "depth"')
-    bottom = parse_exercise(drill.read_text(), drill).world["bottom"]
-    assert bottom.depth.values[1].tolist() == [10.0, 20.0]
 
 
 SHIP = '[[contact]]\nname = "{name}"\ntype = "tanker"\nspeed_kn = 10\npoints = {points}\n'

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.config.files import ConfigError, shipped_names, shipped_path
+from trainer.config.files import ConfigError, shipped_path
 from trainer.config.sea import load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
@@ -17,14 +17,6 @@ G = 9.81
 def settings_of(text: str) -> list[float]:
     """Return the settings of the sea whose [sea] table is ``text``."""
     return sea_settings(parse_sea(f"[sea]\n{text}", Path("my.toml")), G).tolist()  # type: ignore[no-any-return]
-
-
-@pytest.mark.parametrize("name", shipped_names("seas"))
-def test_every_shipped_sea_loads(name: str) -> None:
-    file = load_sea(name)
-
-    assert file.name
-    assert np.all(np.isfinite(sea_settings(file, G)))
 
 
 @pytest.mark.parametrize(
@@ -120,7 +112,6 @@ def test_a_sea_above_nyquist_is_refused_for_the_step_with_one_that_would_do(
         ("", "my.toml: [sea] has none of them: give one of sea_state, wind_kn, height_m"),
         ("sea_state = 4\nwind_kn = 20", "has sea_state, wind_kn: give one of"),
         ("sea_state = 4.5", "sea_state = 4.5: must be a whole number"),
-        ("sea_state = 9", "sea_state = 9: must be 0 to 8"),
         ("wind_kn = nan", "wind_kn = nan: must be finite"),
         ("wind_kt = 20", "wind_kt = 20: no such key; nearest is wind_kn"),
         ("wind_kn = 20\nperiod_s = 9", "period_s = 9: pierson-moskowitz has its own"),
@@ -133,7 +124,6 @@ def test_a_sea_above_nyquist_is_refused_for_the_step_with_one_that_would_do(
             'height_m = 9\nperiod_s = 5\nspectrum = "bretschneider"',
             "period_s = 5: waves of 9 m break; must be at least 7.6 s",
         ),
-        ('sea_state = 4\ngenerator = "cosine"', "must be filter or cosines or filter-1969"),
         ("sea_state = 4\nramp_s = true", "ramp_s = true: must be a number"),
     ],
 )
@@ -150,8 +140,6 @@ def test_a_wrong_sea_is_refused_with_the_reason(text: str, told: str) -> None:
         ("sea_state = 4", "my.toml: sea_state = 4: belongs under [sea]"),
         ("nmae = 'x'\n[sea]\nsea_state = 4", 'nmae = "x": no such key; nearest is name'),
         ("name = 'x'", "my.toml: lacks the table [sea]"),
-        ("schema = 'sea/2'\n[sea]\nsea_state = 4", "must be sea/1"),
-        ("name = 4\n[sea]\nsea_state = 4", "name = 4: must be one line of text"),
         ("[[sea]]\nsea_state = 4", "[sea] must be a table"),
     ],
 )

@@ -13,7 +13,7 @@ from trainer.console.keys import KEYS, OrderAction, PlainAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
-from trainer.io.orders.sentences import names, parse_sentence, state
+from trainer.io.orders.sentences import names, state
 
 WAY = ";".join(f"{5 * n}:{60 + n:.1f}:10.0:-{n / 2:.1f}" for n in range(1, 13))
 GHOST = {"depth": "62.0", "heading": "0.0", "pitch": "-1.0", "depth_off": "-2.0"}
@@ -27,10 +27,7 @@ def show(line: ScriptedLine, tick: int, **channels: dict[str, str]) -> None:
     gauges = {"depth": "60.0", "heading": "359.0", "speed": "8.0", "pitch": "0.5", "heel": "0.0"}
     for name, values in {"time": TIME, **channels, "gauges": gauges}.items():
         fields = [(each, "") for each in values]
-        for text in (names(name, fields), state(name, tick, tick / 2.0, list(values.values()))):
-            sentence = parse_sentence(text)
-            assert sentence
-            line.items.append(sentence)
+        line.say(names(name, fields), state(name, tick, tick / 2.0, list(values.values())))
 
 
 def seen(**channels: dict[str, str]) -> SessionModel:

@@ -513,38 +513,33 @@ def test_colours_stand_out_from_what_is_behind_them() -> None:
     assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
 
 
-def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
-    picture, now = ChannelReadings(), 100.0
-    for text in (
-        names("time"), names("motion"),
-        sentences.state("time", 120, 60.0, values("time")),
-        sentences.state("motion", 120, 60.0, values("motion")),
-    ):  # fmt: skip
+def show(picture: ChannelReadings, now: float, *lines: str) -> None:
+    """Show what a session says at a time [s]."""
+    for text in lines:
         sentence = parse_sentence(text)
         assert sentence
         picture.take(sentence, now)
+
+
+def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
+    picture, now = ChannelReadings(), 100.0
+    for name in ("time", "motion"):
+        show(picture, now, names(name), sentences.state(name, 120, 60.0, values(name)))
 
     assert picture.smooth("motion", "depth", now) == 60.0
     assert picture.smooth("motion", "depth", now + 0.2) == pytest.approx(60.1)
     assert picture.smooth("motion", "depth", now + 9.0) == pytest.approx(60.25)
     assert picture.smooth("motion", "heading", now + 9.0) == pytest.approx(0.0)
 
-    frozen = parse_sentence(sentences.state("time", 120, 60.0, values("time", time="frozen")))
-    assert frozen
-    picture.take(frozen, now)
+    show(picture, now, sentences.state("time", 120, 60.0, values("time", time="frozen")))
     assert picture.smooth("motion", "depth", now + 0.2) == 60.0
 
 
 def test_gauges_without_rates_move_from_one_reading_to_the_next() -> None:
     picture = ChannelReadings()
-    for text, when in (
-        (names("gauges"), 0.0),
-        (sentences.state("gauges", 1, 0.5, values("gauges", heading="359.0")), 10.0),
-        (sentences.state("gauges", 2, 1.0, values("gauges", heading="1.0")), 10.5),
-    ):
-        sentence = parse_sentence(text)
-        assert sentence
-        picture.take(sentence, when)
+    show(picture, 0.0, names("gauges"))
+    show(picture, 10.0, sentences.state("gauges", 1, 0.5, values("gauges", heading="359.0")))
+    show(picture, 10.5, sentences.state("gauges", 2, 1.0, values("gauges", heading="1.0")))
 
     assert picture.smooth("gauges", "heading", 10.5) == pytest.approx(359.0)
     assert picture.smooth("gauges", "heading", 10.75) == pytest.approx(0.0)

@@ -145,17 +145,11 @@ def test_enter_repeats_a_new_order_and_does_no_more(keys: tuple[str, ...]) -> No
     assert pressed(keys, "helm", talk) == ["aye", *rest]
 
 
-def test_a_colon_begins_an_order_also_while_one_is_to_be_repeated() -> None:
+def test_a_colon_begins_an_order_also_while_one_is_to_be_repeated_and_is_no_part_of_it() -> None:
     talk = ordered("helm", COURSE)
     new(talk, "course 045")
-    assert pressed(("colon", *typed("rudder right 9"), "enter"), "helm", talk) == ["rudder right 9"]
-
-
-def test_a_colon_before_an_order_on_a_line_that_is_open_is_no_part_of_it() -> None:
-    order = (*typed("rudder right 9"), "enter")
-    assert pressed(("colon", "colon", *order), "helm", ordered("helm", COURSE)) == [
-        "rudder right 9"
-    ]
+    keys = ("colon", "colon", *typed("rudder right 9"), "enter")
+    assert pressed(keys, "helm", talk) == ["rudder right 9"]
 
 
 def test_a_narrow_chart_leaves_out_its_unit_before_it_touches_the_value() -> None:
@@ -294,18 +288,6 @@ def test_of_two_new_orders_both_are_shown_and_the_newest_is_repeated_first() -> 
     new(talk, "course 045")
     both = "NEW ORDERS  course 045 | depth 60 m   Enter repeats the first"
     screen_of(talk, "pilot", "NEW: 60 m", "NEW: 045", both)
-
-
-def test_two_orders_that_come_at_once_are_both_shown_as_new_at_the_planes() -> None:
-    talk = ordered("planes", DEPTH | PITCH)
-    new(talk, "depth 120 m")
-    new(talk, "pitch 5 down")
-    screen_of(talk, "planes", "NEW: 60 m", "NEW: 5 down", "NEW ORDERS  pitch 5 down | depth 120 m")
-    talk = ordered("planes", DEPTH | PITCH)
-    new(talk, "depth 120 m")
-    new(talk, "pitch 5 down")
-    new(talk, "course 045")
-    assert pressed(("enter",), "planes", talk) == ["aye"]
 
 
 @pytest.mark.parametrize(

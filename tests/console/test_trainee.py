@@ -17,7 +17,7 @@ from trainer.console.layouts import LAYOUTS
 from trainer.console.model import SessionModel
 from trainer.console.pane import plain
 from trainer.io.orders.grammar import Refused
-from trainer.io.orders.sentences import names, parse_sentence, state
+from trainer.io.orders.sentences import names, state
 
 
 def told(*facts: tuple[str, str, str]) -> tuple[SessionModel, ScriptedLine]:
@@ -29,10 +29,7 @@ def told(*facts: tuple[str, str, str]) -> tuple[SessionModel, ScriptedLine]:
 
 def time_now(model: SessionModel, line: ScriptedLine, tick: int, word: str) -> None:
     """Let the session tell whether time runs."""
-    for text in (names("time", [("time", "")]), state("time", tick, tick / 2.0, [word])):
-        sentence = parse_sentence(text)
-        assert sentence
-        line.items.append(sentence)
+    line.say(names("time", [("time", "")]), state("time", tick, tick / 2.0, [word]))
     model.hear()
 
 

@@ -14,6 +14,10 @@ from helpers.places import ROOT
 LISTED: Final = ("package.json", "package-lock.json")
 NAMES: Final = "typescript, eslint, axe-core, a parser of NMEA"
 INSTALLING_S: Final = 600.0  # [s] a network that is away for two minutes is waited for
+# What axe-core finds on a page, and where.
+BARRIERS: Final = """async () =>
+  (await axe.run(document, { resultTypes: ["violations"] })).violations.map(({ id, nodes }) =>
+    `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
 RETRIES: Final = ("--fetch-retries=8", "--fetch-retry-maxtimeout=30000")
 
 
@@ -28,6 +32,11 @@ def modules() -> Path:
             do_without("no npm: install the packages nodejs and npm")
         install(given, folder)
     return folder / "node_modules"
+
+
+def axe() -> str:
+    """Return the script of axe-core, which finds barriers."""
+    return (modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
 
 
 def install(given: list[Path], folder: Path) -> None:

@@ -48,28 +48,38 @@ def names(channel: str) -> str:
     return sentences.names(channel, [(each.name, each.unit) for each in CHANNELS[channel].fields])
 
 
-class ScriptedLine:
-    """A line that says what a test has it say, and keeps what is ordered."""
+class Speaker:
+    """What a session says on a line, once a console takes it."""
 
-    def __init__(self, *facts: tuple[str, str, str]) -> None:
-        self.items: list[Item] = [RoleTaken()]
-        for seconds, what, subject in facts:
-            sentence = parse_sentence(sentences.fact(1, float(seconds), what, subject))
-            assert sentence
+    items: list[Item]
+
+    def say(self, *lines: str) -> None:
+        for text in lines:
+            sentence = parse_sentence(text)
+            assert sentence, text
             self.items.append(sentence)
-        self.orders: list[str] = []
-
-    def order(self, words: str) -> str:
-        self.orders.append(words)
-        return str(len(self.orders))
 
     def take(self) -> list[Item]:
         taken, self.items = self.items, []
         return taken
 
 
+class ScriptedLine(Speaker):
+    """A line that says what a test has it say, and keeps what is ordered."""
+
+    def __init__(self, *facts: tuple[str, str, str]) -> None:
+        self.items = [RoleTaken()]
+        for seconds, what, subject in facts:
+            self.say(sentences.fact(1, float(seconds), what, subject))
+        self.orders: list[str] = []
+
+    def order(self, words: str) -> str:
+        self.orders.append(words)
+        return str(len(self.orders))
+
+
 @dataclass
-class Tape:
+class Tape(Speaker):
     """A session that says what it is told to, and takes every order but those of ``refuses``."""
 
     channels: tuple[str, ...]
@@ -85,12 +95,6 @@ class Tape:
         self.items = [Greeting("Periscope depth"), RoleTaken()]
         self.say(*(names(channel) for channel in self.channels))
         self.tick(120)
-
-    def say(self, *lines: str) -> None:
-        for text in lines:
-            sentence = parse_sentence(text)
-            assert sentence, text
-            self.items.append(sentence)
 
     def tick(self, tick: int, **changed: str) -> None:
         for channel in self.channels:
@@ -109,10 +113,6 @@ class Tape:
         text = f"{words}: done" if accepted else "beyond the limit of 30"
         self.say(sentences.answer(tag, accepted=accepted, text=text))
         return tag
-
-    def take(self) -> list[Item]:
-        taken, self.items = self.items, []
-        return taken
 
     @property
     def orders(self) -> list[str]:

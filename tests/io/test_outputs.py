@@ -84,11 +84,14 @@ def test_what_this_program_made_it_may_read_and_make_again(tmp_path: Path) -> No
     assert path.read_text() == "second = 2"
 
 
-def test_settings_take_the_place_of_their_own_kind_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("there", ['schema = "ship/1"\n', 'schema = "gert', "# notes\n"])
+def test_settings_take_the_place_of_their_own_kind_alone(tmp_path: Path, there: str) -> None:
     path = tmp_path / "ship.toml"
-    path.write_text('schema = "study/1"\n')
+    path.write_text(there)
     with pytest.raises(SameFileError, match="a file of another kind is there; give another name"):
-        write_whole(path, 'schema = "ship/1"\n')
+        write_whole(path, 'schema = "study/1"\n')
+    assert path.read_text() == there
+    path.write_text('schema = "study/1"\n')
     write_whole(path, 'schema = "study/1"\nruns = 2\n')
     assert "runs" in path.read_text()
 

@@ -1,7 +1,7 @@
 """What is said in a control room, as orders."""
 
 import pytest
-from helpers.document_tables import as_tokens, phrase_table
+from helpers.document_tables import as_tokens
 from helpers.orders import read_order
 
 from trainer.io.orders.grammar import BadOrder, parse, to_the_crew
@@ -16,109 +16,53 @@ from trainer.io.orders.phrases import (
 from trainer.io.orders.schedule import parse_schedule
 
 SAID = [
-    ("left full rudder", "rudder left full"),
-    ("hard a-port", "rudder left full"),
     ("hard a starboard", "rudder right full"),
     ("port full", "rudder left full"),
-    ("left full", "rudder left full"),
-    ("right full rudder", "rudder right full"),
-    ("right 10 degrees rudder", "rudder right 10"),
     ("Right ten degrees rudder", "rudder right 10"),
     ("starboard ten", "rudder right 10"),
-    ("right 10", "rudder right 10"),
-    ("left five degrees rudder", "rudder left 5"),
     ("port twenty-five", "rudder left 25"),
-    ("rudder amidships", "rudder amidships"),
-    ("midships", "rudder amidships"),
-    ("ease to 5", "rudder ease 5"),
     ("ease to five degrees", "rudder ease 5"),
     ("ease the rudder to 5", "rudder ease 5"),
-    ("ease her", "rudder ease 5"),
-    ("shift your rudder", "rudder shift"),
     ("shift", "rudder shift"),
-    ("meet her", "rudder meet"),
-    ("all ahead two thirds", "bell ahead two-thirds"),
     ("all ahead one third", "bell ahead one-third"),
-    ("ahead 2/3", "bell ahead two-thirds"),
     ("all ahead flank", "bell ahead flank"),
-    ("all stop", "bell stop"),
-    ("back full", "bell astern full"),
     ("all back one third", "bell astern one-third"),
     ("all astern full", "bell astern full"),
-    ("make turns for 8 knots", "turns 8 kn"),
-    ("make turns for eight knots", "turns 8 kn"),
-    ("stern planes 10 dive", "stern planes dive 10"),
     ("stern planes ten degrees dive", "stern planes dive 10"),
-    ("bow planes full rise", "bow planes rise full"),
     ("sail planes full rise", "bow planes rise full"),
     ("fairwater planes 5 rise", "bow planes rise 5"),
-    ("10 dive on the stern planes", "stern planes dive 10"),
-    ("planes zero", "planes zero"),
-    ("zero the planes", "planes zero"),
     ("rudder 0", "rudder amidships"),
-    ("rudder zero degrees", "rudder amidships"),
-    ("flood depth control 2 tonnes", "flood depth-control 2 t"),
-    ("flood two tonnes to depth control", "flood depth-control 2 t"),
     ("pump depth control 2", "pump depth-control 2 t"),
-    ("pump 3 forward to aft", "pump trim aft 3 t"),
     ("pump three tonnes from aft to forward", "pump trim forward 3 t"),
-    ("flood negative", "negative flood"),
-    ("blow negative", "negative blow"),
-    ("emergency blow", "emergency blow"),
-    ("EMBT blow", "emergency blow"),
-    ("open vents", "vent all open"),
     ("shut the main vents", "vent all shut"),
     ("up scope", "scope raise"),
     ("raise the periscope", "scope raise"),
-    ("scope down", "scope lower"),
-    ("lower scope", "scope lower"),
 ]
 BOTH = [  # by a station, by who orders the crew
-    ("come left to 045", "course left to 045", "order course left 045"),
     ("come left to zero four five", "course left to 045", "order course left 045"),
     ("left to 045", "course left to 045", "order course left 045"),
     ("turn left to 045", "course left to 045", "order course left 045"),
     ("come right to three six zero", "course right to 000", "order course right 000"),
-    ("steady on 045", "course 045", "order course 045"),
-    ("steer 045", "course 045", "order course 045"),
     ("steer course one eight zero", "course 180", "order course 180"),
-    ("come to 270", "course 270", "order course 270"),
-    ("steady as she goes", "course steady", "order course steady"),
-    ("steady", "course steady", "order course steady"),
-    ("make 8 knots", "turns 8 kn", "order speed 8 kn"),
-    ("make your depth 60 metres", "depth 60 m", "order depth 60 m"),
     ("make your depth sixty", "depth 60 m", "order depth 60 m"),
-    ("make your depth 200 feet", "depth 200 ft", "order depth 200 ft"),
-    ("make your depth two hundred feet", "depth 200 ft", "order depth 200 ft"),
-    ("make your depth one eighty feet", "depth 180 ft", "order depth 180 ft"),
     ("ordered depth 60", "depth 60 m", "order depth 60 m"),
-    ("go to 60 metres", "depth 60 m", "order depth 60 m"),
-    ("dive to 60 metres", "depth 60 m", "order depth 60 m"),
     ("ascend to 100 ft", "depth 100 ft", "order depth 100 ft"),
     ("come to 200ft", "depth 200 ft", "order depth 200 ft"),
     ("come up to periscope depth", "periscope depth", "order periscope depth"),
-    ("five degrees down bubble", "order pitch 5 down", "order pitch 5 down"),
     ("5 up angle", "order pitch 5 up", "order pitch 5 up"),
-    ("zero bubble", "order pitch zero", "order pitch zero"),
 ]
 WRONG = [
     ("left 045", "left to 045"),
-    ("come left 045", "come left to 045"),
-    ("come left to 45", "come left to 045"),
     ("right to port 045", ""),
     ("come to 60", "come to 045"),
     ("come to 361", "0 to 360"),
     ("steady on forty five", "steady on 045"),
     ("left 95", "0 to 90 deg"),
     ("right rudder", ""),
-    ("left rudder full hard", ""),
     ("hard to port", "hard"),
     ("ease to", "ease"),
     ("ease to left", "ease to 5"),
     ("shift your planes", "shift your rudder"),
-    ("meet him", "meet her"),
-    ("steady as he goes", "steady as she goes"),
-    ("steer left", "steer 045"),
     ("down 50", "did you mean depth?"),
     ("all ahead three thirds", "all ahead two thirds"),
     ("all ahead slow", ""),
@@ -127,19 +71,14 @@ WRONG = [
     ("make turns 8 knots", "make turns for 8 knots"),
     ("make turns for knots", "make turns for 8 knots"),
     ("make your depth", "make your depth 60 metres"),
-    ("make your depth 60 fathoms", "make your depth 60 metres"),
     ("make your depth 9000", "0 to 2000 m"),
     ("five degrees bubble", "five degrees down bubble"),
     ("5 down", ""),
     ("stern planes 10", "stern planes dive or stern planes rise"),
-    ("planes 10 dive", ""),
     ("10 dive on the rudder", ""),
     ("flood control 2 tonnes", ""),
     ("pump 3 forward", "pump"),
-    ("pump 3 forward to mid", "pump"),
-    ("open the door", "open"),
     ("blow everything", ""),
-    ("embt", ""),
 ]
 
 
@@ -169,6 +108,7 @@ def test_every_row_has_an_example_of_its_own_that_no_other_row_takes() -> None:
         text = plain_text(as_tokens(phrase.example))
         taken = [row for row in PHRASES if pattern(row.pattern).fullmatch(f"{text} ")]
         assert taken == [phrase]
+        assert to_the_crew(read_order(phrase.example)).text
 
 
 def test_a_phrase_is_looked_for_among_those_of_its_first_word() -> None:
@@ -179,10 +119,6 @@ def test_a_phrase_is_looked_for_among_those_of_its_first_word() -> None:
         fitting = [row for row in PHRASES if pattern(row.pattern).fullmatch(f"{text} ")]
         assert [row for row in tried if row in fitting] == fitting, words
     assert max(len(rows) for rows in PHRASES_BY_WORD.values()) < len(PHRASES) / 5
-
-
-def test_every_row_stands_in_the_page() -> None:
-    assert [said for said, _, _ in phrase_table()] == [phrase.example for phrase in PHRASES]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -51,10 +52,6 @@ def state_of(tick: int) -> bytes:
 
 def begin(path: Path | None) -> Recording:
     return Recording.create(path, HEADER, state_of(0))
-
-
-def closing(recording: Recording) -> contextlib.closing[Recording]:
-    return contextlib.closing(recording)
 
 
 @pytest.fixture
@@ -383,7 +380,7 @@ def test_what_reads_back_never_waits_for_the_thread_that_writes(path: Path) -> N
 
     subprocess.run(words, check=True, timeout=60)
 
-    with contextlib.closing(Recording.look(path)) as recording:
+    with closing(Recording.look(path)) as recording:
         assert recording.latest().tick > 10
 
 
@@ -565,7 +562,7 @@ def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
         return connection
 
     monkeypatch.setattr(file_module, "connect", watched)
-    with closing(begin(path)) as recording, contextlib.closing(sqlite3.connect(path)) as reader:
+    with closing(begin(path)) as recording, closing(sqlite3.connect(path)) as reader:
         reader.execute("BEGIN")
         reader.execute("SELECT count(*) FROM states").fetchone()
         for tick in range(1, 4_000):
@@ -866,7 +863,7 @@ def test_a_recording_in_which_a_text_is_none_is_told_as_damaged_by_who_goes_on(
     path = tmp_path / "watch.recording"
     with closing(begin(path)) as recording:
         fill(recording)
-    with contextlib.closing(sqlite3.connect(path)) as connection:
+    with closing(sqlite3.connect(path)) as connection:
         connection.execute("PRAGMA writable_schema = ON")
         comment = "CAST(CAST(sql AS BLOB) || x'2d2dff' AS TEXT)"  # of a byte that is no letter
         connection.execute(f"UPDATE sqlite_schema SET sql = {comment} WHERE type = 'table'")
@@ -1084,7 +1081,7 @@ def changed(path: Path, *statements: str) -> None:
     """Change a filled recording by SQL."""
     with closing(begin(path)) as recording:
         fill(recording)
-    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
         connection.execute("PRAGMA writable_schema = ON")
         for statement in statements:
             connection.execute(statement)
@@ -1098,8 +1095,6 @@ HARM = {
     "index": "CREATE INDEX more ON orders (abs(tick))",
     "column": "ALTER TABLE events ADD COLUMN more TEXT GENERATED ALWAYS AS (upper(text)) VIRTUAL",
     "missing": "DROP TABLE snapshots",
-    "renamed": "ALTER TABLE ledger RENAME TO log",
-    "virtual": "CREATE VIRTUAL TABLE more USING fts5(text)",
     "sql": "UPDATE sqlite_schema SET sql = replace(sql, 'NOT NULL', 'CHECK (1)')",
     "view for a table": (
         "UPDATE sqlite_schema SET type = 'view', rootpage = 0, "

@@ -706,22 +706,6 @@ def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str
         server_module.listen_at(host, port)
 
 
-@pytest.mark.parametrize(
-    ("address", "machine"),
-    [
-        ("192.168.1.5", "192.168.1.5"),
-        ("::ffff:192.168.1.5", "192.168.1.5"),
-        ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
-        ("fe80::1%eth0", "fe80::1"),
-        ("999.1.1.1", "999.1.1.1"),
-    ],
-)
-def test_a_machine_has_one_name_for_all_the_addresses_that_it_may_choose(
-    address: str, machine: str
-) -> None:
-    assert machine_of(address) == machine
-
-
 @needs_local
 @pytest.mark.parametrize("address", ["192.168.1.5", "2001:db8:1111:2222:3333:4444:5555:6666"])
 def test_a_program_of_this_user_may_say_for_which_machine_it_carries_lines(

@@ -373,6 +373,7 @@ def test_who_says_he_speaks_for_another_machine_is_counted_as_himself() -> None:
         ("2001:db8::8", "2001:db8::7", "2001:db8::8"),
         ("2001:db8:0:1:2:3:4:5", "2001:db8::7", "2001:db8:0:1::/64"),
         ("2001:db8:0:1::9", "2001:db8::7", "2001:db8:0:1::/64"),
+        ("999.1.1.1", "127.0.0.1", "999.1.1.1"),
     ],
 )
 def test_a_machine_is_counted_once_under_whichever_address(

@@ -330,18 +330,6 @@ def test_the_picture_shows_levels_flows_and_flooded_compartments(
     expect(page.locator("#tank")).to_have_text(f"Aft main: {amount} of {whole} t")
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_an_order_to_all_is_repeated_by_its_key(instructor: Caller, kept: Look, way: str) -> None:
-    page = open_ballast(kept)
-    assert instructor.ask("tell prepare to surface")[0]
-    bar = page.locator("repeat-bar")
-    expect(bar).to_contain_text("prepare to surface")
-    expect(page.locator("#ordered")).to_contain_text("prepare to surface")
-    work(page, bar.get_by_role("button"), way)
-    expect(bar).to_be_hidden()
-    assert heard(instructor, "prepare to surface aye")
-
-
 def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
     shared: Served, instructor: Caller, look: Look
 ) -> None:

@@ -166,19 +166,6 @@ def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, kept: L
     expect(page.locator("#said")).to_contain_text("planes: depth 80 m aye")
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_the_instructors_order_is_repeated_by_its_key(
-    instructor: Caller, kept: Look, way: str
-) -> None:
-    page = open_page(kept)
-    assert instructor.ask("order depth 90 m")[0]
-    bar = page.locator("repeat-bar")
-    expect(bar).to_contain_text("depth 90 m")
-    work(page, bar.get_by_role("button"), way)
-    expect(bar).to_be_hidden()
-    assert heard(instructor, "diving: depth 90 m aye")
-
-
 def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(
     instructor: Caller, kept: Look
 ) -> None:

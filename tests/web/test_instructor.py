@@ -158,22 +158,6 @@ def test_marks_charts_windows_tabs_and_tanks_are_worked(
     expect(page.locator("track-chart")).to_be_visible()
 
 
-def test_ships_near_are_listed_and_gone_when_they_are_removed(
-    shared: Served, look: Look, caller: Caller
-) -> None:
-    page = settled(shared, look)
-    page.locator("#ships-tab").click()
-    expect(page.locator("#no-ships")).to_be_visible()
-    assert caller.ask("contact add ferry1 ferry at 0 1500 course 270 speed 12")[0]
-    row = page.locator("#ships tbody tr >> nth=0")
-    expect(row.locator("th")).to_have_text("ferry1")
-    expect(row.locator("td >> nth=0")).to_have_text("090")
-    expect(row.locator("td >> nth=1")).to_have_text("1500 m")
-    expect(row.locator("td >> nth=2")).to_have_text("270")
-    assert caller.ask("contact ferry1 remove")[0]
-    expect(page.locator("#no-ships")).to_be_visible()
-
-
 def test_a_ship_is_added_by_bearing_and_range_and_steered_from_its_tab(
     shared: Served, look: Look, caller: Caller
 ) -> None:
@@ -231,19 +215,6 @@ def test_an_order_is_completed_answered_and_brought_back(
     page.locator("#order").fill("casualty flooding-a")
     page.locator("#completions button").click()
     expect(page.locator("#order")).to_have_value("casualty flooding-aft ")
-
-
-def test_an_alert_is_acknowledged_by_a_key(shared: Served, caller: Caller, look: Look) -> None:
-    page = settled(shared, look)
-    assert caller.ask("casualty stern-hard-over -1 ramp 0")[0]
-    for clock in ("00:05", "00:10"):  # the page looks when it has the readings
-        assert caller.ask("step 10")[0]
-        expect(page.locator("#time")).to_contain_text(clock)
-
-    alert = page.locator(".alert", has_text="Stern planes off their order")
-    expect(alert).to_contain_text("Acknowledge")
-    page.keyboard.press("a")
-    expect(alert).to_contain_text("seen")
 
 
 def test_keys_act_only_where_nobody_types(shared: Served, caller: Caller, look: Look) -> None:

@@ -5,6 +5,7 @@ import re
 import pytest
 from helpers import node
 from helpers.browser import Look
+from helpers.contrast import contrast
 from helpers.hands import TOO_WIDE, see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
@@ -57,23 +58,13 @@ def tokens(palette: str) -> dict[str, str]:
     return found
 
 
-def luminance(colour: str) -> float:
-    """Return the relative luminance [-] of a colour, after WCAG 2.2."""
-    parts = [int(colour[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
-    red, green, blue = (
-        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
-    )
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
 @pytest.mark.parametrize("palette", PALETTES)
 def test_contrast_of_each_pair_of_tokens_suffices(palette: str) -> None:
     colours = tokens(palette)
     assert len(colours) > 25
 
     for (ink, ground), least in PAIRS.items():
-        low, high = sorted((luminance(colours[ink]), luminance(colours[ground])))
-        ratio = (high + 0.05) / (low + 0.05)
+        ratio = contrast(colours[ink], colours[ground])
         assert ratio >= least, f"{palette}: {ink} on {ground} is {ratio:.2f}"
 
 
@@ -98,28 +89,22 @@ VIEWS = [
     *(("de", "dusk", "phone"), ("en", "dusk", "laptop"), ("de", "day", "laptop")),
     *(("en", "day", "phone"), ("de", "night", "phone"), ("en", "night", "laptop")),
 ]
-AXE = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
-  .map(({ id, nodes }) => `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
-
-
-@pytest.fixture(scope="session")
-def axe() -> str:
-    """Return the script of axe-core."""
-    return (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
 
 
 @each_page
 @pytest.mark.parametrize("view", sample_cases(VIEWS, VIEWS[0]), ids="-".join)
 def test_a_page_has_no_barrier_and_fits_every_size(
-    shared: Served, look: Look, axe: str, name: str, view: tuple[str, str, str]
+    shared: Served, look: Look, name: str, view: tuple[str, str, str]
 ) -> None:
     """Of 1280 by 720 a browser's zoom of 200 % leaves 640 by 360, which is one of these."""
     language, palette, first = view
     page = look(shared, name, first, f"?lang={language}&palette={palette}")
     ready(page)
     assert page.evaluate(MOVING) == 0  # `look` asks for no motion
-    page.evaluate(axe)  # as a tool of the browser would: no page may load it
-    await_that(lambda: page.evaluate(AXE) == [], lambda: page.evaluate(AXE))  # once it is drawn
+    page.evaluate(node.axe())  # as a tool of the browser would: no page may load it
+    await_that(
+        lambda: page.evaluate(node.BARRIERS) == [], lambda: page.evaluate(node.BARRIERS)
+    )  # once it is drawn
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
 

@@ -83,14 +83,11 @@ def missed_ticks(account: str) -> int:
     return sum(map(int, found.groups()))
 
 
-def child_of(process: int) -> int:
-    """Return the process of the pages' server, 0 for none."""
+def server_of(session: Served) -> int:
+    """Return the process of a session's pages."""
     if not Path("/proc/self/task").is_dir():
         pytest.skip("this system does not tell the children of a process")
-    for task in Path(f"/proc/{process}/task").iterdir():
-        if found := (task / "children").read_text().split():
-            return int(found[0])
-    return 0
+    return children_of(session.process.pid)[0]
 
 
 def refused(line: ClientConnection) -> int:
@@ -156,15 +153,6 @@ def asset_of(session: Served, name: str) -> str:
     return next(iter(re.findall(rf'"(/assets/{stem}\.[0-9a-f]{{16}}\.{kind})"', html)), "")
 
 
-def test_an_address_without_a_page_shows_the_way_back(shared: Served) -> None:
-    got = request(shared.port, "/hlem")
-
-    assert got.status == 404
-    assert got.headers["content-type"].startswith("text/html")
-    assert 'class="back" href="/"' in got.body.decode()
-    assert not CODE_WITHIN.search(got.body.decode())
-
-
 # Data for scripts is no script.
 CODE_WITHIN = re.compile(
     r'<script(?![^>]*(src=|type="(application/json|importmap)"))|\son\w+=|\sstyle='
@@ -172,8 +160,8 @@ CODE_WITHIN = re.compile(
 
 
 def test_no_page_holds_a_script_or_a_style_of_its_own(shared: Served) -> None:
-    for page in PAGES:
-        html = request(shared.port, f"/{page.name}").body.decode()
+    for name in (*(page.name for page in PAGES), "hlem"):
+        html = request(shared.port, f"/{name}").body.decode()
         assert "<style" not in html
         assert not CODE_WITHIN.search(html)
 
@@ -395,19 +383,6 @@ def test_a_certificate_out_of_its_time_is_refused_in_one_line(
             _, told = process.communicate(timeout=PATIENCE)
         assert process.returncode == 2
         assert told == f"trainer: --cert {cert}: {why}: no browser takes it; make a new one\n"
-
-
-@pytest.mark.process
-def test_a_certificate_and_the_key_of_another_are_refused_in_one_line(tmp_path: Path) -> None:
-    folders = tmp_path / "a", tmp_path / "b"
-    for folder in folders:
-        folder.mkdir()
-    (cert, _), (_, key) = (make_certificate(folder) for folder in folders)
-    with program(tmp_path, "web", "--cert", str(cert), "--key", str(key)) as process:
-        _, told = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 2
-    assert told.count("\n") == 1
-    assert "not a certificate and its own key, both PEM" in told
 
 
 # What could never be an order
@@ -641,7 +616,7 @@ def process_at(port: int) -> int:
 @pytest.mark.clock
 def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve: Serve) -> None:
     session = serve()
-    server = child_of(session.process.pid)
+    server = server_of(session)
     both = (session.process.pid, server)
     for process in both:
         os.kill(process, signal.SIGSTOP)
@@ -652,7 +627,7 @@ def test_a_server_that_was_stopped_together_with_its_session_is_left_alone(serve
         os.kill(process, signal.SIGCONT)
 
     stay_for(session.process, 3)  # its server would be killed in the first second
-    assert child_of(session.process.pid) == server
+    assert server_of(session) == server
     assert request(session.port, "/helm").status == 200
 
 
@@ -675,7 +650,7 @@ def test_a_server_out_of_descriptors_still_serves_who_asks_for_something(
 ) -> None:
     session = serve()
     assert request(session.port, "/helm").status == 200  # it has begun, and asked for its own
-    limit_descriptors(child_of(session.process.pid), 24)
+    limit_descriptors(server_of(session), 24)
     with contextlib.ExitStack() as silent:
         for _ in range(100):
             silent.enter_context(socket.create_connection(("127.0.0.1", session.port), PATIENCE))
@@ -693,7 +668,7 @@ def test_a_session_out_of_descriptors_begins_its_pages_again_once_it_has_some(
     before = len(list(Path(f"/proc/{session.process.pid}/fd").iterdir()))
     limit_descriptors(session.process.pid, before)
 
-    os.kill(child_of(session.process.pid), signal.SIGKILL)
+    os.kill(server_of(session), signal.SIGKILL)
     await_that(
         lambda: instructor.ask("log")[0] and any("cannot begin" in x for x in instructor.said)
     )
@@ -740,7 +715,7 @@ def test_the_end_of_a_session_is_the_end_of_its_pages(serve: Serve) -> None:
 
 def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
     session = serve("periscope-depth", "--no-record")
-    server = child_of(session.process.pid)
+    server = server_of(session)
     with dialled(session.port) as line:
         assert ask(line, "role instructor")[0] == "ok"
         assert ask(line, "end exercise")[0] == "ok"
@@ -753,7 +728,7 @@ def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
         return False
 
     await_that(is_back)
-    assert child_of(session.process.pid) == server
+    assert server_of(session) == server
 
 
 @contextlib.contextmanager

@@ -8,18 +8,6 @@ from helpers.hands import WAYS, work
 from helpers.pages import IN_SHORT, Served
 from playwright.sync_api import Browser, Page, expect
 
-
-def test_a_station_shows_what_its_session_says(shared: Served, look: Look) -> None:
-    page = look(shared, "helm")
-
-    expect(page.locator("#state")).to_have_text("FROZEN")
-    instructor = shared.attach()
-    assert instructor.ask("run")[0]
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    assert instructor.ask("freeze")[0]
-    expect(page.locator("#state")).to_have_text("FROZEN")
-
-
 # The exercises, and the stations that they want before all others.
 WANTED = {
     "stern-plane-jam": ["helm", "planes", "pilot"],
@@ -152,11 +140,3 @@ def test_the_keys_of_the_first_page_are_large(shared: Served, look: Look, size: 
     for box in boxes:
         assert box
         assert min(box["width"], box["height"]) >= 44
-
-
-def test_the_first_page_leads_to_each_station(shared: Served, look: Look) -> None:
-    page = look(shared)
-
-    expect(page.locator("#state")).to_have_text("CONNECTED")
-    for role in ("helm", "planes", "pilot"):
-        expect(page.locator(f"[href='/{role}'] small")).to_have_text("free")

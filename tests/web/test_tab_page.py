@@ -4,7 +4,6 @@ import base64
 import contextlib
 import hashlib
 import json
-import os
 import re
 import shutil
 import time
@@ -20,7 +19,6 @@ from helpers.altered import alter
 from helpers.firefox import firefox
 from helpers.givers import giver_at
 from helpers.lanes import sample_cases
-from helpers.nursery import run_trainer
 from helpers.places import ROOT
 from helpers.recorded import record
 from helpers.shell import typed
@@ -44,8 +42,6 @@ Open = Callable[..., Page]
 MOST = 560_000  # [bytes] of BB2, and with ten minutes recorded
 AN_HOUR = 2_000_000  # [bytes] more, of an hour recorded
 MARKUP = "<img src=x onerror=alert(1)>"
-AXE = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
-  .map(({ id, nodes }) => `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
 # the core in the page itself is flown by its own numbers; the state comes back as it lies in memory
 FLY = """async (deeds) => {
   const unpack = async (id) => {
@@ -272,13 +268,12 @@ def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) 
 
 @pytest.mark.parametrize("station", ["instructor", "pilot", "a card"])
 def test_a_page_has_no_barrier(opened: Open, drill_page: str, station: str) -> None:
-    script = (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
     page = opened(drill_page if station == "a card" else text_of(station=station))
     expect(page.locator("#state")).to_have_attribute("data-state", re.compile("running|frozen"))
 
-    page.evaluate(script)
+    page.evaluate(node.axe())
 
-    assert page.evaluate(AXE) == []
+    assert page.evaluate(node.BARRIERS) == []
 
 
 def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
@@ -565,19 +560,6 @@ def test_a_debrief_leads_the_boat_inside_it_to_where_marks_were_lost(
 # What is wrong
 
 
-@pytest.mark.process
-def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
-    wrong = tmp_path / "wrong.toml"
-    wrong.write_text("[fluid]\nrho = -1\n")
-    out = tmp_path / "boat.html"
-    done = run_trainer("export-page", str(out), "--vessel", str(wrong), env=os.environ.copy())
-
-    assert done.returncode == 2
-    assert "wrong.toml" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not out.exists()
-
-
 OTHERS = {
     "another core": (
         "UPDATE header SET value = '0123456789abcdef' WHERE key = 'core'",
@@ -601,15 +583,6 @@ def test_a_recording_that_cannot_be_flown_is_refused(
     with pytest.raises(ConfigError, match=why) as wrong:
         page_of(None, path, "instructor")
     assert len(wrong.value.args) == 1
-
-
-@pytest.mark.parametrize("content", [b"", b"no recording at all" * 100])
-def test_a_file_that_is_no_recording_is_refused(content: bytes, tmp_path: Path) -> None:
-    path = tmp_path / "empty.trainer"
-    path.write_bytes(content)
-
-    with pytest.raises(ConfigError, match=r"empty\.trainer"):
-        page_of(None, path, "instructor")
 
 
 def test_another_method_is_refused_by_name() -> None:

@@ -173,7 +173,7 @@ RANKED: Final = """((role) => {
   for (const [number, rank, kind] of [["1", "alarm", "watch"], ["2", "alarm", "depth"],
       ["3", "caution", "watch"], ["4", "emergency", "watch"]]) {
     open.take(9, "alert-rank", `${number},${rank}`);
-    open.take(9, "alert", `${number},${kind},${rank} of ${kind}`);
+    open.take(9, "alert", `${number},${kind},beyond all, ${number} of ${kind}`);
   }
   const session = { role, seconds: 10, state: "running", alerts: open, on: () => undefined,
     number: (place) => numbers[place] ?? null, exercise: { limits: "depth_m_max:140" } };
@@ -197,26 +197,11 @@ def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
     shown = evaluated("model/alerts.js", names, code)
 
     assert shown == [
-        "emergency emergency of watch",
+        "emergency beyond all, 4 of watch",
         *limits,
-        *("alarm alarm of depth", "alarm alarm of watch"),
+        *("alarm beyond all, 2 of depth", "alarm beyond all, 1 of watch"),
         *("alarm Pitch beyond 30 degrees", "alarm Bank empty"),
-        "caution caution of watch, seen",
-    ]
-
-
-def test_an_alert_has_the_rank_that_the_session_tells_whatever_its_words() -> None:
-    code = """(() => {
-      const alerts = new OpenAlerts();
-      alerts.take(1, "alert-rank", "1,emergency");
-      alerts.take(1, "alert", "1,depth,in other words");
-      alerts.take(2, "alert-rank", "2,alarm");
-      alerts.take(2, "alert", "2,depth,beyond all, a collapse");
-      return [...alerts.all.values()].map(({ rank, words }) => [rank, words]);
-    })()"""
-    assert evaluated("model/open-alerts.js", "OpenAlerts", code) == [
-        ["emergency", "in other words"],
-        ["alarm", "beyond all, a collapse"],
+        "caution beyond all, 3 of watch, seen",
     ]
 
 
