@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from helpers.boats import make_boat
-from helpers.crewed import Begin
+from helpers.crewed import Begin, Crewed
 from helpers.sessions import begin_run
 
 from trainer.boat.ballast_orders import put_out_of_trim
@@ -176,8 +176,7 @@ def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over:
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
 
 
-def test_a_grounding_is_called_again_after_a_jump_to_before_it(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_grounding_is_called_again_after_a_jump_to_before_it(ship: Crewed) -> None:
     sinking(ship.boat, 1.0, 0.3, grounding="free")
     ship.conduct.hull.ground = GroundMonitor(ship.boat)
     moment = ship.session.history.now()

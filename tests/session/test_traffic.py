@@ -60,8 +60,7 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Begin) -> None:
     assert ship.boat.ticks == here + 20
 
 
-def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_an_instructor_adds_moves_and_removes_ships(ship: Crewed) -> None:
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     ship.fly(10)
     contacts = contacts_in(ship.boat)
@@ -92,8 +91,7 @@ def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
         ("contact add add tug at 0 900 course 0 speed 3", "add: a name has at most 16"),
     ],
 )
-def test_what_cannot_be_is_refused(crewed: Begin, words: str, why: str) -> None:
-    ship = crewed(seconds=None)
+def test_what_cannot_be_is_refused(ship: Crewed, words: str, why: str) -> None:
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     assert why in ship.refused(words)
 
