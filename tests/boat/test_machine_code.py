@@ -20,7 +20,7 @@ import numba
 import numpy as np
 import pytest
 from helpers import places
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
@@ -182,8 +182,7 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
 
 @jitted
 def test_a_kernel_called_from_python_is_the_object_s() -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
+    boat = start_boat(5.0)
     records, asked = boat.records, (wanted_pump, ballast.hover.is_hovering, rates)
     for called in asked:
         vars(called).pop("dispatcher", None)  # that a test before this one has asked for

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import fly, make_boat, start_bb2
+from helpers.boats import fly, make_boat, start_bb2, start_boat
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -50,9 +50,7 @@ def boat() -> Boat:
 
 def at_sea(knots: float = 10.0, depth: float = 60.0) -> Boat:
     """Return a BB2 at a speed and depth."""
-    boat = make_boat("bb2")
-    boat.start(knots * KNOT, depth, 0.0)
-    return boat
+    return start_boat(knots * KNOT, depth)
 
 
 def begun(boat: Boat, name: str, *numbers: float | None) -> None:
@@ -650,8 +648,7 @@ def test_a_wrong_condition_is_refused_at_load_with_its_place(text: str, told: st
 
 
 def test_a_trigger_about_what_the_boat_lacks_is_refused() -> None:
-    remus = make_boat("remus100")
-    remus.start(1.5, 10.0, 0.0)
+    remus = start_boat(1.5, 10.0, vessel="remus100")
 
     with pytest.raises(ConfigError, match=r"remus100.toml has no water_aft"):
         armed(remus, "water_aft > 1")

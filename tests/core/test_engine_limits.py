@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat
 
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.pilot import PilotMonitor
@@ -32,8 +32,7 @@ def test_revolutions_are_those_of_the_tighter_limit(u: float) -> None:
 
 
 def test_twenty_knots_take_the_power_that_there_is() -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(20.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(20.0 * KNOT, 300.0, rates="exact")
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
     for _ in range(1200):
         assert boat.tick() == 0
@@ -43,8 +42,7 @@ def test_twenty_knots_take_the_power_that_there_is() -> None:
 
 
 def test_a_limited_engine_is_told_as_soon_as_it_is_ordered() -> None:
-    boat = make_boat("bb2", "modified", "lagged")
-    boat.start(5.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(5.0 * KNOT, 300.0, equations="modified")
     monitor = PilotMonitor.over(boat)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
     said: list[MonitorCall] = []
@@ -62,8 +60,7 @@ def test_a_limited_engine_is_told_as_soon_as_it_is_ordered() -> None:
 
 
 def test_an_engine_that_has_room_is_not_told() -> None:
-    boat = make_boat("bb2", "modified", "lagged")
-    boat.start(5.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(5.0 * KNOT, 300.0, equations="modified")
     monitor = PilotMonitor.over(boat)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 8.0 * KNOT
     for _ in range(60):

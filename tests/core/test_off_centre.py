@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_twin.compiler import SAME_BITS, build
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from helpers.lanes import sample_cases
 
 from trainer.analysis.bench.standard_hour import digest
@@ -151,8 +151,7 @@ def test_the_image_of_a_boat_off_centre_moves_as_its_image(equations: str, way: 
 
 
 def test_a_tank_beside_the_middle_plane_heels_the_compact_boat() -> None:
-    boat = make_boat("bb2", "modified")
-    boat.start(5.0, 60.0, 0.0)
+    boat = start_boat(5.0, equations="modified")
     assert not compact_set.off_centre(boat.records.compact, boat.records.state)
     tank = TANKS.index("auxiliary")
     boat.vessel.y[tank] = 3.0  # to starboard

@@ -1,5 +1,7 @@
 """Boats for the tests."""
 
+from typing import Any
+
 from helpers.places import DATA
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -19,6 +21,15 @@ def make_boat(
     return Boat(load_vessel(path), Method(equations, rates, "exact", integrator, step))
 
 
+def start_boat(
+    speed: float, depth: float = 60.0, course: float = 0.0, *, seed: int = 1, **made: Any
+) -> Boat:
+    """Return a boat started in trim, everything automatic; ``made`` is as for make_boat."""
+    boat = make_boat(**made)
+    boat.start(speed, depth, course, seed)
+    return boat
+
+
 def start_bb2(
     equations: str = "full",
     rates: str = "lagged",
@@ -27,9 +38,7 @@ def start_bb2(
     depth: float = 60.0,
 ) -> Boat:
     """Return BB2 at 10 kn on course 000, everything automatic."""
-    boat = make_boat("bb2", equations, rates, integrator)
-    boat.start(10.0 * KNOT, depth, 0.0)
-    return boat
+    return start_boat(10.0 * KNOT, depth, equations=equations, rates=rates, integrator=integrator)
 
 
 def take_in_hand(boat: Boat) -> None:

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from helpers.orders import obey_all
 from hypothesis import given
 from hypothesis import strategies as st
@@ -51,8 +51,7 @@ GAUGES = ("casualty", "casualty_amount")
 @pytest.fixture
 def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, math.pi / 2.0)
+    boat = start_boat(10.0 * KNOT, 60.0, math.pi / 2.0)
     boat.state.ordered_psi = 2.0
     for _ in range(120):
         assert boat.tick() == 0
@@ -176,8 +175,7 @@ def places(boat: Boat, name: str) -> range:
 @pytest.fixture(scope="module")
 def stuck() -> tuple[Boat, list[str]]:
     """Return a BB2 of which all gauges are stuck, and what stations get of it."""
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, 1.0)
+    boat = start_boat(10.0 * KNOT, 60.0, 1.0)
     stick_gauges(boat)
     return boat, everything_stations_get(frame_of(boat))
 
@@ -284,8 +282,7 @@ def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> 
 
 
 def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them() -> None:
-    boat = make_boat("remus100", step=0.1)
-    boat.start(3.0 * KNOT, 10.0, 0.0)
+    boat = start_boat(3.0 * KNOT, 10.0, vessel="remus100", step=0.1)
     frame = frame_of(boat)
 
     assert values(frame, "tanks")["forward"] == ""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat
 from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
@@ -163,8 +163,7 @@ def test_no_casualty_and_no_reference_crew_can_wait_for_what_no_gauge_shows() ->
 
 
 def test_a_boat_carried_along_is_not_chased_by_the_waves() -> None:
-    boat = make_boat()
-    boat.start(3.0 * KNOT, 17.5, math.pi)  # with waves from the north
+    boat = start_boat(3.0 * KNOT, 17.5, math.pi)
     boat.put_to_sea(load_sea("sea-state-5"))
     boat.tick()
     slow = following_speed_ratio(boat)

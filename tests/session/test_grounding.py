@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from helpers.crewed import Begin, Crewed
 from helpers.sessions import begin_run
 
@@ -63,11 +63,15 @@ def calls(boat: Boat, seconds: float) -> list[str]:
     return told
 
 
+@pytest.fixture
+def boat() -> Boat:
+    return start_boat(5.0 * KNOT)
+
+
 # Calls
 
 
-def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
-    boat = make_boat()
+def test_a_boat_that_sinks_onto_the_ground_is_aground_once(boat: Boat) -> None:
     sinking(boat, 2.0, 0.2)
     (told,) = calls(boat, 120.0)
     assert told.startswith("AGROUND: 0.")
@@ -75,9 +79,7 @@ def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
 
 
 @pytest.mark.parametrize(("seconds", "news"), [(10.0, 0), (40.0, 1)])
-def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -> None:
-    boat = make_boat()
-    boat.start(1.0, 60.0, 0.0)
+def test_touching_again_is_news_after_half_a_minute(boat: Boat, seconds: float, news: int) -> None:
     put_on(boat, ground(depth_m=100))
     monitor = GroundMonitor(boat)
     told: list[object] = []
@@ -89,8 +91,7 @@ def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -
     assert len(told) == 1 + news
 
 
-def test_a_fast_one_is_hard_aground() -> None:
-    boat = make_boat()
+def test_a_fast_one_is_hard_aground(boat: Boat) -> None:
     sinking(boat, 2.0, 0.8)
     (told,) = calls(boat, 60.0)
     assert told.startswith("HARD AGROUND: 0.")
@@ -111,8 +112,7 @@ def test_hard_is_fast_into_the_ground_or_way_over_rock(
     assert touch.is_hard(kind) is hard
 
 
-def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
-    boat = make_boat()
+def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(boat: Boat) -> None:
     sinking(boat, 0.5, 0.05, 10.0, bottoming=True)
     told = calls(boat, 120.0)
     assert len(told) == 2
@@ -120,8 +120,7 @@ def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
     assert told[1] == "lies on the ground: 9 t on the ground, screw stopped"
 
 
-def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong() -> None:
-    boat = make_boat()
+def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(boat: Boat) -> None:
     sinking(boat, 2.0, 0.3, 10.0, bottoming=True)
     (told,) = calls(boat, 400.0)
     assert "sinking 0." in told
@@ -136,16 +135,13 @@ def test_off_the_chart_is_called_once_each_time(tmp_path: Path) -> None:
     path = tmp_path / "a.asc"
     head = "ncols 2\nnrows 2\nxllcenter -50\nyllcenter -50\ncellsize 100\n"
     path.write_text(head + "300 300 310 320")
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+    boat = start_boat(5.0 * KNOT)
     position = Position("x.toml", "bottom")
     put_on(boat, read_bottom({"grid": path.name, "values": "depth"}, position, tmp_path / "x.toml"))
     assert calls(boat, 60.0) == ["BEYOND THE CHART: the ground is taken as at its edge"]
 
 
-def test_clearance_is_the_keel_s_and_a_limit() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_clearance_is_the_keel_s_and_a_limit(boat: Boat) -> None:
     assert clearance(boat) == math.inf
     put_on(boat, ground(depth_m=100))
     s = boat.state
@@ -205,9 +201,7 @@ def sentences(boat: Boat) -> dict[str, str]:
     return {line[1:8]: line for line in lines}
 
 
-def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(boat: Boat) -> None:
     put_on(boat, None)
     deep = sentences(boat)
     assert deep["INXDR,D"].startswith("$INXDR,D,60.00,M,DEPTH*")
@@ -225,9 +219,7 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
     assert len(INSTRUMENTS) > len(told)
 
 
-def test_crew_sees_the_sounder_and_the_instructor_the_clearance() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_crew_sees_the_sounder_and_the_instructor_the_clearance(boat: Boat) -> None:
     put_on(boat, ground(depth_m=100))
     seen = frame(boat)
     shown = {

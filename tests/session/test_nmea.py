@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import pynmea2
 import pytest
 from geographiclib.geodesic import Geodesic
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from helpers.line import Line
 from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
@@ -51,9 +51,12 @@ START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
 
 def under_way(speed: float = 10.0, course: float = 0.0) -> Boat:
     """Return BB2 at 60 m, everything automatic, at ``speed`` [kn] and ``course`` [deg]."""
-    boat = make_boat("bb2", "modified")
-    boat.start(speed * KNOT, 60.0, math.radians(course))
-    return boat
+    return start_boat(speed * KNOT, 60.0, math.radians(course), equations="modified")
+
+
+@pytest.fixture
+def boat() -> Boat:
+    return under_way()
 
 
 def seen(boat: Boat) -> Frame:
@@ -192,8 +195,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     assert sound["INHDT"][0] == "90.00"
 
 
-def test_a_boat_without_planes_has_empty_fields_for_them() -> None:
-    boat = under_way()
+def test_a_boat_without_planes_has_empty_fields_for_them(boat: Boat) -> None:
     boat.toward["bow"] = 0.0
     fields = told(boat)
     assert fields["INXDR2"][4:] == ("A", "", "D", "BOW")
@@ -206,16 +208,13 @@ def test_a_boat_at_rest_makes_no_way_and_keeps_her_heading_as_track() -> None:
     assert told(boat)["INRMC"][6:8] == ("0.00", "45.00")
 
 
-def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
-    boat = under_way()
+def test_above_the_surface_depth_is_nought_and_altitude_is_not(boat: Boat) -> None:
     boat.state.z = -1.5
     fields = told(boat)
     assert (fields["INDPT"][0], fields["INDBT"][2], fields["INGGA"][8]) == ("0.00", "0.00", "1.50")
 
 
-def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
-    boat = under_way()
-
+def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for(boat: Boat) -> None:
     def sent(names: str | None) -> dict[str, str]:
         shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT_CHART, START)
         return {line[1:6]: line for line in shown.lines(seen(boat))}
@@ -229,8 +228,9 @@ def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
         parse_names("IMDPT")
 
 
-def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:
-    boat = under_way()
+def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back(
+    boat: Boat,
+) -> None:
     sampled = SampledDisplay(InstrumentSet(choose_instruments(["HDT"]), DEFAULT_CHART, START), 1.0)
     start = boat.snapshot()
     counts = []
@@ -344,8 +344,7 @@ def test_other_sentences_mean_nothing_here() -> None:
 
 
 @pytest.mark.parametrize("bell", sorted(set(TELEGRAPH_BELLS.values())))
-def test_a_bell_rung_is_told_by_the_position_that_orders_it(bell: str) -> None:
-    boat = under_way()
+def test_a_bell_rung_is_told_by_the_position_that_orders_it(boat: Boat, bell: str) -> None:
     obey_all(boat, f"bell {bell}")
     assert TELEGRAPH_BELLS[told(boat)["INETL"][2]] == bell
 
@@ -462,8 +461,7 @@ def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
     assert line.ignored == 0
 
 
-def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
-    boat = under_way()
+def test_an_echo_of_what_is_sent_here_is_no_order(boat: Boat) -> None:
     obey_all(boat, "rudder left 5", "bell ahead full")
     echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(seen(boat))
     line, _, _ = line_of(*echo)
