@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2, start_boat
+from helpers.boats import calls_of, make_boat, start_bb2, start_boat
 
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
@@ -355,11 +355,7 @@ def test_the_engine_s_torque_limits_revolutions() -> None:
 
 def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> list[str]:
     """Return what is called out, without the ticks."""
-    said = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        said += [call.text.partition(": ")[2] for call in monitor.look(boat)]
-    return said
+    return [call.text.partition(": ")[2] for call in calls_of(boat, monitor, seconds)]
 
 
 def test_leaving_the_range_is_called_out_once_and_can_be_a_limit() -> None:
@@ -380,10 +376,7 @@ def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one() -> None:
     boat = start_bb2("full", "exact", depth=300.0)
     monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
     in_hand(boat, -8.0)
-    ranks = []
-    for _ in range(600):
-        assert boat.tick() == 0
-        ranks += [call.rank for call in monitor.look(boat)]
+    ranks = [call.rank for call in calls_of(boat, monitor, 300.0)]
 
     assert ranks == [Rank.CAUTION, Rank.WARNING, Rank.ALARM]
 

@@ -8,7 +8,6 @@ import json
 import os
 import platform
 import re
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -21,6 +20,7 @@ import numpy as np
 import pytest
 from helpers import places
 from helpers.boats import make_boat, start_boat
+from helpers.installation import run_program
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
@@ -413,13 +413,7 @@ def test_a_lane_runs_the_code_that_it_is_about(way: str) -> None:
         name: value for name, value in places.environment().items() if not name.startswith("NUMBA_")
     }
     code = "from trainer.boat.machine_code import way_name; print(way_name())"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env=own | LANES[way],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program([sys.executable, "-c", code], env=own | LANES[way])
 
     assert done.stdout.split() == way.split()
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import start_boat
+from helpers.boats import calls_of, start_boat
 from helpers.orders import obey_all, read_order
 
 from trainer.boat.boat import Boat
@@ -180,11 +180,7 @@ def test_motion_falls_with_depth_as_the_waves_do(generator: str, excess: float) 
 
 
 def watched(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
-    said = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        said += [call.text for call in monitor.look(boat)]
-    return said
+    return [call.text for call in calls_of(boat, monitor, seconds)]
 
 
 def shown(said: list[str]) -> list[str]:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.installation import run_program
 from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
 from helpers.screens import run_aside
@@ -53,9 +54,7 @@ class Terminal:
         self._tmux("-f", "/dev/null", "new-session", "-d", *size, "-c", str(folder), shell)
 
     def _tmux(self, *words: str) -> str:
-        done = subprocess.run(
-            ["tmux", "-L", self._name, *words], capture_output=True, text=True, check=True
-        )
+        done = run_program(["tmux", "-L", self._name, *words])
         return done.stdout
 
     def type(self, *keys: str) -> None:

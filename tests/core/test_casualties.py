@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import fly, make_boat, start_bb2, start_boat
+from helpers.boats import fly, make_boat, start_bb2, start_boat, take_ticks
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -523,8 +523,7 @@ def test_a_trigger_fires_on_the_first_tick_whose_last_state_meets_it(
     boat: Boat, text: str, tick: int
 ) -> None:
     armed(boat, text)
-    for _ in range(tick - 1):
-        boat.tick()
+    take_ticks(boat, tick - 1)
     assert active_casualties(boat) == []
     boat.tick()
     assert [each.kind for each in active_casualties(boat)] == ["rudder-stuck"]

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_boat, take_in_hand
+from helpers.boats import make_boat, start_boat, take_in_hand, take_ticks
 
 from trainer.boat.assemble import read_integrator, set_integrator
 from trainer.boat.boat import Boat
@@ -188,8 +188,7 @@ def test_adams_gives_the_same_turn_at_half_a_second_and_one(step: float) -> None
         boat = start_boat(10 * 1852 / 3600, rates=rates, integrator=integrator, step=h)
         take_in_hand(boat)
         boat.state.ordered_r = -math.radians(15.0)
-        for _ in range(round(900 / h)):
-            boat.tick()
+        take_ticks(boat, round(900 / h))
         s = boat.state
         turns.append([s.u, s.v, s.psidot, s.phi])
 

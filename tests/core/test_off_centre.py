@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_twin.compiler import SAME_BITS, build
-from helpers.boats import start_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.lanes import sample_cases
 
 from trainer.analysis.bench.standard_hour import digest
@@ -157,8 +157,7 @@ def test_a_tank_beside_the_middle_plane_heels_the_compact_boat() -> None:
     boat.vessel.y[tank] = 3.0  # to starboard
     boat.state.water[tank] -= 5000.0
 
-    for _ in range(40):
-        assert boat.tick() == 0
+    take_ticks(boat, 40)
 
     assert boat.state.y_g < 0.0
     assert boat.state.phi < -0.001, "port side down"

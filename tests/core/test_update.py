@@ -1,7 +1,6 @@
 """One tick: what it never does to the state, and the surfaces and the engine it moves."""
 
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat, start_bb2
+from helpers.installation import run_program
 from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
@@ -169,13 +169,10 @@ for equations in ("full", "modified", "basic", "longitudinal"):
 @pytest.mark.slow
 def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     # the call from Python itself wraps its arguments: what counts is what more ticks add to that
-    ran = subprocess.run(
+    ran = run_program(
         [sys.executable, "-c", COUNT_ALLOCATIONS],
         cwd=tmp_path,
         env=environment(NUMBA_NRT_STATS="1", NUMBA_DISABLE_JIT="0"),
-        capture_output=True,
-        text=True,
-        check=True,
     )
     counts = [line.split() for line in ran.stdout.splitlines()]
 

@@ -1,10 +1,12 @@
 """Boats for the tests."""
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, Protocol
 
 from helpers.places import DATA
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.calls import MonitorCall
 from trainer.config.vessel import load_vessel
 from trainer.units import KNOT
 
@@ -51,5 +53,25 @@ def take_in_hand(boat: Boat) -> None:
 
 def fly(boat: Boat, seconds: float) -> None:
     """Let time pass."""
+    take_ticks(boat, round(seconds / boat.method.step))
+
+
+def take_ticks(boat: Boat, count: int) -> None:
+    """Let so many ticks pass; none may fail."""
+    for _ in range(count):
+        assert boat.tick() == 0
+
+
+class Monitor(Protocol):
+    """What looks at a boat after each tick."""
+
+    def look(self, boat: Boat) -> Iterable[MonitorCall]: ...
+
+
+def calls_of(boat: Boat, monitor: Monitor, seconds: float) -> list[MonitorCall]:
+    """Let time pass; return what is called out meanwhile."""
+    said: list[MonitorCall] = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
+        said += monitor.look(boat)
+    return said

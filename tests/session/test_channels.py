@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from helpers.boats import start_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.orders import obey_all
 from hypothesis import given
 from hypothesis import strategies as st
@@ -53,8 +53,7 @@ def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
     boat = start_boat(10.0 * KNOT, 60.0, math.pi / 2.0)
     boat.state.ordered_psi = 2.0
-    for _ in range(120):
-        assert boat.tick() == 0
+    take_ticks(boat, 120)
     return boat
 
 
@@ -319,8 +318,7 @@ def test_what_is_held_still_has_no_rate(boat: Boat) -> None:
 def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None:
     assert isinstance(casualties.insert_casualty(boat, "rudder-slow", 0.5, 10.0), str)
     assert isinstance(casualties.insert_casualty(boat, "depth-gauge-stuck"), str)
-    for _ in range(10):
-        assert boat.tick() == 0
+    take_ticks(boat, 10)
     shown = values(frame_of(boat), "casualties")
 
     assert shown["casualty_1"] == "rudder-slow"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_boat
+from helpers.boats import make_boat, start_boat, take_ticks
 from helpers.sessions import start_plan
 
 from trainer.analysis.boat_page import boat_of
@@ -169,8 +169,7 @@ def test_a_boat_carried_along_is_not_chased_by_the_waves() -> None:
     slow = following_speed_ratio(boat)
     assert slow > 0.1
     boat.state.current[0] = -8.0 * KNOT
-    for _ in range(2):
-        boat.tick()
+    take_ticks(boat, 2)
     assert boat.state.xdot < -10.0 * KNOT
     assert following_speed_ratio(boat) == pytest.approx(slow, rel=0.1)
 

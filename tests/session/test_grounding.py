@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from helpers.boats import start_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.crewed import Begin, Crewed
 from helpers.sessions import begin_run
 
@@ -300,8 +300,7 @@ def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_pat
     for each in (plan, plan_of(header)):
         again = Boat(each.file, each.method)
         each.start(again)
-        for _ in range(200):
-            assert again.tick() == 0
+        take_ticks(again, 200)
         ends.append(again.snapshot().tobytes())
         (tmp_path / "shoal.asc").unlink(missing_ok=True)
         path.unlink(missing_ok=True)

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import pynmea2
 import pytest
 from geographiclib.geodesic import Geodesic
-from helpers.boats import start_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.line import Line
 from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
@@ -153,8 +153,7 @@ def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
 def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
     boat = under_way(course=200.0)
     obey_all(boat, "rudder right 10", "stern planes rise 4", "bell ahead full")
-    for _ in range(60):
-        boat.tick()
+    take_ticks(boat, 60)
     s, fields = boat.state, told(boat)
     assert float(fields["INHDT"][0]) == pytest.approx(math.degrees(s.psi) % 360.0, abs=0.0051)
     assert float(fields["INDPT"][0]) == pytest.approx(s.z, abs=0.0051)
@@ -181,8 +180,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     boat = under_way(course=90.0)
     sound = told(boat)
     obey_all(boat, "casualty depth-gauge-biased 5", "casualty gyro-biased 4")
-    for _ in range(40):
-        boat.tick()
+    take_ticks(boat, 40)
     wrong, s = told(boat), boat.state
     off = float(wrong["INDPT"][0]) - s.z
     assert off > 1.0
@@ -250,8 +248,7 @@ def test_after_an_hour_the_position_lies_at_the_distance_and_bearing_that_were_s
     course: float,
 ) -> None:
     boat, chart = under_way(18.0, course), Chart(51.0, 179.9)  # she crosses the date line
-    for _ in range(7200):
-        boat.tick()
+    take_ticks(boat, 7200)
     run = math.hypot(boat.state.x, boat.state.y)
     assert run > 30_000.0
     bearing = math.degrees(math.atan2(boat.state.y, boat.state.x))

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, take_ticks
 from helpers.orders import read_order
 from helpers.sessions import start_exercise
 from helpers.typed import type_command
@@ -77,8 +77,7 @@ def scope_of(boat: Boat) -> Periscope:
 
 
 def fly(boat: Boat, ticks: int) -> None:
-    for _ in range(ticks):
-        assert boat.tick() == 0
+    take_ticks(boat, ticks)
 
 
 def frame_of(boat: Boat) -> Frame:
