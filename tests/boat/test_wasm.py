@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+from helpers.boats import take_ticks
 from helpers.installation import installed, run_program
 from helpers.tab import fly, standard_hour
 from helpers.typed import type_command
@@ -75,8 +76,7 @@ def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     said = run_program([installed("node", "nodejs"), str(tmp_path / wasm.HOST_FILE), "120"])
     boat = boat_at_start(RunOptions(vessel="bb2"))
     boat.state.ordered_depth += 10.0
-    for _ in range(120):
-        boat.tick()
+    take_ticks(boat, 120)
     assert said.stdout.splitlines()[-1] == digest(boat)
 
 

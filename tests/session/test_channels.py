@@ -5,6 +5,7 @@ import math
 import pytest
 from helpers.boats import start_boat, take_ticks
 from helpers.orders import obey_all
+from helpers.sessions import frame_of, state_reader
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -33,7 +34,6 @@ KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
 STATIONS = sorted({c for r in ROLES.values() if r.name != "instructor" for c in r.channels})
 OBSERVER = ROLES["observer"]
-RUNNING = Pace()
 
 # What a station may see of the state beside the three gauges. Nothing else of it may show.
 SHOWN = (
@@ -55,15 +55,6 @@ def boat() -> Boat:
     boat.state.ordered_psi = 2.0
     take_ticks(boat, 120)
     return boat
-
-
-def lookout(boat: Boat) -> StateReader:
-    return StateReader(boat, Ledger(boat.method.step).summary)
-
-
-def frame_of(boat: Boat, pace: Pace = RUNNING) -> Frame:
-    state = boat.records.state
-    return lookout(boat).frame(Picture(int(boat.state.tick), state.tobytes(), pace))
 
 
 def values(frame: Frame, channel: str) -> dict[str, str]:
@@ -208,7 +199,7 @@ def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None
 
 def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
     state, scratch = boat.records.state.copy(), boat.records.scratch.copy()
-    look = lookout(boat)
+    look = state_reader(boat)
     picture = Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace())
 
     for _ in range(3):
@@ -220,7 +211,7 @@ def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
 
 def test_a_state_of_another_layout_is_told_from_this_cores(boat: Boat) -> None:
     with pytest.raises(ValueError, match="a state of 16 bytes"):
-        lookout(boat).frame(Picture(0, b"\0" * 16, Pace()))
+        state_reader(boat).frame(Picture(0, b"\0" * 16, Pace()))
 
 
 def test_the_panels_show_what_is_ordered_who_steers_and_what_is_done(boat: Boat) -> None:

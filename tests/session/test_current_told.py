@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.boats import make_boat, start_boat, take_ticks
-from helpers.sessions import start_plan
+from helpers.sessions import frame_of, start_plan
 
 from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
@@ -31,9 +31,8 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
+from trainer.session.stations.view import Frame
 from trainer.session.status import current_lines
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 START = datetime(2026, 1, 1, tzinfo=UTC)
@@ -64,12 +63,6 @@ def carried(boat: Boat) -> Frame:
     s.xdot = (s.u - s.v) * math.sqrt(0.5)
     s.ydot = (s.u + s.v) * math.sqrt(0.5) + s.water_east
     return frame_of(boat)
-
-
-def frame_of(boat: Boat) -> Frame:
-    """Return what is seen of a boat."""
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
 
 
 @pytest.fixture

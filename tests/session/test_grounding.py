@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from helpers.boats import start_boat, take_ticks
 from helpers.crewed import Begin, Crewed
-from helpers.sessions import begin_run
+from helpers.sessions import begin_run, frame_of
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -28,8 +28,6 @@ from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_in
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 
@@ -186,17 +184,11 @@ def test_a_grounding_is_called_again_after_a_jump_to_before_it(ship: Crewed) -> 
 # What is shown
 
 
-def frame(boat: Boat) -> Frame:
-    """Return the frame of a boat."""
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(boat.ticks, boat.records.state.tobytes(), Pace()))
-
-
 def sentences(boat: Boat) -> dict[str, str]:
     """Return the sentences of depths of a boat by their beginning."""
     chosen = choose_instruments(["DBT", "DPT", "XDR"])
     lines = InstrumentSet(chosen, DEFAULT_CHART, datetime(2026, 1, 1, tzinfo=UTC)).lines(
-        frame(boat)
+        frame_of(boat)
     )
     return {line[1:8]: line for line in lines}
 
@@ -221,7 +213,7 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(boat: Boat) -> 
 
 def test_crew_sees_the_sounder_and_the_instructor_the_clearance(boat: Boat) -> None:
     put_on(boat, ground(depth_m=100))
-    seen = frame(boat)
+    seen = frame_of(boat)
     shown = {
         (name, field.name): field.text(seen)
         for name in ("diving", "motion")

@@ -12,6 +12,7 @@ from helpers.boats import start_boat, take_ticks
 from helpers.line import Line
 from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
+from helpers.sessions import frame_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -42,8 +43,6 @@ from trainer.session.nmea.sentences import (
     widest,
 )
 from trainer.session.stations.roles import ROLES, refusal
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
@@ -59,15 +58,10 @@ def boat() -> Boat:
     return under_way()
 
 
-def seen(boat: Boat) -> Frame:
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
-
-
 def told(boat: Boat, chart: Chart = DEFAULT_CHART) -> dict[str, tuple[str, ...]]:
     """Return the fields of the set of a boat, by address and, of our own, page."""
     fields = {}
-    for line in InstrumentSet(INSTRUMENTS, chart, START).lines(seen(boat)):
+    for line in InstrumentSet(INSTRUMENTS, chart, START).lines(frame_of(boat)):
         heard = nmea.parse_sentence(line)
         assert isinstance(heard, nmea.NmeaSentence)
         name = heard.talker + heard.formatter
@@ -146,7 +140,7 @@ def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
     for _ in range(300):
         if boat.tick():
             break
-        lines = shown.lines(seen(boat))
+        lines = shown.lines(frame_of(boat))
         assert sum(len(line) + 2 for line in lines) <= widest(INSTRUMENTS)[1]
 
 
@@ -215,7 +209,7 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not(boat: Boat) -> No
 def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for(boat: Boat) -> None:
     def sent(names: str | None) -> dict[str, str]:
         shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT_CHART, START)
-        return {line[1:6]: line for line in shown.lines(seen(boat))}
+        return {line[1:6]: line for line in shown.lines(frame_of(boat))}
 
     usual = sent(None)
     assert not [address for address in usual if address.endswith(("DBT", "DPT"))]
@@ -233,10 +227,10 @@ def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_b
     start = boat.snapshot()
     counts = []
     for _ in range(5):
-        counts.append(len(sampled.lines(seen(boat))))
+        counts.append(len(sampled.lines(frame_of(boat))))
         boat.tick()
     boat.restore(start)
-    counts.append(len(sampled.lines(seen(boat))))
+    counts.append(len(sampled.lines(frame_of(boat))))
     assert counts == [1, 0, 1, 0, 1, 1]
 
 
@@ -253,7 +247,7 @@ def test_after_an_hour_the_position_lies_at_the_distance_and_bearing_that_were_s
     assert run > 30_000.0
     bearing = math.degrees(math.atan2(boat.state.y, boat.state.x))
     shown = InstrumentSet(choose_instruments(["RMC"]), chart, START)
-    fix = pynmea2.parse(shown.lines(seen(boat))[0])
+    fix = pynmea2.parse(shown.lines(frame_of(boat))[0])
     sailed = Geodesic.WGS84.Inverse(51.0, 179.9, fix.latitude, fix.longitude)
     assert sailed["s12"] == pytest.approx(run, abs=0.05)
     assert math.remainder(sailed["azi1"] - bearing, 360.0) == pytest.approx(0.0, abs=1e-4)
@@ -460,7 +454,7 @@ def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
 
 def test_an_echo_of_what_is_sent_here_is_no_order(boat: Boat) -> None:
     obey_all(boat, "rudder left 5", "bell ahead full")
-    echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(seen(boat))
+    echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(frame_of(boat))
     line, _, _ = line_of(*echo)
     assert line.take(50) == []
     assert line.ignored == len(echo)
