@@ -441,12 +441,6 @@ def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not
 # Instruments
 
 
-def test_instruments_of_a_sound_boat_tell_the_truth(boat: Boat) -> None:
-    fly(boat, 5.0)
-    s = boat.state
-    assert instrument_readings(boat) == InstrumentReadings(s.z, s.psi, s.u, 0.0)
-
-
 @pytest.mark.parametrize(("gauge", "place"), [("depth-gauge", 0), ("gyro", 1), ("log", 2)])
 def test_a_stuck_gauge_stays_at_its_reading_while_the_boat_moves_on(
     boat: Boat, gauge: str, place: int
@@ -668,13 +662,6 @@ def test_triggers_have_a_rule_and_are_eight_at_most(boat: Boat) -> None:
 
 
 # Tables
-
-
-def test_the_shipped_table_has_every_kind_under_its_name() -> None:
-    casualties = load_casualties()
-
-    assert set(casualties) == set(KINDS)
-    assert all(name == entry.kind for name, entry in casualties.items())
 
 
 def test_a_table_of_ones_own_adds_names_and_inherits_the_rest(tmp_path: Path, boat: Boat) -> None:

@@ -22,7 +22,7 @@ from trainer.config.files import shipped_names
 from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
-from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.orders.sentences import parse_sentence
 from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
 from trainer.session.exercise import is_met, quantity_of
@@ -782,16 +782,3 @@ def test_a_station_is_called_by_a_name_of_its_own(drill: Crewed) -> None:
     assert drill.say(wall, "name <b>")[0] == "no"
     drill.order("who")
     assert any(f"observer at {wall.name}, called wall: " in line for line in drill.said)
-
-
-def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(drill: Crewed) -> None:
-    visitor = drill.comes("visitor")
-    visitor.waiting = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
-    begun = time.monotonic()
-    for _ in range(20):
-        drill.session.attendance.listen()
-    answers = [each for each in map(parse_sentence, visitor.sent) if each and each.tag == "8"]
-    passed = time.monotonic() - begun
-    assert len(answers) <= 100 + 20 * (passed + 1.0)
-    assert passed > 5.0 or len(answers) < 300
-    assert any("orders a second wait" in text for text in drill.events(drill.instructor, "refused"))
