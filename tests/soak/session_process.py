@@ -162,7 +162,7 @@ class SessionProcess:
     def caller(
         self, role: str = "", token: str = "", *, patience: float = ANSWER, buffer: int = 0
     ) -> Caller:
-        """Return a line to it that has taken a role; GoneError if it has gone, or refuses."""
+        """Return a line that has a role; GoneError if it has gone, or refuses."""
         with contextlib.ExitStack() as unless_good:
             caller = unless_good.enter_context(Caller(self.where(), patience, buffer))
             taken, why = caller.ask(f"role {role} {token}") if role else (True, "")
