@@ -41,6 +41,27 @@ seed = 23
 depth_m = 40
 speed_kn = 8
 """  # the head of an exercise; casualties are added
+NOISE_AND_FLOODING = """
+[[casualties]]
+at_s = 5
+name = "depth-gauge-noisy"
+
+[[casualties]]
+at_s = 10
+name = "flooding-aft"
+severity = 0.2
+ramp_s = 25
+"""
+TIME_TO_65_M = """
+[[scores]]
+name = "Time to 65 m"
+measure = "time-to"
+quantity = "depth_m"
+target = 65
+band = 2
+full = 30
+zero = 300
+"""
 
 
 def session_over(

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.line import ScriptedLine
-from helpers.sessions import TROUBLED_SEA, begin_run, free_session, start_plan
+from helpers.sessions import NOISE_AND_FLOODING, TROUBLED_SEA, begin_run, free_session, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -45,16 +45,7 @@ order = "freeze"
 at_s = 61
 order = "sea state 3"
 
-[[casualties]]
-at_s = 5
-name = "depth-gauge-noisy"
-
-[[casualties]]
-at_s = 10
-name = "flooding-aft"
-severity = 0.2
-ramp_s = 25
-
+{NOISE_AND_FLOODING}
 [[casualties]]
 when = "depth > 41"
 name = "rudder-slow"

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
+from helpers.sessions import TIME_TO_65_M
 from helpers.waiting import once_it_can, stay_for
 from soak.session_process import Caller, GoneError, SessionProcess
 
@@ -19,21 +20,12 @@ from trainer.io.recording.recording import Recording
 pytestmark = pytest.mark.process
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
-EXERCISE = """
+EXERCISE = f"""
 schema = "exercise/1"
 name = "Down a little"
 briefing = "Go to 65 m."
-duration_s = {seconds}
-
-[[scores]]
-name = "Time to 65 m"
-measure = "time-to"
-quantity = "depth_m"
-target = 65
-band = 2
-full = 30
-zero = 300
-"""
+duration_s = 20
+{TIME_TO_65_M}"""
 
 
 def until(caller: Caller, text: str) -> str:
@@ -87,7 +79,7 @@ def account_of(session: SessionProcess) -> str:
 @pytest.fixture
 def exercise(tmp_path: Path) -> Path:
     path = tmp_path / "down.toml"
-    path.write_text(EXERCISE.format(seconds=20), encoding="utf-8")
+    path.write_text(EXERCISE, encoding="utf-8")
     return path
 
 
