@@ -37,6 +37,7 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     quote,
+    raise_problems,
     read_text,
     relative_name,
     renew_file,
@@ -249,8 +250,7 @@ def check_exercise(name: str) -> list[str]:
     path = path_named(name, "exercises")
     position = Position(path.name, "")
     problems = [*step_problems(plan, position)]
-    if problems:
-        raise ConfigError(*number_problems(problems, read_text(path), path.name))
+    raise_problems(number_problems(problems, read_text(path), path.name))
     if checked is not None:
         problems = [*_refused(checked, position), *_lost_at_start(checked, position)]
         for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
@@ -259,8 +259,7 @@ def check_exercise(name: str) -> list[str]:
                 problems.append(
                     position.inside(f"stated[{i}]").wrong("says", said, figure.difference)
                 )
-        if problems:
-            raise ConfigError(*number_problems(problems, read_text(path), path.name))
+        raise_problems(number_problems(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
 
 
