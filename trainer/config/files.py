@@ -135,6 +135,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; nearest is {by_fold[match[0]]}" if match else ""
 
 
+def offer_known(name: str, known: Collection[str]) -> str:
+    """Return the known name most like one that is not, and all of them."""
+    return f"{nearest(name, known)}; there are {', '.join(known)}"
+
+
 @contextmanager
 def remembering() -> Iterator[dict[str, str]]:
     """Yield a table of the texts, by key, that this thread reads inside the block."""

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Position, nearest, parse_toml, quote, read_text
+from trainer.config.files import ConfigError, Position, offer_known, parse_toml, quote, read_text
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -112,10 +112,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     if isinstance(node, ast.Name):
         name, known = node.id, (*names, *NAMED_CONSTANTS)
         if name not in known:
-            known_names = ", ".join(known)
-            raise ConfigError(
-                f"no parameter {quote(name)}{nearest(name, known)}; there are {known_names}"
-            )
+            raise ConfigError(f"no parameter {quote(name)}{offer_known(name, known)}")
         return lambda values: values[name] if name in names else NAMED_CONSTANTS[name]
     function, operands = _sign_of(node)
     parts = tuple(_built(part, names, depth + 1) for part in operands)
@@ -132,10 +129,7 @@ def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
         raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED_TEXT}")
     name = node.func.id if isinstance(node.func, ast.Name) else ""
     if name not in KNOWN_FUNCTIONS:
-        function_names = ", ".join(KNOWN_FUNCTIONS)
-        raise ConfigError(
-            f"no function {quote(name)}{nearest(name, KNOWN_FUNCTIONS)}; there are {function_names}"
-        )
+        raise ConfigError(f"no function {quote(name)}{offer_known(name, KNOWN_FUNCTIONS)}")
     return KNOWN_FUNCTIONS[name], node.args
 
 
