@@ -91,11 +91,6 @@ class ExerciseStudy:
     seeds: tuple[int, ...]
     flown: tuple[FlownExercise, ...]
 
-    @property
-    def own(self) -> FlownExercise:
-        """Return what was flown at the exercise's own seed."""
-        return self.flown[0]
-
 
 def fly_at(name: str, seed: int | None = None) -> FlownExercise:
     """Return an exercise flown at a seed, or at its own. ConfigError if it cannot be."""
@@ -156,7 +151,7 @@ def baseline_of(found: ExerciseStudy) -> Baseline:
         heading=heading,
         nobody=totals([each.nobody for each in found.flown]),
         crew=totals(crews) if crews else None,
-        marks=found.own.nobody_marks,
+        marks=found.flown[0].nobody_marks,
     )
 
 
@@ -175,7 +170,7 @@ def totals(cards: list[Scorecard]) -> Totals:
 
 def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
     """Yield a baseline as lines of text."""
-    baseline, own_run = baseline_of(found), found.own
+    baseline, own_run = baseline_of(found), found.flown[0]
     crew = {each.name: each.marks for each in own_run.crew.scores} if own_run.crew else {}
     width = max(len(name) for name in (*own_run.nobody_marks, "standard deviation"))
     yield f"{'marks at seed ' + str(found.seeds[0]):{width}}  nobody    crew"

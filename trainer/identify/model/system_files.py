@@ -11,6 +11,7 @@ import math
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -238,7 +239,7 @@ def _load_file(path: Path) -> System:
         starts=np.array([row.start for row in rows]),
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
-        matrices=_FileMatrices(names, parsed),
+        matrices=partial(_fill_matrices, names, parsed),
     )
 
 
@@ -251,21 +252,16 @@ def _entry(value: object, names: tuple[str, ...]) -> float | Expression:
     return float(value)
 
 
-@dataclass(frozen=True, eq=False)
-class _FileMatrices:
-    """The matrices of a TOML file."""
-
-    names: tuple[str, ...]
-    entries: Mapping[str, list[list[float | Expression]]]
-
-    def __call__(self, theta: Entries) -> Matrices:
-        """Return the matrices of each row of parameters."""
-        values, matrices = dict(zip(self.names, theta.T, strict=True)), {}
-        with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
-            for name, rows in self.entries.items():
-                out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
-                for i, row in enumerate(rows):
-                    for j, entry in enumerate(row):
-                        out[:, i, j] = entry if isinstance(entry, float) else entry(values)
-                matrices[name] = out
-        return matrices
+def _fill_matrices(
+    names: tuple[str, ...], entries: Mapping[str, list[list[float | Expression]]], theta: Entries
+) -> Matrices:
+    """Return the matrices of a TOML file for each row of parameters."""
+    values, matrices = dict(zip(names, theta.T, strict=True)), {}
+    with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
+        for name, rows in entries.items():
+            out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
+            for i, row in enumerate(rows):
+                for j, entry in enumerate(row):
+                    out[:, i, j] = entry if isinstance(entry, float) else entry(values)
+            matrices[name] = out
+    return matrices
