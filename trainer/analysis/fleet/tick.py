@@ -50,8 +50,14 @@ from trainer.core.update import lost
 
 
 @inlined
-def _no_slot(_kind_or_surface: int, _state: Record) -> int:
-    """Return -1: no casualty of this kind, or of this surface."""
+def _no_slot(_kind: int, _state: Record) -> int:
+    """Return -1: no casualty of this kind."""
+    return -1
+
+
+@inlined
+def _no_fault(_surface: int, _state: Record) -> int:
+    """Return -1: no casualty of this surface."""
     return -1
 
 
@@ -123,7 +129,7 @@ LANE_REPLACEMENTS = {
     "sine": _sine,
     "cosine": _cosine,
     "slot_of": _no_slot,
-    "fault_of": _no_slot,
+    "fault_of": _no_fault,
     "remember": _history_is_true,
     "within_engine": _no_engine_limit,
     "pass_notches": _no_waves,
