@@ -62,7 +62,10 @@ class FailureLog:
                 terminal.stats.setdefault("flaky" if passed else kind, []).append(report)
                 if passed:
                     terminal.write_line("\n".join(error_lines(report)))
-        with (self._config.cache.mkdir("flaky") / LIST_NAME).open("a", encoding="utf-8") as kept:
+        cache = getattr(self._config, "cache", None)
+        if cache is None:  # left out by -p no:cacheprovider
+            return
+        with (cache.mkdir("flaky") / LIST_NAME).open("a", encoding="utf-8") as kept:
             kept.writelines(f"{test}\n" for test, passed in again.items() if passed)
 
 

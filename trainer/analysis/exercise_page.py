@@ -37,6 +37,7 @@ from trainer.config.files import (
     parse_toml,
     path_named,
     quote,
+    raise_problems,
     read_text,
     relative_name,
     renew_file,
@@ -89,11 +90,6 @@ class ExerciseStudy:
     path: Path
     seeds: tuple[int, ...]
     flown: tuple[FlownExercise, ...]
-
-    @property
-    def own(self) -> FlownExercise:
-        """Return what was flown at the exercise's own seed."""
-        return self.flown[0]
 
 
 def fly_at(name: str, seed: int | None = None) -> FlownExercise:
@@ -155,7 +151,7 @@ def baseline_of(found: ExerciseStudy) -> Baseline:
         heading=heading,
         nobody=totals([each.nobody for each in found.flown]),
         crew=totals(crews) if crews else None,
-        marks=found.own.nobody_marks,
+        marks=found.flown[0].nobody_marks,
     )
 
 
@@ -174,7 +170,7 @@ def totals(cards: list[Scorecard]) -> Totals:
 
 def baseline_lines(found: ExerciseStudy) -> Iterator[str]:
     """Yield a baseline as lines of text."""
-    baseline, own_run = baseline_of(found), found.own
+    baseline, own_run = baseline_of(found), found.flown[0]
     crew = {each.name: each.marks for each in own_run.crew.scores} if own_run.crew else {}
     width = max(len(name) for name in (*own_run.nobody_marks, "standard deviation"))
     yield f"{'marks at seed ' + str(found.seeds[0]):{width}}  nobody    crew"
@@ -249,8 +245,7 @@ def check_exercise(name: str) -> list[str]:
     path = path_named(name, "exercises")
     position = Position(path.name, "")
     problems = [*step_problems(plan, position)]
-    if problems:
-        raise ConfigError(*number_problems(problems, read_text(path), path.name))
+    raise_problems(number_problems(problems, read_text(path), path.name))
     if checked is not None:
         problems = [*_refused(checked, position), *_lost_at_start(checked, position)]
         for i, figure in enumerate(fly_stated(plan, load_exercise(name).stated, checked.flights)):
@@ -259,8 +254,7 @@ def check_exercise(name: str) -> list[str]:
                 problems.append(
                     position.inside(f"stated[{i}]").wrong("says", said, figure.difference)
                 )
-        if problems:
-            raise ConfigError(*number_problems(problems, read_text(path), path.name))
+        raise_problems(number_problems(problems, read_text(path), path.name))
     return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
 
 

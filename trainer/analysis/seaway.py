@@ -296,10 +296,8 @@ def panels(file: SeaFile, vessel: VesselFile, report: SeaReport) -> tuple[Panel,
     seen, half = series[every - 1 :: every], 0.5 * sea.height_m
     whole = Curve("elevation", seconds, 0.25 * sea.height_m * series)
     shares = Curve("elevation", seconds[every - 1 :: every], 100.0 * seen / abs(seen).max())
-    title, then = (
-        f"{sea.name}: elevation above a boat at rest",
-        "the same, as figure 8 of the report of 1969",
-    )
+    title = f"{sea.name}: elevation above a boat at rest"
+    then = "the same, as figure 8 of the report of 1969"
     return (
         Panel(title, x, "elevation [m]", (whole,), levels=(-half, half)),
         Panel(then, x, "share of the largest [%]", (shares,), levels=(0.0,)),

@@ -214,10 +214,8 @@ def identify_ship(
     from trainer.identify.pages import record as record_page
     from trainer.identify.pages.identify import render
 
-    keywords, known = (
-        {"data_only": data_only, **options},
-        ("data_only", *IdentifyOptions.__annotations__),
-    )
+    keywords = {"data_only": data_only, **options}
+    known = ("data_only", *IdentifyOptions.__annotations__)
     with parse_options(identify.identify, [record], keywords, known) as words:
         wishes = record_of(studies.IdentifyOptions, words)
         study = studies.study_of(Path(record), wishes)

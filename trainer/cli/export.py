@@ -23,6 +23,7 @@ from trainer.cli.options import (
     run_options,
     sea_option,
     seed_option,
+    text_option,
 )
 from trainer.cli.types import Choice, Output
 from trainer.session.options import RunOptions
@@ -54,13 +55,11 @@ STATION_ROLES = (
 # fmt: on
 
 
-def print_targets(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001
-    """Print the processors that the core can be compiled for, and exit."""
-    if wanted and not context.resilient_parsing:
-        from trainer.boat.export.targets import list_targets
+def targets_text() -> str:
+    """Return the processors that the core can be compiled for, a line each."""
+    from trainer.boat.export.targets import list_targets
 
-        click.echo("\n".join(list_targets()))
-        context.exit()
+    return "\n".join(list_targets())
 
 
 @click.command(name="export-core")
@@ -72,13 +71,8 @@ def print_targets(context: click.Context, _: click.Parameter, wanted: bool) -> N
     default=CPU_NAMES[0],
     help="Processors that the code is for; shipped: those of the objects that the trainer ships.",
 )
-@click.option(
-    "--list",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=print_targets,
-    help="List these processors, and what this installation lacks for each.",
+@text_option(
+    "--list", targets_text, "List these processors, and what this installation lacks for each."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:

@@ -34,6 +34,7 @@ from trainer.cli.options import (
     record_of,
     sea_option,
     seed_option,
+    text_option,
 )
 from trainer.cli.types import File, Word
 from trainer.config.words import EQUATION_SETS
@@ -103,10 +104,8 @@ INITIAL_OPTIONS: Final = combine_options(
 )
 
 
-def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
-    """Print the manoeuvres and leave."""
-    if not value or ctx.resilient_parsing:
-        return
+def list_manoeuvres() -> str:
+    """Return the manoeuvres and their parameters, a line each."""
     from trainer.analysis.manoeuvres.catalogue import (
         MANOEUVRES,
         format_parameters,
@@ -117,21 +116,13 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     rows = [
         (name, format_parameters(manoeuvre_parameters(each))) for name, each in MANOEUVRES.items()
     ]
-    click.echo("\n".join(table(("", "degrees and seconds unless told otherwise"), rows, "")))
-    ctx.exit()
+    return "\n".join(table(("", "degrees and seconds unless told otherwise"), rows, ""))
 
 
 @click.command()
 @click.argument("name", type=Word(MANOEUVRE_NAMES))
 @click.argument("vessel", type=VESSEL_NAME)
-@click.option(
-    "--list",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=print_list,
-    help="Print the manoeuvres and their parameters, and leave.",
-)
+@text_option("--list", list_manoeuvres, "Print the manoeuvres and their parameters, and leave.")
 @click.option("--speed", type=AHEAD_SPEED_TYPE, metavar="KN", help="[default: the boat's]")
 @PARAMETER_OPTIONS
 @INITIAL_OPTIONS

@@ -32,6 +32,7 @@ from trainer.cli import (
     web,
 )
 from trainer.cli.moved import name_successor
+from trainer.cli.options import text_option
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
@@ -118,25 +119,11 @@ def versions() -> str:
     return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
 
 
-def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
-    """Print the versions and exit."""
-    if value and not ctx.resilient_parsing:
-        click.echo(versions())
-        ctx.exit()
-
-
 HELP_SETTINGS: Final = {"help_option_names": ["-h", "--help"], "show_default": True}
 
 
 @click.group(cls=Commands, context_settings=HELP_SETTINGS)
-@click.option(
-    "--version",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=print_versions,
-    help="Print the versions and exit.",
-)
+@text_option("--version", versions, "Print the versions and exit.")
 def cli() -> None:
     """Train the crew of a simulated submarine, in real time.
 

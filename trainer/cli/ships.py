@@ -54,15 +54,14 @@ def is_ship(vessel: str) -> bool:
 
 def design_trials(path: Path, options: dict[str, Any]) -> None:
     """Design trials of a ship and show what they would tell."""
+    if unknown := flags_given(BOAT_TRIAL_OPTIONS):
+        raise click.UsageError(f"{unknown}: not with a ship, {path.name}")
     typed_options = options_given()
-    unknown = [f"--{option}" for option in BOAT_TRIAL_OPTIONS if option in typed_options]
-    if unknown:
-        raise click.UsageError(f"{', '.join(unknown)}: not with a ship, {path.name}")
     # Only a boat's experiment has a default amplitude: a ship may sail a zig-zag alone.
     if "amplitude" not in typed_options:
         options = {**options, "amplitude": None}
-        if lone := [f"--{option}" for option in SEQUENCE_OPTIONS if option in typed_options]:
-            raise click.UsageError(f"{', '.join(lone)}: of a sequence: say its --amplitude")
+        if lone := flags_given(SEQUENCE_OPTIONS):
+            raise click.UsageError(f"{lone}: of a sequence: say its --amplitude")
     if options["zigzag"] is None and options["amplitude"] is None:
         raise click.UsageError(
             f"{path.name} is a ship: say its --zigzag, such as 20/20, or the --amplitude of a "

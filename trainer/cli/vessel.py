@@ -196,8 +196,7 @@ def reduce(vessel: str, **options: Any) -> None:
     from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
 
-    chosen = [name for name in ("check", "table", "write") if options[name]]
-    chosen += ["output"] if options["output"] else []
+    chosen = [name for name in ("check", "table", "write", "output") if options[name]]
     if len(chosen) > 1:
         flags = " and ".join(f"--{name}" for name in chosen)
         raise click.UsageError(f"{flags} exclude one another; give one of them")

@@ -41,9 +41,7 @@ OWN_FILE_EXAMPLES: Final = {  # what one of a kind is called, and an example of 
     "vessels": ("vessel", "./boat.toml"),
 }
 CHOOSING_OPTIONS: Final = {"seas": "--sea", "vessels": "--vessel"}
-
-# exercises that lead a trainee step by step lie in a folder of their own
-LESSONS_FOLDER: Final = "lessons"
+LESSONS_FOLDER: Final = "lessons"  # of the exercises that lead a trainee step by step
 _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
 TABLE_HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
@@ -135,6 +133,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; nearest is {by_fold[match[0]]}" if match else ""
 
 
+def offer_known(name: str, known: Collection[str]) -> str:
+    """Return the known name most like one that is not, and all of them."""
+    return f"{nearest(name, known)}; there are {', '.join(known)}"
+
+
 @contextmanager
 def remembering() -> Iterator[dict[str, str]]:
     """Yield a table of the texts, by key, that this thread reads inside the block."""
@@ -186,15 +189,11 @@ def shipped_names(kind: str) -> tuple[str, ...]:
 
 
 def shipped_tables(kind: str, beginning: str = "") -> dict[str, dict[str, Any]]:
-    """Return the shipped files of ``kind`` by name, unchecked; ConfigError.
-
-    Only names with that beginning. The files are not checked, because the checks load the core.
-    """
+    """Return shipped files by name, unchecked, because the checks load the core; ConfigError."""
     return {
-        name: parse_toml(read_text(path), path.name)
+        name: parse_toml(read_text(shipped_path(kind, name)), f"{name}.toml")
         for name in shipped_names(kind)
         if name.startswith(beginning)
-        for path in (shipped_path(kind, name),)
     }
 
 
@@ -217,9 +216,8 @@ def shipped_path(kind: str, name: str) -> Path:
 
 def _folder_of(kind: str, name: str) -> str:
     """Return the folder of a shipped file: exercises that are lessons have their own."""
-    if kind == "exercises" and name in shipped_names(LESSONS_FOLDER):
-        return LESSONS_FOLDER
-    return kind
+    is_lesson = kind == "exercises" and name in shipped_names(LESSONS_FOLDER)
+    return LESSONS_FOLDER if is_lesson else kind
 
 
 def is_path(name: str) -> bool:

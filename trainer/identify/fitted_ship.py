@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
-from trainer.config.files import ConfigError, Position, nearest, path_named, write_over
+from trainer.config.files import ConfigError, Position, offer_known, path_named, write_over
 from trainer.config.schema import Kind, Quantity, WholeNumber, within
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
@@ -159,10 +159,7 @@ def fit(
     require_library("scipy", "identify")
     for name in keywords:
         if name not in DEFAULT_OPTIONS:
-            known_names = ", ".join(DEFAULT_OPTIONS)
-            raise ConfigError(
-                f"no keyword {name!r}{nearest(name, DEFAULT_OPTIONS)}; there are {known_names}"
-            )
+            raise ConfigError(f"no keyword {name!r}{offer_known(name, DEFAULT_OPTIONS)}")
     chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
     _check_numbers(chosen)
     unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS

@@ -16,7 +16,7 @@ import numpy as np
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, Batch, Output, fly_each
 from trainer.analysis.sweep.records import PARAMETER_ROWS, IdentificationTable, ParameterRow
 from trainer.analysis.sweep.study import Study
-from trainer.config.files import ConfigError, Position, nearest, quote
+from trainer.config.files import ConfigError, Position, nearest, offer_known, quote, raise_problems
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
@@ -134,8 +134,7 @@ def _check(rows: tuple[ParameterRow, ...], table: IdentificationTable, file: str
             problems.append(Position(file, "identification").wrong("outputs", channel, text))
     if all(row.free is False for row in rows):
         problems.append(Position(file, "").problem("[[parameters]] has none that is free"))
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
 
 
 def pose_experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
@@ -175,8 +174,7 @@ class IdentificationSubject:
         measures, known = self.study.heading.measures, {one.name: one for one in every}
         for name in measures or ():
             if name not in known:
-                near, known_names = nearest(name, known), ", ".join(known)
-                text = f"no measure {quote(name)}{near}; there are {known_names}"
+                text = f"no measure {quote(name)}{offer_known(name, known)}"
                 raise ConfigError(f"{self.study.path.name}: {text}")
         return every if measures is None else tuple(known[name] for name in measures)
 

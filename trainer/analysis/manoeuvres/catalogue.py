@@ -24,7 +24,7 @@ from trainer.analysis.manoeuvres.vertical import (
     TrimChange,
 )
 from trainer.analysis.manoeuvres.zigzag import VerticalZigZag, ZigZag
-from trainer.config.files import ConfigError, nearest
+from trainer.config.files import ConfigError, offer_known
 from trainer.units import KNOT
 
 SPEED_ROUNDING_KN: Final = 1e-9  # [kn]
@@ -76,8 +76,7 @@ ParameterValues = dict[str, float | str]
 def find_manoeuvre(name: str) -> Manoeuvre:
     """Return the manoeuvre of that name; ConfigError if there is none."""
     if name not in MANOEUVRES:
-        known = ", ".join(MANOEUVRES)
-        raise ConfigError(f"no manoeuvre {name!r}{nearest(name, MANOEUVRES)}; there are {known}")
+        raise ConfigError(f"no manoeuvre {name!r}{offer_known(name, MANOEUVRES)}")
     return MANOEUVRES[name]
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from trainer.analysis.sweep.draws import GRID_SAMPLE
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, OpenJob, Output
 from trainer.analysis.sweep.sweep import TROUBLE_COLUMN
-from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.files import ConfigError, offer_known, quote
 from trainer.core.kernel import Numbers
 from trainer.report.plots import Bar, BarGroup, Curve, Panel
 from trainer.report.text import INDENT, table, wrap
@@ -220,10 +220,8 @@ def panels(report: SweepReport, result: Any, measure: str | None) -> tuple[Panel
     """Return the panels of one measure: its spread, the widest effects, curves over a grid."""
     known = {spread.name: spread for spread in report.spreads}
     if measure is not None and measure not in known:
-        raise ConfigError(
-            f"--measure {quote(measure)}: no such measure{nearest(measure, known)}; "
-            f"there are {', '.join(known)}"
-        )
+        told = f"{quote(measure)}: no such measure{offer_known(measure, known)}"
+        raise ConfigError(f"--measure {told}")
     spread = report.spreads[0] if measure is None else known[measure]
     factor, unit = on_page(spread.unit)
     values = numbers_of(result, spread.name)

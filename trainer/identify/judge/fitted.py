@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, quote
+from trainer.config.files import ConfigError, quote, raise_problems
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import (
@@ -119,8 +119,7 @@ def _check_separable(study: Study, problem: Problem) -> None:
         else f'tells nothing of {group[0]}: fix it, free = "no"'
         for group in inseparable(problem)
     ]
-    if problems:
-        raise ConfigError(*(f"{study.path.name}: this record {text}" for text in problems))
+    raise_problems([f"{study.path.name}: this record {text}" for text in problems])
 
 
 def fit_study(

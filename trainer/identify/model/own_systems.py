@@ -20,7 +20,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, quote
+from trainer.config.files import ConfigError, quote, raise_problems
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.kernels.ship_models import ModelBlocks
@@ -335,8 +335,7 @@ def check_shapes(system: System) -> None:
         problems.append("outputs must be one column or more, each once")
     if len(system.units) != len(system.outputs):
         problems.append("units must be as many as outputs")
-    if problems:
-        raise ConfigError(*(f"{system.path.name}: {problem}" for problem in problems))
+    raise_problems([f"{system.path.name}: {problem}" for problem in problems])
 
 
 def _is_covariance(matrix: Numbers) -> bool:

@@ -11,12 +11,13 @@ import math
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, Position, nearest, parse_toml, quote, read_text
+from trainer.config.files import ConfigError, Position, offer_known, parse_toml, quote, read_text
 from trainer.config.schema import (
     Choice,
     Flag,
@@ -112,10 +113,7 @@ def _built(node: ast.expr, names: tuple[str, ...], depth: int) -> Expression:
     if isinstance(node, ast.Name):
         name, known = node.id, (*names, *NAMED_CONSTANTS)
         if name not in known:
-            known_names = ", ".join(known)
-            raise ConfigError(
-                f"no parameter {quote(name)}{nearest(name, known)}; there are {known_names}"
-            )
+            raise ConfigError(f"no parameter {quote(name)}{offer_known(name, known)}")
         return lambda values: values[name] if name in names else NAMED_CONSTANTS[name]
     function, operands = _sign_of(node)
     parts = tuple(_built(part, names, depth + 1) for part in operands)
@@ -132,10 +130,7 @@ def _sign_of(node: ast.expr) -> tuple[Callable[..., Value], list[ast.expr]]:
         raise ConfigError(f"{quote(ast.unparse(node))}: there may be only {ALLOWED_TEXT}")
     name = node.func.id if isinstance(node.func, ast.Name) else ""
     if name not in KNOWN_FUNCTIONS:
-        function_names = ", ".join(KNOWN_FUNCTIONS)
-        raise ConfigError(
-            f"no function {quote(name)}{nearest(name, KNOWN_FUNCTIONS)}; there are {function_names}"
-        )
+        raise ConfigError(f"no function {quote(name)}{offer_known(name, KNOWN_FUNCTIONS)}")
     return KNOWN_FUNCTIONS[name], node.args
 
 
@@ -244,7 +239,7 @@ def _load_file(path: Path) -> System:
         starts=np.array([row.start for row in rows]),
         held=tuple(row.name for row in rows if row.free is False),
         states=len(file.A),
-        matrices=_FileMatrices(names, parsed),
+        matrices=partial(_fill_matrices, names, parsed),
     )
 
 
@@ -257,21 +252,16 @@ def _entry(value: object, names: tuple[str, ...]) -> float | Expression:
     return float(value)
 
 
-@dataclass(frozen=True, eq=False)
-class _FileMatrices:
-    """The matrices of a TOML file."""
-
-    names: tuple[str, ...]
-    entries: Mapping[str, list[list[float | Expression]]]
-
-    def __call__(self, theta: Entries) -> Matrices:
-        """Return the matrices of each row of parameters."""
-        values, matrices = dict(zip(self.names, theta.T, strict=True)), {}
-        with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
-            for name, rows in self.entries.items():
-                out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
-                for i, row in enumerate(rows):
-                    for j, entry in enumerate(row):
-                        out[:, i, j] = entry if isinstance(entry, float) else entry(values)
-                matrices[name] = out
-        return matrices
+def _fill_matrices(
+    names: tuple[str, ...], entries: Mapping[str, list[list[float | Expression]]], theta: Entries
+) -> Matrices:
+    """Return the matrices of a TOML file for each row of parameters."""
+    values, matrices = dict(zip(names, theta.T, strict=True)), {}
+    with np.errstate(all="ignore"):  # a search may try impossible values: they give NaN
+        for name, rows in entries.items():
+            out = np.zeros((len(theta), len(rows), len(rows[0])), theta.dtype)
+            for i, row in enumerate(rows):
+                for j, entry in enumerate(row):
+                    out[:, i, j] = entry if isinstance(entry, float) else entry(values)
+            matrices[name] = out
+    return matrices

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import OUTPUT_CHANNELS, POSITION_CHANNELS, Finding, Record
@@ -50,8 +50,7 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     If the ``ship`` is known, sizes are judged by its length and speed.
     """
     problems = [*_rudder_problems(record), *_unit_problems(record)]
-    if problems:
-        raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
+    raise_problems([f"{record.source}: {problem}" for problem in problems])
     findings = [*record.findings, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
     findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
     return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
@@ -70,8 +69,7 @@ def examine_columns(record: Record) -> list[Finding]:
             findings.append(missing)
         elif np.ptp(values) == 0.0:
             findings.append(record.finding(name, f"is {values[0]:g} in all rows"))
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
     return findings
 
 

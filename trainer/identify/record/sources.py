@@ -17,7 +17,7 @@ from typing import Any, Final, cast
 import numpy as np
 
 from trainer.analysis.recording_export import table_layout
-from trainer.config.files import ConfigError, collecting, nearest, quote
+from trainer.config.files import ConfigError, collecting, nearest, offer_known, quote
 from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
@@ -341,10 +341,7 @@ def columns_of(
     channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **FURTHER_COLUMNS}
     for name in (*columns, *units):
         if name not in channels:
-            known_names = ", ".join(channels)
-            raise ConfigError(
-                f"no channel {name!r}{nearest(name, channels)}; there are {known_names}"
-            )
+            raise ConfigError(f"no channel {name!r}{offer_known(name, channels)}")
     columns_by_channel = {}
     for channel in channels:
         usual = [channel, known_as.get(channel, channel)]

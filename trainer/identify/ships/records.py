@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, quote
+from trainer.config.files import ConfigError, quote, raise_problems
 from trainer.config.sensors import Sensors
 from trainer.config.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
@@ -212,8 +212,7 @@ def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> 
         )
     if "heading" not in found and "yaw_rate" not in found:
         problems.append(f"{source}: neither heading nor yaw_rate was recorded")
-    if problems:
-        raise ConfigError(*problems)
+    raise_problems(problems)
 
 
 def _rate(record: Record) -> Numbers:

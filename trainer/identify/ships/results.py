@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.ship.models import AXIS_LETTERS, FIXED_VALUES, NONLINEAR_NAMES, model_for
-from trainer.config.files import ConfigError, nearest
+from trainer.config.files import ConfigError, offer_known
 from trainer.config.ship import FitResult, ShipFile, load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmanteau, ratio_test
@@ -400,11 +400,8 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
     problem = fitted.problem
     for name in names:
         if name not in problem.model.free:
-            known = problem.model.free
-            raise ConfigError(
-                f"--without {name}: no such coefficient{nearest(name, known)}; "
-                f"there are {', '.join(known)}"
-            )
+            known = offer_known(name, problem.model.free)
+            raise ConfigError(f"--without {name}: no such coefficient{known}")
         if name in FIXED_VALUES and FIXED_VALUES[name] != 0.0:
             raise ConfigError(
                 f"--without {name}: it cannot be nothing; it is {FIXED_VALUES[name]:g} in books"

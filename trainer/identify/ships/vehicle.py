@@ -31,7 +31,7 @@ from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study
 from trainer.boat.ship.forces import ROLL_INDEX
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
-from trainer.config.files import ConfigError, Position
+from trainer.config.files import ConfigError, Position, raise_problems
 from trainer.config.schema import read_record
 from trainer.config.ship import ShipFile, read_ship
 from trainer.report.text import table, wrap
@@ -245,8 +245,7 @@ class SailingSubject:
             for key in keys
             if settings[where][key] is not None
         ]
-        if problems:
-            raise ConfigError(*problems)
+        raise_problems(problems)
         named = Path(self.study.heading.vessel or "")
         ship = IdentifiedShip(read_ship(tables["vessel"], named), self.study.method.step_s)
         manoeuvre = manoeuvre_of(table, ship)
