@@ -40,6 +40,11 @@ def under_way(vessel: str = "bb2", speed_kn: float = 10.0, equations: str = "mod
     return boat
 
 
+@pytest.fixture
+def boat() -> Boat:
+    return under_way()
+
+
 def answer(boat: Boat, line: str) -> str | Refused:
     return obey_order(boat, read_order(line))
 
@@ -97,9 +102,8 @@ def answer(boat: Boat, line: str) -> str | Refused:
     ],
 )
 def test_an_order_sets_its_fields_and_no_others(
-    before: dict[str, float], line: str, changes: dict[str, float]
+    boat: Boat, before: dict[str, float], line: str, changes: dict[str, float]
 ) -> None:
-    boat = under_way()
     for name, value in before.items():
         boat.state[name] = value
     expected = boat.snapshot()
@@ -111,8 +115,7 @@ def test_an_order_sets_its_fields_and_no_others(
     assert boat.records.state.tobytes() == expected.tobytes()
 
 
-def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
-    boat = under_way()
+def test_hovering_deeper_than_the_boat_may_go_is_refused(boat: Boat) -> None:
     before = boat.snapshot()
     order = read_order("hover 900")
     reply = obey_order(boat, order)
@@ -121,8 +124,7 @@ def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
     assert boat.records.state.tobytes() == before.tobytes()
 
 
-def test_a_dive_keeps_a_depth_that_is_deeper_than_the_periscope_allows() -> None:
-    boat = under_way()
+def test_a_dive_keeps_a_depth_that_is_deeper_than_the_periscope_allows(boat: Boat) -> None:
     obey_all(boat, "dive")
     assert boat.state.ordered_depth == 60.0
 
@@ -185,9 +187,8 @@ def test_a_boat_without_a_periscope_depth_asks_for_a_depth() -> None:
 
 @pytest.mark.parametrize(("depth", "time", "bow_down"), [(60.0, 120.0, 8.0), (300.0, 500.0, 22.0)])
 def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_afloat(
-    depth: float, time: float, bow_down: float
+    boat: Boat, depth: float, time: float, bow_down: float
 ) -> None:
-    boat = under_way()
     boat.start(10.0 * KNOT, depth, 0.0)
     pilot = PilotMonitor.over(boat)
     obey_all(boat, "surface")
@@ -209,8 +210,7 @@ def test_surfacing_at_speed_holds_the_boat_level_and_lays_the_planes_amidships_a
     assert s.z == pytest.approx(17.5, abs=3.0)
 
 
-def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered() -> None:
-    boat = under_way()
+def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered(boat: Boat) -> None:
     pilot = PilotMonitor.over(boat)
     obey_all(boat, "emergency blow")
     fly(boat, 1.0)
@@ -265,8 +265,7 @@ def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
     assert boat.state.z == pytest.approx(65.0, abs=0.5)
 
 
-def test_status_tells_of_tanks_air_and_sea_in_79_columns() -> None:
-    boat = under_way()
+def test_status_tells_of_tanks_air_and_sea_in_79_columns(boat: Boat) -> None:
     obey_all(
         boat,
         "trim manual",

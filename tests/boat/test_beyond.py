@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2
+from helpers.boats import calls_of, make_boat, start_bb2, start_boat
 
 from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
@@ -87,8 +87,7 @@ def test_a_crash_stop_takes_the_time_and_way_of_its_kind(
     vessel: str, knots: float, bell: float, seconds: float, lengths: float
 ) -> None:
     step = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.02}[vessel]
-    boat = make_boat(vessel, "full", "exact", "adams2", step)
-    boat.start(knots * KNOT, 300.0, 0.0)
+    boat = start_boat(knots * KNOT, 300.0, vessel=vessel, rates="exact", step=step)
     neutral(boat)
     planes = boat.state.delta_s
     in_hand(boat, bell)
@@ -340,8 +339,7 @@ def test_a_boat_is_afloat_for_an_hour_in_any_sea_state(degree: int) -> None:
 
 
 def test_the_engine_s_torque_limits_revolutions() -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(3 * KNOT, 300.0, 0.0)
+    boat = start_boat(3 * KNOT, 300.0, rates="exact")
     in_hand(boat, 20.0)
     boat.state.u = 0.0
     for _ in range(60):
@@ -357,11 +355,7 @@ def test_the_engine_s_torque_limits_revolutions() -> None:
 
 def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> list[str]:
     """Return what is called out, without the ticks."""
-    said = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        said += [call.text.partition(": ")[2] for call in monitor.look(boat)]
-    return said
+    return [call.text.partition(": ")[2] for call in calls_of(boat, monitor, seconds)]
 
 
 def test_leaving_the_range_is_called_out_once_and_can_be_a_limit() -> None:
@@ -382,10 +376,7 @@ def test_a_remark_on_the_model_is_no_alarm_and_a_limit_passed_is_one() -> None:
     boat = start_bb2("full", "exact", depth=300.0)
     monitor = LimitMonitor.over(boat, ExerciseLimits(validity_level_max=1.0))
     in_hand(boat, -8.0)
-    ranks = []
-    for _ in range(600):
-        assert boat.tick() == 0
-        ranks += [call.rank for call in monitor.look(boat)]
+    ranks = [call.rank for call in calls_of(boat, monitor, 300.0)]
 
     assert ranks == [Rank.CAUTION, Rank.WARNING, Rank.ALARM]
 
@@ -404,8 +395,7 @@ def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why() ->
         f"X-TAIL: the stern planes have 12 of 20 deg: {shared}",
     ]
     assert {"rudder short on the X-tail", "stern short on the X-tail"} <= monitor.times.keys()
-    cruciform = make_boat("sdv-mk9", "full", "exact", "adams2", 0.1)
-    cruciform.start(3 * KNOT, 20.0, 0.0)
+    cruciform = start_boat(3 * KNOT, 20.0, vessel="sdv-mk9", rates="exact", step=0.1)
     in_hand(cruciform, 3.0, rudder=20.0)
     cruciform.state.ordered_s = math.radians(20.0)
     quiet = called(cruciform, PilotMonitor.over(cruciform), 5.0)

@@ -13,7 +13,7 @@ from helpers.emulated import (
     link_host,
     needed_programs,
 )
-from helpers.installation import installed
+from helpers.installation import installed, run_program
 from helpers.places import ROOT
 
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
@@ -80,7 +80,7 @@ def test_an_exported_core_asks_for_nothing_by_any_method(cpu: str, tmp_path: Pat
         how = RunOptions(equations=equations, integrator=integrator, trig=trig, unsafe_step=True)
         write_core(boat_at_start(how), tmp_path, cpu)
         words = [f"{tools}nm", "-u", str(tmp_path / OBJECT_FILE)]
-        asked[equations] = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        asked[equations] = run_program(words).stdout
 
     assert asked == dict.fromkeys(asked, "")
 
@@ -92,11 +92,9 @@ def test_a_boat_on_a_cortex_m7_takes_the_memory_that_is_promised(tmp_path: Path)
     write_core(boat_at_start(RunOptions(vessel="bb2", sea="sea-state-5")), tmp_path, "cortex-m7")
     host = link_host("cortex-m7", tmp_path, LEAST_HOST, "-nostartfiles")
     words = EMULATORS["cortex-m7"].words(host)
-    said = subprocess.run(words, capture_output=True, text=True, check=True, timeout=120)
+    said = run_program(words, timeout=120)
     stack = int(said.stdout + said.stderr)
-    size = subprocess.run(
-        ["arm-none-eabi-size", str(host)], capture_output=True, text=True, check=True
-    )
+    size = run_program(["arm-none-eabi-size", str(host)])
     code, data, zeros = map(int, size.stdout.splitlines()[1].split()[:3])
     measured = (code + data, data + zeros, stack)
 

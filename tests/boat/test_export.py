@@ -19,7 +19,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.boats import make_boat
 from helpers.exported import Core, link_shipped, shipped_kernel
-from helpers.installation import installed
+from helpers.installation import installed, run_program
 from helpers.nursery import Done, run_trainer
 from helpers.places import ROOT
 from helpers.typed import type_command
@@ -120,7 +120,7 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
     host, end = tmp_path / "host", tmp_path / "end.bin"
     source = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", str(folder / HOST_FILE)]
     subprocess.run(["cc", *source, str(folder / OBJECT_FILE), "-o", str(host)], check=True)
-    table = subprocess.run([host, str(HOUR), end], capture_output=True, text=True, check=True)
+    table = run_program([host, str(HOUR), end])
     exported = np.frombuffer(core.state, STATE).view(np.recarray)[0]  # type: ignore[call-overload]
 
     for tick in range(HOUR):
@@ -255,12 +255,7 @@ def some_small_numbers() -> list[float]:
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
 @pytest.mark.parametrize("name", [OBJECT_FILE, LIBRARY_FILE])
 def test_nothing_outside_is_needed(folder: Path, name: str) -> None:
-    needed = subprocess.run(
-        ["nm", *(["-D"] if name == LIBRARY_FILE else []), "-u", folder / name],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    needed = run_program(["nm", *(["-D"] if name == LIBRARY_FILE else []), "-u", folder / name])
 
     assert not needed.stdout.strip()
 
@@ -268,12 +263,7 @@ def test_nothing_outside_is_needed(folder: Path, name: str) -> None:
 @needs_linux
 @pytest.mark.skipif(not shutil.which("nm"), reason="no nm here")
 def test_only_the_five_names_of_the_header_are_seen(folder: Path) -> None:
-    shown = subprocess.run(
-        ["nm", "-D", "--defined-only", folder / LIBRARY_FILE],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    shown = run_program(["nm", "-D", "--defined-only", folder / LIBRARY_FILE])
     header = (folder / HEADER_FILE).read_text()
 
     names = {line.split()[-1] for line in shown.stdout.splitlines()}
@@ -296,7 +286,7 @@ def test_places_in_c_are_the_records_places(
     program = f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADER_FILE}"\n'
     (tmp_path / "places.c").write_text(f"{program}int main(void) {{ {prints} return 0; }}\n")
     subprocess.run(["cc", "-I", folder, "places.c", "-o", "places"], cwd=tmp_path, check=True)
-    printed = subprocess.run([tmp_path / "places"], capture_output=True, text=True, check=True)
+    printed = run_program([tmp_path / "places"])
 
     assert [int(line) for line in printed.stdout.split()] == [
         at for _, at, _ in record_members(kind)
@@ -327,7 +317,7 @@ def test_the_host_in_the_documents_compiles_and_steers(folder: Path, tmp_path: P
     words = ["cc", "-Wall", "-Werror", "-I", str(folder), "example.c", str(folder / OBJECT_FILE)]
     subprocess.run([*words, "-o", "example"], cwd=tmp_path, check=True)
 
-    said = subprocess.run([tmp_path / "example"], capture_output=True, text=True, check=True).stdout
+    said = run_program([tmp_path / "example"]).stdout
 
     assert said.startswith("300.0 s: ")
     assert float(said.split("heading ")[1].split()[0]) > 1.0

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from helpers.fmu import GUID_BYTES, UNIT_MARKS, Unit, unpack
 from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
-from helpers.installation import installed
+from helpers.installation import installed, run_program
 from helpers.nursery import run_trainer
 from helpers.orders import obey_all
 from helpers.places import ROOT
@@ -201,12 +201,10 @@ def test_the_windows_library_shows_the_standards_functions_alone_and_needs_only_
     unit = unpack(tmp_path / "bb2.fmu", tmp_path)
     library = library_path(tmp_path, "windows-x86_64", version)
     words = ["x86_64-w64-mingw32-objdump", "-p", str(library)]
-    lines = subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()
+    lines = run_program(words).stdout.splitlines()
     needed = {line.split()[-1].lower() for line in lines if "DLL Name:" in line}
     shown = {line.split()[-1] for line in lines if f" fmi{version}" in line}
-    listed = subprocess.run(
-        ["nm", "-D", "--defined-only", str(unit.path)], capture_output=True, text=True, check=True
-    )
+    listed = run_program(["nm", "-D", "--defined-only", str(unit.path)])
     exports = next(i for i, line in enumerate(lines) if "[Ordinal/Name Pointer] Table" in line)
     table = [line for line in lines[exports + 1 :] if line.startswith("\t[")]
 

@@ -30,6 +30,11 @@ def under_way(vessel: str = "bb2") -> Boat:
     return boat
 
 
+@pytest.fixture
+def boat() -> Boat:
+    return under_way()
+
+
 def without_autopilot() -> Boat:
     file = replace(load_vessel("bb2"), autopilot=None)
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", 0.5))
@@ -105,9 +110,8 @@ def without_autopilot() -> Boat:
     ],
 )
 def test_an_order_changes_what_it_says_and_nothing_else(
-    line: str, reply: str, changes: dict[str, float]
+    boat: Boat, line: str, reply: str, changes: dict[str, float]
 ) -> None:
-    boat = under_way()
     s = boat.state
     s.delta_r, s.delta_s, s.delta_b, s.u_c = 0.125, 0.25, -0.125, 4.5
     s.ordered_r, s.ordered_s, s.ordered_b, s.ordered_u_c = 0.5, 0.5, 0.5, 1.0
@@ -141,8 +145,9 @@ def test_an_order_changes_what_it_says_and_nothing_else(
         ("autopilot off", "autopilot on", ["rudder_by_hand", "bow_by_hand", "speed_by_hand"]),
     ],
 )
-def test_what_was_taken_by_hand_is_given_back(hand: str, automatic: str, places: list[str]) -> None:
-    boat = under_way()
+def test_what_was_taken_by_hand_is_given_back(
+    boat: Boat, hand: str, automatic: str, places: list[str]
+) -> None:
     obey_all(boat, hand)
     assert [boat.state[place] for place in places] == [1.0] * len(places)
     obey_all(boat, automatic)
@@ -188,8 +193,7 @@ def test_an_order_that_cannot_be_obeyed_says_why_and_changes_nothing(
     assert boat.records.state.tobytes() == before
 
 
-def test_a_depth_below_the_greatest_of_the_boat_is_refused() -> None:
-    boat = under_way()
+def test_a_depth_below_the_greatest_of_the_boat_is_refused(boat: Boat) -> None:
     boat.file = replace(boat.file, hull=replace(boat.file.hull, max_depth_m=300.0))
     before = boat.records.state.tobytes()
 
@@ -200,8 +204,7 @@ def test_a_depth_below_the_greatest_of_the_boat_is_refused() -> None:
     obey_all(boat, "depth 300")
 
 
-def test_a_bell_the_telegraph_lacks_is_refused_with_those_it_has() -> None:
-    boat = under_way()
+def test_a_bell_the_telegraph_lacks_is_refused_with_those_it_has(boat: Boat) -> None:
     bells = {"ahead_one_third": 4.0, "astern_full": -8.0}
     boat.file = replace(boat.file, propulsion=replace(boat.file.propulsion, bells_kn=bells))
     before = boat.records.state.tobytes()
@@ -308,8 +311,7 @@ def test_a_course_is_steered_the_short_way_however_often_the_boat_has_turned(
     assert turns == pytest.approx(round(turns), abs=1e-7)
 
 
-def test_a_change_of_course_is_steered_the_way_ordered_from_the_course_kept() -> None:
-    boat = under_way()
+def test_a_change_of_course_is_steered_the_way_ordered_from_the_course_kept(boat: Boat) -> None:
     boat.state.psi, boat.state.ordered_psi = 20.0, 20.5
     obey_all(boat, "course left 350")
     assert boat.state.ordered_psi == pytest.approx(20.5 - 350.0 * DEGREE)
@@ -362,8 +364,9 @@ def test_the_rudder_is_eased_and_shifted_by_what_is_on(
         ("rudder amidships", "meet her", "the boat does not swing: there is nothing to meet"),
     ],
 )
-def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, why: str) -> None:
-    boat = under_way()
+def test_what_the_rudder_cannot_do_as_it_is_is_refused(
+    boat: Boat, before: str, line: str, why: str
+) -> None:
     obey_all(boat, before)
     kept = boat.records.state.tobytes()
     assert obey_order(boat, read_order(line)) == Refused(why)
@@ -374,8 +377,7 @@ def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, w
     ("before", "angle"),
     [("rudder right 20", -20.0), ("rudder left 20", 20.0), ("rudder right 4", -10.0)],
 )
-def test_a_swing_is_met_by_opposite_rudder(before: str, angle: float) -> None:
-    boat = under_way()
+def test_a_swing_is_met_by_opposite_rudder(boat: Boat, before: str, angle: float) -> None:
     obey_all(boat, before)
     fly(boat, 30.0)
     obey_all(boat, "meet her")
@@ -392,22 +394,19 @@ def test_a_swing_is_met_by_opposite_rudder(before: str, angle: float) -> None:
         ("come left to 350", -10.0),
     ],
 )
-def test_a_course_is_steered_the_way_that_is_said(line: str, turned: float) -> None:
-    boat = under_way()
+def test_a_course_is_steered_the_way_that_is_said(boat: Boat, line: str, turned: float) -> None:
     boat.state.psi = 4.0 * math.pi
     obey_all(boat, line)
     assert math.degrees(float(boat.state.ordered_psi)) - 720.0 == pytest.approx(turned)
 
 
-def test_steady_keeps_the_heading_of_this_moment() -> None:
-    boat = under_way()
+def test_steady_keeps_the_heading_of_this_moment(boat: Boat) -> None:
     boat.state.psi = 1.25
     assert obey_all(boat, "steady as she goes") == ["keeping course 072"]
     assert float(boat.state.ordered_psi) == pytest.approx(1.25)
 
 
-def test_both_planes_go_to_zero_and_each_pair_as_far_as_it_goes() -> None:
-    boat = under_way()
+def test_both_planes_go_to_zero_and_each_pair_as_far_as_it_goes(boat: Boat) -> None:
     obey_all(boat, "stern planes full rise", "bow planes full dive")
     toward, c = boat.toward, boat.vessel
     assert float(boat.state.ordered_s) * toward["stern"] == pytest.approx(float(c.limit_s))

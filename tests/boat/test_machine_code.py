@@ -8,7 +8,6 @@ import json
 import os
 import platform
 import re
-import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -20,14 +19,14 @@ import numba
 import numpy as np
 import pytest
 from helpers import places
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat, take_ticks
+from helpers.installation import run_program
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat import entries, machine_code, platforms
-from trainer.boat.boat import Boat
 from trainer.boat.export import objects
 from trainer.boat.export.fmu import SOURCE_FOLDER
 from trainer.core import ballast, entry, kernel
@@ -182,8 +181,7 @@ def test_the_objects_made_again_are_those_that_are_shipped() -> None:
 
 @jitted
 def test_a_kernel_called_from_python_is_the_object_s() -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
+    boat = start_boat(5.0)
     records, asked = boat.records, (wanted_pump, ballast.hover.is_hovering, rates)
     for called in asked:
         vars(called).pop("dispatcher", None)  # that a test before this one has asked for
@@ -257,11 +255,6 @@ def test_only_calls_of_many_ticks_let_other_threads_go_on() -> None:
     assert {each.kernel for each in entries.KERNEL_ENTRIES if each.many_ticks} == MANY_PER_CALL
 
 
-def take(boat: Boat, ticks: int) -> None:
-    for _ in range(ticks):
-        assert boat.tick() == 0
-
-
 @jitted
 @pytest.mark.process
 def test_two_boats_and_a_fork_tick_as_one_does() -> None:
@@ -269,23 +262,23 @@ def test_two_boats_and_a_fork_tick_as_one_does() -> None:
     for boat in boats:
         boat.start(5.0, 60.0, 0.0)
         boat.state.ordered_depth = 80.0
-    take(boats[0], 40)
-    threads = [threading.Thread(target=take, args=(boat, 20)) for boat in boats[1:]]
+    take_ticks(boats[0], 40)
+    threads = [threading.Thread(target=take_ticks, args=(boat, 20)) for boat in boats[1:]]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     read, write = os.pipe()
     if os.fork() == 0:
-        take(boats[1], 20)
+        take_ticks(boats[1], 20)
         os.write(write, hashlib.sha256(boats[1].records.state.tobytes()).digest())
         os._exit(0)
     os.wait()
     kept = boats[2].snapshot()
     address = boats[2].records.state.ctypes.data
-    take(boats[2], 5)
+    take_ticks(boats[2], 5)
     boats[2].restore(kept)
-    take(boats[2], 20)
+    take_ticks(boats[2], 20)
 
     assert boats[2].records.state.ctypes.data == address
     assert boats[2].records.state.tobytes() == boats[0].records.state.tobytes()
@@ -414,13 +407,7 @@ def test_a_lane_runs_the_code_that_it_is_about(way: str) -> None:
         name: value for name, value in places.environment().items() if not name.startswith("NUMBA_")
     }
     code = "from trainer.boat.machine_code import way_name; print(way_name())"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env=own | LANES[way],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program([sys.executable, "-c", code], env=own | LANES[way])
 
     assert done.stdout.split() == way.split()
 

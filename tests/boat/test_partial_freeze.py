@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat
 
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
@@ -22,8 +22,7 @@ PLACE = {"x", "y", "past_motion", "held_position"}  # what a hold of position ma
 
 def busy(integrator: str = "adams2") -> Boat:
     """Return a BB2 in a turn and a dive, in a sea, with pumps at work and things breaking."""
-    boat = make_boat("bb2", "full", "lagged", integrator)
-    boat.start(8.0 * KNOT, 40.0, 1.0, seed=7)
+    boat = start_boat(8.0 * KNOT, 40.0, 1.0, seed=7, integrator=integrator)
     boat.put_to_sea(load_sea("sea-state-5"))
     s = boat.state
     s.sea_cosines = s.sea_1969 = s.sea_peaked = 0.5
@@ -34,6 +33,11 @@ def busy(integrator: str = "adams2") -> Boat:
         assert isinstance(casualties.insert_casualty(boat, name, None, ramp), str)
     sail(boat, 20)
     return boat
+
+
+@pytest.fixture
+def boat() -> Boat:
+    return busy()
 
 
 def sail(boat: Boat, ticks: int) -> None:
@@ -141,8 +145,7 @@ def test_depth_released_goes_on_without_a_jump(integrator: str) -> None:
 
 
 @pytest.mark.core
-def test_frozen_tanks_keep_water_air_and_weight_whatever_is_ordered() -> None:
-    boat = busy()
+def test_frozen_tanks_keep_water_air_and_weight_whatever_is_ordered(boat: Boat) -> None:
     kept = ("water", "tank_air", "bank", "to_move", "weight", "x_g", "z_g", "water_taken")
     before = [boat.state[name].tobytes() for name in kept]
     depth = float(boat.state.z)
@@ -196,8 +199,7 @@ def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle() -
 
 
 @pytest.mark.core
-def test_a_second_order_to_freeze_changes_nothing() -> None:
-    boat = busy()
+def test_a_second_order_to_freeze_changes_nothing(boat: Boat) -> None:
     told(boat, "hold", "position")
     sail(boat, 10)
     before = bits(boat)
@@ -207,8 +209,7 @@ def test_a_second_order_to_freeze_changes_nothing() -> None:
     assert bits(boat) == before
 
 
-def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was() -> None:
-    boat = busy()
+def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was(boat: Boat) -> None:
     assert told(boat, "release", "all") == "nothing is frozen"
     boat.state.z = 60.04
     assert told(boat, "hold", "depth") == "depth frozen at 60.0 m"
@@ -218,8 +219,7 @@ def test_release_all_lets_go_of_what_is_frozen_and_says_what_that_was() -> None:
     assert not boat.state.held.any()
 
 
-def test_what_is_not_frozen_cannot_be_released_and_the_answer_says_what_is() -> None:
-    boat = busy()
+def test_what_is_not_frozen_cannot_be_released_and_the_answer_says_what_is(boat: Boat) -> None:
     assert told(boat, "release", "depth") == Refused("depth is not frozen; frozen: nothing")
     told(boat, "hold", "tanks")
     assert told(boat, "release", "depth") == Refused("depth is not frozen; frozen: tanks")
@@ -233,8 +233,7 @@ def test_a_boat_without_tanks_has_none_to_freeze() -> None:
     assert not boat.state.held.any()
 
 
-def test_the_status_says_what_is_frozen() -> None:
-    boat = busy()
+def test_the_status_says_what_is_frozen(boat: Boat) -> None:
     summary = Ledger(boat.method.step).summary()
     assert not [line for line in status_lines(boat, summary) if line.startswith("frozen")]
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import calls_of, start_boat
 from helpers.orders import obey_all, read_order
 
 from trainer.boat.boat import Boat
@@ -26,9 +26,12 @@ def boat_at(
     depth: float, speed_kn: float = 5.0, course: float = 0.0, equations: str = "modified"
 ) -> Boat:
     """Return BB2 under way in trim, everything automatic, in a calm."""
-    boat = make_boat("bb2", equations)
-    boat.start(speed_kn * KNOT, depth, course * DEGREE, 3)
-    return boat
+    return start_boat(speed_kn * KNOT, depth, course * DEGREE, seed=3, equations=equations)
+
+
+@pytest.fixture
+def boat() -> Boat:
+    return boat_at(60.0)
 
 
 def sea_of(text: str) -> SeaFile:
@@ -56,16 +59,16 @@ def flown(boat: Boat, seconds: float, *names: str) -> np.ndarray:
         ("sea height 10 ft", 3.048, STATE_5[1] * math.sqrt(3.048 / 3.25)),
     ],
 )
-def test_a_sea_is_ordered_by_state_wind_or_height(line: str, height: float, period: float) -> None:
-    boat = boat_at(60.0)
+def test_a_sea_is_ordered_by_state_wind_or_height(
+    boat: Boat, line: str, height: float, period: float
+) -> None:
     obey_all(boat, line)
     flown(boat, 60.0)
     assert boat.state.sea_height == pytest.approx(height, rel=1e-3)
     assert 2.0 * math.pi / boat.state.sea_omega == pytest.approx(period, rel=1e-3)
 
 
-def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once() -> None:
-    boat = boat_at(60.0)
+def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once(boat: Boat) -> None:
     answer = obey_all(boat, "sea state 5")
     assert answer == ["sea state 5: 3.25 m, peak at 9.0 s, from 000, within 60 s"]
     heights = flown(boat, 70.0, "sea_height")[:, 0]
@@ -74,15 +77,13 @@ def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once() -> None:
     assert heights[-1] == 3.25
 
 
-def test_a_sea_of_the_users_own_ramp_takes_that_time() -> None:
-    boat = boat_at(60.0)
+def test_a_sea_of_the_users_own_ramp_takes_that_time(boat: Boat) -> None:
     boat.put_to_sea(sea_of("height_m = 1\nramp_s = 10"))
     obey_all(boat, "sea height 2")
     assert flown(boat, 10.0, "sea_height")[-1] == [2.0]
 
 
-def test_an_order_keeps_direction_and_generator() -> None:
-    boat = boat_at(60.0)
+def test_an_order_keeps_direction_and_generator(boat: Boat) -> None:
     boat.put_to_sea(
         sea_of('sea_state = 3\ndirection_deg = 45\ngenerator = "cosines"\nsuction="on"')
     )
@@ -98,15 +99,13 @@ def test_an_order_keeps_direction_and_generator() -> None:
     assert s.sea_direction == pytest.approx(270.0 * DEGREE)
 
 
-def test_a_direction_ordered_in_a_calm_is_that_of_the_next_sea() -> None:
-    boat = boat_at(60.0)
+def test_a_direction_ordered_in_a_calm_is_that_of_the_next_sea(boat: Boat) -> None:
     obey_all(boat, "sea from 045", "sea state 3")
     flown(boat, 1.0)
     assert boat.state.sea_direction == pytest.approx(225.0 * DEGREE)
 
 
-def test_a_calm_lets_the_sea_die_and_the_surface_is_flat() -> None:
-    boat = boat_at(60.0)
+def test_a_calm_lets_the_sea_die_and_the_surface_is_flat(boat: Boat) -> None:
     boat.put_to_sea(load_sea("sea-state-4"))
     obey_all(boat, "sea calm")
     waves = flown(boat, 61.0, "eta_wave")[:, 0]
@@ -181,11 +180,7 @@ def test_motion_falls_with_depth_as_the_waves_do(generator: str, excess: float) 
 
 
 def watched(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
-    said = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        said += [call.text for call in monitor.look(boat)]
-    return said
+    return [call.text for call in calls_of(boat, monitor, seconds)]
 
 
 def shown(said: list[str]) -> list[str]:
@@ -255,8 +250,7 @@ def test_a_sea_that_the_filter_can_follow_or_that_is_not_felt_is_not_called_out(
 # A step that is too long for a sea
 
 
-def test_a_sea_above_nyquist_for_the_step_is_refused_by_order_and_by_file() -> None:
-    boat = boat_at(60.0)
+def test_a_sea_above_nyquist_for_the_step_is_refused_by_order_and_by_file(boat: Boat) -> None:
     order = read_order("sea state 1")
 
     answer = obey_order(boat, order)
@@ -299,9 +293,8 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
     ],
 )
 def test_each_limit_watches_its_own_quantity(
-    limits: ExerciseLimits, place: str, value: float
+    boat: Boat, limits: ExerciseLimits, place: str, value: float
 ) -> None:
-    boat = boat_at(60.0)
     monitor = LimitMonitor(limits)
     assert monitor.look(boat) == []
     boat.state[place] = value

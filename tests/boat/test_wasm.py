@@ -3,11 +3,11 @@
 import hashlib
 import json
 import os
-import subprocess
 from pathlib import Path
 
 import pytest
-from helpers.installation import installed
+from helpers.boats import take_ticks
+from helpers.installation import installed, run_program
 from helpers.tab import fly, standard_hour
 from helpers.typed import type_command
 
@@ -56,9 +56,7 @@ def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
         "console.log(JSON.stringify([WebAssembly.Module.imports(m),"
         "WebAssembly.Module.exports(m).map(({ name }) => name)]))"
     )
-    done = subprocess.run(
-        [node, "-e", script, str(wasm.SHIPPED_PATH)], capture_output=True, text=True, check=True
-    )
+    done = run_program([node, "-e", script, str(wasm.SHIPPED_PATH)])
 
     imports, exports = json.loads(done.stdout)
     rooms = {f"trainer_{room}" for room in wasm.ROOM_NAMES}
@@ -75,16 +73,10 @@ def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
     same = (tmp_path / wasm.MODULE_FILE).read_bytes() == wasm.SHIPPED_PATH.read_bytes()
     assert same, f"shipped: {CARD}; built now: {card}; {BUILD}"
     assert json.loads(built.stdout)["module_bytes"] < 200_000
-    said = subprocess.run(
-        [installed("node", "nodejs"), str(tmp_path / wasm.HOST_FILE), "120"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    said = run_program([installed("node", "nodejs"), str(tmp_path / wasm.HOST_FILE), "120"])
     boat = boat_at_start(RunOptions(vessel="bb2"))
     boat.state.ordered_depth += 10.0
-    for _ in range(120):
-        boat.tick()
+    take_ticks(boat, 120)
     assert said.stdout.splitlines()[-1] == digest(boat)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers import places
+from helpers.installation import run_program
 from helpers.waiting import PATIENCE
 
 import trainer
@@ -82,13 +83,10 @@ def bare_environment(folder: Path) -> dict[str, str]:
 def test_a_user_s_session_needs_no_numba(tmp_path: Path, seconds: str) -> None:
     listed = tmp_path / "commands.json"
     listed.write_text(json.dumps(commands(tmp_path, seconds)))
-    done = subprocess.run(
+    done = run_program(
         [sys.executable, "-m", "helpers.without_numba", str(listed)],
         env=bare_environment(tmp_path),
         input=STATE_LINE,
-        capture_output=True,
-        text=True,
-        check=True,
     )
     told = [json.loads(line) for line in done.stdout.splitlines()]
 
@@ -102,13 +100,10 @@ def test_a_user_s_session_needs_no_numba(tmp_path: Path, seconds: str) -> None:
 
 def test_what_is_typed_into_a_session_needs_no_numba(tmp_path: Path) -> None:
     words = ["run", "--speed", "max", "--duration", "20", "--no-record"]
-    done = subprocess.run(
+    done = run_program(
         [sys.executable, "-m", "helpers.without_numba", *words],
         env=bare_environment(tmp_path),
         input="depth 70\n",
-        capture_output=True,
-        text=True,
-        check=True,
     )
 
     assert "keeping depth 70 m" in done.stdout
@@ -189,13 +184,7 @@ def test_a_session_of_three_lines_needs_no_numba_and_has_the_bits_of_a_call(
 
 
 def test_a_boat_by_call_needs_no_numba_and_has_the_same_state(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", CALL],
-        env=bare_environment(tmp_path),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program([sys.executable, "-c", CALL], env=bare_environment(tmp_path))
     boat: Any = trainer.Boat(sea="sea-state-5", depth=18)
     boat.order("course 090")
     boat.run(SAILED_S)

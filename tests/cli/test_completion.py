@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from helpers.installation import run_program
 from helpers.shell import HEAVY, imported, shell_environment
 
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES
@@ -116,13 +117,6 @@ def test_bash_completes_by_the_line_that_the_documents_show(tmp_path: Path) -> N
         _trainer_completion trainer
         echo "${COMPREPLY[@]}"
     """
-    done = subprocess.run(
-        ["bash", "-c", script],
-        cwd=tmp_path,
-        env=shell_environment(),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program(["bash", "-c", script], cwd=tmp_path, env=shell_environment())
 
     assert done.stdout.split() == ["zigzag-10", "zigzag-20"]

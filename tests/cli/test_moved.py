@@ -1,10 +1,10 @@
 """A command that has gone says in one line what to type now, and that is there."""
 
 import re
-import subprocess
 import sys
 
 import pytest
+from helpers.installation import run_program
 from helpers.places import CHECKOUT, environment
 
 from trainer.cli import main
@@ -43,13 +43,7 @@ for module in sys.argv[1:]:
 @pytest.mark.process
 def test_what_is_typed_now_is_there_from_a_checkout() -> None:
     typed = {word for now in MOVED_COMMANDS.values() for word in re.findall(r"tests\.\w+", now)}
-    done = subprocess.run(
-        [sys.executable, "-c", HELP, *typed],
-        env=environment(PYTHONPATH=CHECKOUT),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program([sys.executable, "-c", HELP, *typed], env=environment(PYTHONPATH=CHECKOUT))
 
     pages = {page.split()[0]: page for page in done.stdout.split("Usage: python -m ")[1:]}
     assert pages.keys() == typed

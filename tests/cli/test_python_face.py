@@ -3,7 +3,6 @@
 import ast
 import json
 import math
-import subprocess
 import sys
 import threading
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.installation import run_program
 from helpers.nursery import Done, run_trainer
 from helpers.places import PACKAGES, environment
 from numpy.typing import NDArray
@@ -62,13 +62,7 @@ def same(one: dict[str, NDArray[np.float64]], other: dict[str, NDArray[np.float6
 @pytest.mark.process
 def test_importing_the_trainer_imports_nothing_else() -> None:
     code = "import sys; before = set(sys.modules); import trainer; print(set(sys.modules) - before)"
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", code],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_program([sys.executable, "-S", "-c", code], env=environment())
 
     assert ast.literal_eval(done.stdout) == {"trainer"}
 

@@ -7,7 +7,6 @@ import pty
 import re
 import shutil
 import signal
-import socket
 import struct
 import subprocess
 import sys
@@ -17,10 +16,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.installation import run_program
 from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
 from helpers.screens import run_aside
 from helpers.waiting import PATIENCE, await_begun, await_that, await_work, eventually
+from soak.session_process import Caller
 from textual import events
 
 from trainer.console.app import Console
@@ -31,7 +32,6 @@ from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.io import paths
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.sentences import order_sentence, parse_sentence
 
 pytestmark = [
     pytest.mark.clock,
@@ -54,9 +54,7 @@ class Terminal:
         self._tmux("-f", "/dev/null", "new-session", "-d", *size, "-c", str(folder), shell)
 
     def _tmux(self, *words: str) -> str:
-        done = subprocess.run(
-            ["tmux", "-L", self._name, *words], capture_output=True, text=True, check=True
-        )
+        done = run_program(["tmux", "-L", self._name, *words])
         return done.stdout
 
     def type(self, *keys: str) -> None:
@@ -89,43 +87,28 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     assert gone(paths.socket_path()), "a session outlives its terminal"
 
 
-class Ear:
-    """Another station at the session: it hears every tick."""
-
-    def __init__(self, path: Path) -> None:
-        self._end = socket.socket(socket.AF_UNIX)
-        self._end.settimeout(PATIENCE)
-        try:
-            self._end.connect(str(path))
-        except OSError:
-            self._end.close()
-            raise
-        self._lines = self._end.makefile("r", encoding="ascii")
-        for words in ("role observer", "subscribe time"):
-            self._end.sendall(f"{order_sentence(words)}\n".encode("ascii"))
-
-    def ticks(self, count: int) -> list[int]:
-        """Return the ticks of the next states."""
-        found: list[int] = []
-        while len(found) < count:
-            sentence = parse_sentence(next(self._lines))
-            if sentence and sentence.kind == "TRS":
-                found.append(int(sentence.fields[1]))
-        return found
-
-    def close(self) -> None:
-        self._lines.close()
-        self._end.close()
-
-
 @pytest.fixture
-def ear() -> Iterator[Callable[[Path], Ear]]:
+def ear() -> Iterator[Callable[[Path], Caller]]:
+    """Return a function that attaches another station to a session: it hears every tick."""
     with contextlib.ExitStack() as opened:
 
-        def listen(path: Path) -> Ear:
-            return opened.enter_context(contextlib.closing(Ear(path)))
+        def listen(path: Path) -> Caller:
+            caller = opened.enter_context(Caller(path))
+            for words in ("role observer", "subscribe time"):
+                assert caller.ask(words)[0]
+            return caller
 
         yield listen
+
+
+def next_ticks(caller: Caller, count: int) -> list[int]:
+    """Return the ticks of the next states that a station is told."""
+    found: list[int] = []
+    while len(found) < count:
+        caller.shown.clear()
+        caller.hear()
+        found += [caller.tick] if caller.shown else []
+    return found
 
 
 def gone(path: Path) -> bool:
@@ -162,7 +145,7 @@ def command(*words: str) -> str:
 
 @pytest.mark.slow
 def test_the_first_exercise_by_the_keys_that_help_names(
-    terminal: Terminal, ear: Callable[[Path], Ear], tmp_path: Path
+    terminal: Terminal, ear: Callable[[Path], Caller], tmp_path: Path
 ) -> None:
     record = tmp_path / "drill.trainer"
     terminal.type(
@@ -185,7 +168,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.wait(r"broken  stern-stuck")
     terminal.type("C-s")  # no key of ours stops the terminal or ends the console
     terminal.type("C-q")
-    assert len(other.ticks(10)) == 10
+    assert len(next_ticks(other, 10)) == 10
 
     terminal.type("F6")
     terminal.wait("Go back to")
@@ -240,7 +223,7 @@ def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_ba
 
 
 def test_a_console_fills_its_window_and_killed_leaves_the_session_to_who_is_left(
-    terminal: Terminal, ear: Callable[[Path], Ear]
+    terminal: Terminal, ear: Callable[[Path], Caller]
 ) -> None:
     terminal.type(command("run", "--speed", "10", "--no-record", "--seed", "90210"), "Enter")
     terminal.wait("RUNNING x10")
@@ -251,10 +234,10 @@ def test_a_console_fills_its_window_and_killed_leaves_the_session_to_who_is_left
     other = ear(where)
     os.kill(console_of("run", "90210"), signal.SIGKILL)
 
-    ticks = other.ticks(10)
+    ticks = next_ticks(other, 10)
     assert ticks == sorted(set(ticks))  # a busy machine may leave one out
     assert where.exists()
-    other.close()
+    other.hang_up()
     assert gone(where)
 
 
@@ -439,12 +422,12 @@ class Screen:
 
 
 def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
-    served: Path, ear: Callable[[Path], Ear]
+    served: Path, ear: Callable[[Path], Caller]
 ) -> None:
     other = ear(served)
     with contextlib.closing(Screen(served, 160, 48)) as screen:
         screen.wait(b"RUNNING")
-        ticks = other.ticks(40)  # two seconds in which nobody reads the screen
+        ticks = next_ticks(other, 40)  # two seconds in which nobody reads the screen
         assert ticks == sorted(set(ticks))
         assert ticks[-1] - ticks[0] < 60  # a busy machine may show two at once
         for columns, rows in ((20, 5), (300, 100), (80, 24)):

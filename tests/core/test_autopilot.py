@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from helpers.places import DATA
 from numpy.typing import NDArray
 
@@ -28,9 +28,12 @@ DEGREE = math.radians(1.0)
 
 def start(knots: float, equations: str = "full", vessel: str = "bb2") -> Boat:
     """Return a boat started on autopilot, 100 m deep, course north."""
-    boat = make_boat(vessel, equations, "lagged", "adams2", STEPS[vessel])
-    boat.start(knots * KNOT, 100.0, 0.0)
-    return boat
+    return start_boat(knots * KNOT, 100.0, vessel=vessel, equations=equations, step=STEPS[vessel])
+
+
+@pytest.fixture
+def boat() -> Boat:
+    return start(10.0)
 
 
 def sail(boat: Boat, seconds: float) -> dict[str, NDArray[np.float64]]:
@@ -104,9 +107,8 @@ def test_lasting_angles_go_to_the_stern_planes() -> None:
     assert abs(boat.state.delta_s) > 0.5 * DEGREE
 
 
-def test_the_reports_law_leaves_the_boat_12_metres_deep() -> None:
+def test_the_reports_law_leaves_the_boat_12_metres_deep(boat: Boat) -> None:
     # known of BB2 and this law: it has no integral (errata G4)
-    boat = start(10.0)
     turn_by_hand(boat, 15.0)
     boat.state.depth_law = REPORT_LAW
     run = sail(boat, 900.0)
@@ -188,8 +190,7 @@ def test_a_course_change_neither_overshoots_nor_loses_depth(knots: float, change
     assert np.abs(run["depth"]).max() < 2.0
 
 
-def test_a_boat_shoved_off_course_returns_without_hard_rudder() -> None:
-    boat = start(10.0)
+def test_a_boat_shoved_off_course_returns_without_hard_rudder(boat: Boat) -> None:
     boat.state.psi = -60.0 * DEGREE
     most = 0.0
     for _ in range(600):
@@ -217,8 +218,7 @@ def test_taking_over_in_settled_flight_moves_no_surface(surface: str) -> None:
         sail(boat, 20.0)
 
 
-def test_taking_over_in_a_dive_starts_from_the_present_angle() -> None:
-    boat = start(10.0)
+def test_taking_over_in_a_dive_starts_from_the_present_angle(boat: Boat) -> None:
     s = boat.state
     s.stern_by_hand, s.ordered_s = 1.0, s.delta_s + 8.0 * DEGREE
     sail(boat, 20.0)
@@ -242,8 +242,7 @@ def test_bow_planes_hold_depth_alone_when_the_stern_planes_are_in_hand() -> None
     assert abs(s.delta_b) > 2.0 * DEGREE
 
 
-def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats() -> None:
-    boat = start(10.0)
+def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(boat: Boat) -> None:
     turn_by_hand(boat, 10.0)
     sail(boat, 60.0)
     psi, r = boat.state.psi, boat.state.r
@@ -257,8 +256,7 @@ def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats() -> None:
 # --- speed
 
 
-def test_ordered_speeds_are_reached_and_kept() -> None:
-    boat = start(10.0)
+def test_ordered_speeds_are_reached_and_kept(boat: Boat) -> None:
     for knots in (6.0, 12.0, 18.0):
         boat.state.ordered_speed = knots * KNOT
         sail(boat, 600.0)
@@ -274,8 +272,7 @@ def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim() -> None:
     assert boat.state.u / KNOT == pytest.approx(3.0, abs=0.01)
 
 
-def test_a_wrong_speed_trim_is_unlearnt() -> None:
-    boat = start(10.0)
+def test_a_wrong_speed_trim_is_unlearnt(boat: Boat) -> None:
     boat.state.speed_trim += 0.4 * KNOT
     sail(boat, 60.0)
     after_a_minute = boat.state.u / KNOT
@@ -295,8 +292,7 @@ def test_speed_trim_does_not_wind_up_at_the_engines_limit() -> None:
     assert s.ordered_speed + s.speed_trim < boat.vessel.u_c_ahead + 0.03
 
 
-def test_speed_trim_is_learnt_in_straight_flight_only() -> None:
-    boat = start(10.0)
+def test_speed_trim_is_learnt_in_straight_flight_only(boat: Boat) -> None:
     s = boat.state
     s.speed_trim += 0.1
     s.rudder_by_hand, s.ordered_r = 1.0, -15.0 * DEGREE

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2
+from helpers.boats import start_bb2, start_boat
 from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -75,6 +75,11 @@ class Tanks:
         return float((self.b.capacity[tank] - self.state.water[tank]) / self.vessel[0].rho)
 
 
+@pytest.fixture
+def tanks() -> Tanks:
+    return Tanks(60.0)
+
+
 # Weight and balance
 
 
@@ -101,9 +106,7 @@ def test_no_filling_full_or_empty_goes_beyond_the_limits_and_some_reach_them(
         assert found.most == pytest.approx(max(reached), abs=1e-9)
 
 
-def test_at_the_start_fillings_the_boat_is_the_one_of_its_file_to_the_bit() -> None:
-    tanks = Tanks(60.0)
-
+def test_at_the_start_fillings_the_boat_is_the_one_of_its_file_to_the_bit(tanks: Tanks) -> None:
     tanks.run(10.0)
 
     s = tanks.state
@@ -111,8 +114,7 @@ def test_at_the_start_fillings_the_boat_is_the_one_of_its_file_to_the_bit() -> N
 
 
 def test_a_boat_without_tanks_is_left_alone_to_the_bit() -> None:
-    boat = make_boat("remus100")
-    boat.start(1.5, 10.0, 0.0)
+    boat = start_boat(1.5, 10.0, vessel="remus100")
     boat.state.weight, boat.state.x_g = 301.0, 0.01
     boat.state.blow[:], boat.state.breach[:] = 2.0, 0.1
     before = boat.snapshot()
@@ -224,8 +226,7 @@ def test_the_bank_flow_is_choked_until_the_tank_has_half_its_pressure() -> None:
     assert air.sonic_share(1.0) == 0.0
 
 
-def test_a_full_bank_gives_the_flow_of_a_choked_nozzle() -> None:
-    tanks = Tanks(60.0)
+def test_a_full_bank_gives_the_flow_of_a_choked_nozzle(tanks: Tanks) -> None:
     tanks.state.blow_forward = 1.0
 
     tanks.run(H)
@@ -250,8 +251,7 @@ def test_a_blow_leaves_the_bank_at_the_pressure_of_the_sea_and_no_lower() -> Non
     assert blown == pytest.approx(71.0, rel=0.02)
 
 
-def test_a_valve_that_empties_its_bank_within_a_tick_stops_at_equal_pressure() -> None:
-    tanks = Tanks(60.0)
+def test_a_valve_that_empties_its_bank_within_a_tick_stops_at_equal_pressure(tanks: Tanks) -> None:
     s, b = tanks.state, tanks.b
     b.blow_area[0] = 1.0
     aboard = s.bank_main
@@ -345,8 +345,7 @@ def test_a_full_tank_out_of_the_water_runs_down_to_the_level_of_the_sea_by_its_v
     assert s.air_taken == s.air_aft > 0.0
 
 
-def test_the_compressor_charges_the_banks_and_not_beyond_full() -> None:
-    tanks = Tanks(60.0)
+def test_the_compressor_charges_the_banks_and_not_beyond_full(tanks: Tanks) -> None:
     s = tanks.state
     s.bank[:] = tanks.b.bank_full - [30.0, 15.0]
     tanks.run(60.0)
@@ -360,8 +359,7 @@ def test_the_compressor_charges_the_banks_and_not_beyond_full() -> None:
     assert s.bank.tolist() == tanks.b.bank_full.tolist()
 
 
-def test_the_negative_tank_is_sealed_until_its_flood_valve_opens() -> None:
-    tanks = Tanks(60.0)
+def test_the_negative_tank_is_sealed_until_its_flood_valve_opens(tanks: Tanks) -> None:
     s = tanks.state
     s.vent_negative = s.blow_negative = 1.0
     tanks.run(60.0)
@@ -403,8 +401,7 @@ def test_below_its_shut_off_depth_a_pump_lets_in_but_not_out() -> None:
     assert tanks.state.water_taken == pytest.approx(100.0)
 
 
-def test_an_order_is_carried_out_to_its_last_kilogram_and_then_ends() -> None:
-    tanks = Tanks(60.0)
+def test_an_order_is_carried_out_to_its_last_kilogram_and_then_ends(tanks: Tanks) -> None:
     s = tanks.state
     before = s.water.copy()
     s.move_auxiliary, s.move_trim = 1234.5, -777.7
@@ -419,8 +416,7 @@ def test_an_order_is_carried_out_to_its_last_kilogram_and_then_ends() -> None:
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("more", [-3 * TONNE, 3 * TONNE])
-def test_an_order_beyond_full_or_empty_lapses(sign: int, more: float) -> None:
-    tanks = Tanks(60.0)
+def test_an_order_beyond_full_or_empty_lapses(tanks: Tanks, sign: int, more: float) -> None:
     s = tanks.state
     s.water_trim_forward += more
     total = s.water_trim_forward + s.water_trim_aft

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, start_boat
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -58,6 +58,11 @@ def lies(boat: Boat, depth: float, seconds: float = 400.0) -> tuple[float, float
     return max(loads), max(deep)
 
 
+@pytest.fixture
+def boat() -> Boat:
+    return make_boat()
+
+
 @pytest.mark.core
 @pytest.mark.long
 @pytest.mark.parametrize(
@@ -99,8 +104,7 @@ def test_the_peak_load_is_the_same_by_runge_kutta_within_10_t() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("step", [0.5, 1.0])
 def test_ten_knots_into_a_slope_of_one_in_ten_slides_up_and_stops(step: float) -> None:
-    boat = make_boat(step=step)
-    boat.start(10.0 * KNOT, 60.0, 0.0)
+    boat = start_boat(10.0 * KNOT, step=step)
     by_hand(boat)
     depth = 60.0 + keel_of(boat.vessel) + 20.0
     Ground(boat, ground(depth_m=depth, slope_percent=10, deepens_deg=180))
@@ -120,8 +124,7 @@ def test_ten_knots_into_a_slope_of_one_in_ten_slides_up_and_stops(step: float) -
 @pytest.mark.parametrize(("course", "moment"), [(0.0, 1.0), (math.pi, -1.0)])
 def test_ground_under_one_end_turns_the_boat_off_it(course: float, moment: float) -> None:
     """Ground that rises to the north lifts the end that is north."""
-    boat = make_boat()
-    boat.start(1.0, 60.0, course)
+    boat = start_boat(1.0, 60.0, course)
     s = boat.state
     s.u = s.v = s.w = s.q = 0.0
     bow = 0.45 * float(boat.vessel.ell)
@@ -134,8 +137,7 @@ def test_ground_under_one_end_turns_the_boat_off_it(course: float, moment: float
 
 
 @pytest.mark.core
-def test_a_hull_in_a_current_is_rubbed_by_its_way_over_the_ground() -> None:
-    boat = make_boat()
+def test_a_hull_in_a_current_is_rubbed_by_its_way_over_the_ground(boat: Boat) -> None:
     pushes = []
     for east in (0.0, 1.0):
         sinking(boat, 0.0, -0.1)
@@ -195,8 +197,7 @@ def test_a_chart_is_bilinear_and_goes_on_as_at_its_edge(
     north: float, east: float, depth: float, slopes: tuple[float, float]
 ) -> None:
 
-    boat = make_boat()
-    boat.start(1.0, 5.0, 0.0)
+    boat = start_boat(1.0, 5.0)
     boat.state.x, boat.state.y = north, east
     sound(
         boat.records.vessel,
@@ -210,8 +211,7 @@ def test_a_chart_is_bilinear_and_goes_on_as_at_its_edge(
 @pytest.mark.core
 def test_no_depth_is_written_as_zero_which_would_be_no_ground() -> None:
 
-    boat = make_boat()
-    boat.start(1.0, 5.0, 0.0)
+    boat = start_boat(1.0, 5.0)
     flat = on(Grid(np.zeros((2, 2)), 0.0, 0.0, (1.0, 1.0), degrees=False), ends=False)
     chart = chart_of(flat)
     assert not chart[FIRST_SAMPLE:].any()
@@ -220,8 +220,7 @@ def test_no_depth_is_written_as_zero_which_would_be_no_ground() -> None:
 
 
 @pytest.mark.core
-def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick() -> None:
-    boat = make_boat()
+def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick(boat: Boat) -> None:
     changes = {}
     for depth in (100.0, 400.0 + DISTANT_GROUND_M):
         boat.start(5.0 * KNOT, 60.0, 0.0)
@@ -236,13 +235,11 @@ def test_ground_far_below_is_sounded_seldom_and_near_ground_at_each_tick() -> No
 
 @pytest.mark.core
 def test_a_chart_is_sounded_alike_by_the_tick_and_by_itself() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.3)
+    boat = start_boat(5.0 * KNOT, 60.0, 0.3)
     part = Ground(boat, ground(depth_m=100, slope_percent=2, deepens_deg=40))
     assert boat.chart is not None
     assert boat.tick() == 0
-    twin = make_boat()
-    twin.start(5.0 * KNOT, 60.0, 0.3)
+    twin = start_boat(5.0 * KNOT, 60.0, 0.3)
     Ground(twin, part.bottom)
     sound(twin.records.vessel, boat.chart, twin.records.state)
     twin.sound_by(None)
@@ -251,8 +248,7 @@ def test_a_chart_is_sounded_alike_by_the_tick_and_by_itself() -> None:
 
 
 def test_level_ground_is_written_once_and_costs_no_sounding() -> None:
-    boat = make_boat()
-    boat.start(1.0, 60.0, 0.0)
+    boat = start_boat(1.0)
     Ground(boat, ground(depth_m=200))
     assert boat.chart is None
     assert list(boat.state.bottom[0]) == [200.0] * 5
@@ -274,8 +270,7 @@ def over(boat: Boat, depth: float) -> None:
     Ground(boat, ground(depth_m=depth))
 
 
-def test_the_sounder_reads_the_ground_less_the_boat_s_depth() -> None:
-    boat = make_boat()
+def test_the_sounder_reads_the_ground_less_the_boat_s_depth(boat: Boat) -> None:
     over(boat, 100.0)
     assert instrument_readings(boat).sounding == pytest.approx(40.0)
     assert isinstance(insert_casualty(boat, "sounder-biased", 1.0, 0.0), str)
@@ -290,8 +285,7 @@ def test_the_sounder_reads_the_ground_less_the_boat_s_depth() -> None:
 
 @pytest.mark.parametrize("depth", [None, 60.0 + SOUNDER_RANGE + 1.0])
 def test_no_echo_comes_from_beyond_the_range_nor_without_ground(depth: float | None) -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+    boat = start_boat(5.0 * KNOT)
     if depth is None:
         assert isinstance(insert_casualty(boat, "sounder-noisy"), Refused)
     else:
@@ -300,8 +294,7 @@ def test_no_echo_comes_from_beyond_the_range_nor_without_ground(depth: float | N
     assert instrument_readings(boat).sounding == 0.0
 
 
-def test_the_sounder_s_noise_is_its_own() -> None:
-    boat = make_boat()
+def test_the_sounder_s_noise_is_its_own(boat: Boat) -> None:
     over(boat, 100.0)
     for name in ("sounder-noisy", "log-noisy", "depth-gauge-noisy"):
         assert isinstance(insert_casualty(boat, name), str)

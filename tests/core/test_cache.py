@@ -4,12 +4,12 @@ import os
 import random
 import shutil
 import stat
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.installation import run_program
 
 import trainer
 from trainer.core import cache
@@ -38,13 +38,8 @@ def said(code: str, where: Path, **environment: str) -> list[str]:
     """Return the lines a fresh interpreter prints; it imports the trainer that is in ``where``."""
     own = {"NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "PYTHONPATH", "NUMBA_DISABLE_JIT"}
     kept = {name: value for name, value in os.environ.items() if name not in own}
-    ran = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=where,
-        env=kept | {"PYTHONPATH": str(where)} | environment,
-        capture_output=True,
-        text=True,
-        check=True,
+    ran = run_program(
+        [sys.executable, "-c", code], cwd=where, env=kept | {"PYTHONPATH": str(where)} | environment
     )
     return ran.stdout.splitlines()
 
@@ -243,13 +238,10 @@ def test_that_code_was_damaged_is_said_in_one_line(tmp_path: Path) -> None:
     for path in [each for each in tmp_path.rglob("*") if each.suffix in CODE_SUFFIXES]:
         flipped(path)
     own = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
-    ran = subprocess.run(
+    ran = run_program(
         [sys.executable, "-c", SINE],
         cwd=PACKAGE.parent,
         env=own | {"PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": cache},
-        capture_output=True,
-        text=True,
-        check=True,
     )
     assert ran.stderr == "trainer: compiled code was damaged, and is compiled again\n"
 

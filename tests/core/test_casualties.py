@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import fly, make_boat, start_bb2
+from helpers.boats import fly, make_boat, start_bb2, start_boat, take_ticks
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
@@ -50,9 +50,7 @@ def boat() -> Boat:
 
 def at_sea(knots: float = 10.0, depth: float = 60.0) -> Boat:
     """Return a BB2 at a speed and depth."""
-    boat = make_boat("bb2")
-    boat.start(knots * KNOT, depth, 0.0)
-    return boat
+    return start_boat(knots * KNOT, depth)
 
 
 def begun(boat: Boat, name: str, *numbers: float | None) -> None:
@@ -443,12 +441,6 @@ def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not
 # Instruments
 
 
-def test_instruments_of_a_sound_boat_tell_the_truth(boat: Boat) -> None:
-    fly(boat, 5.0)
-    s = boat.state
-    assert instrument_readings(boat) == InstrumentReadings(s.z, s.psi, s.u, 0.0)
-
-
 @pytest.mark.parametrize(("gauge", "place"), [("depth-gauge", 0), ("gyro", 1), ("log", 2)])
 def test_a_stuck_gauge_stays_at_its_reading_while_the_boat_moves_on(
     boat: Boat, gauge: str, place: int
@@ -525,8 +517,7 @@ def test_a_trigger_fires_on_the_first_tick_whose_last_state_meets_it(
     boat: Boat, text: str, tick: int
 ) -> None:
     armed(boat, text)
-    for _ in range(tick - 1):
-        boat.tick()
+    take_ticks(boat, tick - 1)
     assert active_casualties(boat) == []
     boat.tick()
     assert [each.kind for each in active_casualties(boat)] == ["rudder-stuck"]
@@ -650,8 +641,7 @@ def test_a_wrong_condition_is_refused_at_load_with_its_place(text: str, told: st
 
 
 def test_a_trigger_about_what_the_boat_lacks_is_refused() -> None:
-    remus = make_boat("remus100")
-    remus.start(1.5, 10.0, 0.0)
+    remus = start_boat(1.5, 10.0, vessel="remus100")
 
     with pytest.raises(ConfigError, match=r"remus100.toml has no water_aft"):
         armed(remus, "water_aft > 1")
@@ -672,13 +662,6 @@ def test_triggers_have_a_rule_and_are_eight_at_most(boat: Boat) -> None:
 
 
 # Tables
-
-
-def test_the_shipped_table_has_every_kind_under_its_name() -> None:
-    casualties = load_casualties()
-
-    assert set(casualties) == set(KINDS)
-    assert all(name == entry.kind for name, entry in casualties.items())
 
 
 def test_a_table_of_ones_own_adds_names_and_inherits_the_rest(tmp_path: Path, boat: Boat) -> None:

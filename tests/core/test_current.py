@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, take_in_hand
+from helpers.boats import make_boat, start_boat, take_in_hand
 from helpers.orders import obey_all
 
 from trainer.boat.boat import Boat
@@ -117,8 +117,7 @@ def over_ground(heel: float, pitch: float, heading: float) -> np.ndarray:
 
 def dived(step: float) -> float:
     """Return the depth [m] after a dive of a minute in shear, surfaces fixed."""
-    boat = make_boat("bb2", "full", "exact", "adams2", step)
-    boat.start(8.0 * KNOT, 60.0, 0.3)
+    boat = start_boat(8.0 * KNOT, 60.0, 0.3, rates="exact", step=step)
     take_in_hand(boat)
     boat.state.ordered_s = boat.state.delta_s = boat.state.delta_s - 0.05
     boat.state.current[2:] = SHEAR

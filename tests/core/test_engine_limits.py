@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import calls_of, make_boat, start_boat, take_ticks
 
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.pilot import PilotMonitor
@@ -32,19 +32,16 @@ def test_revolutions_are_those_of_the_tighter_limit(u: float) -> None:
 
 
 def test_twenty_knots_take_the_power_that_there_is() -> None:
-    boat = make_boat("bb2", "full", "exact")
-    boat.start(20.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(20.0 * KNOT, 300.0, rates="exact")
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
-    for _ in range(1200):
-        assert boat.tick() == 0
+    take_ticks(boat, 1200)
     n, u = float(boat.state.u_c) * 0.22937, float(boat.state.u)
     assert u / KNOT == pytest.approx(20.0, abs=0.02)
     assert 2.0 * math.pi * n * torque(n, u) == pytest.approx(SHAFT_POWER_W, rel=2e-3)
 
 
 def test_a_limited_engine_is_told_as_soon_as_it_is_ordered() -> None:
-    boat = make_boat("bb2", "modified", "lagged")
-    boat.start(5.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(5.0 * KNOT, 300.0, equations="modified")
     monitor = PilotMonitor.over(boat)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 20.0 * KNOT
     said: list[MonitorCall] = []
@@ -56,17 +53,12 @@ def test_a_limited_engine_is_told_as_soon_as_it_is_ordered() -> None:
     assert said[0].rank is Rank.WARNING
     assert said[0].text.endswith("ENGINE: limited by torque, short of the 142 rpm ordered")
     assert list(monitor.times) == ["engine limited by torque"]
-    for _ in range(40):
-        assert boat.tick() == 0
-        assert monitor.look(boat) == []
+    assert calls_of(boat, monitor, 20.0) == []
 
 
 def test_an_engine_that_has_room_is_not_told() -> None:
-    boat = make_boat("bb2", "modified", "lagged")
-    boat.start(5.0 * KNOT, 300.0, 0.0)
+    boat = start_boat(5.0 * KNOT, 300.0, equations="modified")
     monitor = PilotMonitor.over(boat)
     boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, 8.0 * KNOT
-    for _ in range(60):
-        assert boat.tick() == 0
-        assert monitor.look(boat) == []
+    assert calls_of(boat, monitor, 30.0) == []
     assert np.isfinite(boat.state.u_c)

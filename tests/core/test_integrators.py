@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, take_in_hand
+from helpers.boats import make_boat, start_boat, take_in_hand, take_ticks
 
 from trainer.boat.assemble import read_integrator, set_integrator
 from trainer.boat.boat import Boat
@@ -185,12 +185,10 @@ def test_variable_runge_kutta_keeps_its_tolerance() -> None:
 def test_adams_gives_the_same_turn_at_half_a_second_and_one(step: float) -> None:
     turns = []
     for integrator, rates, h in (("rk4", "exact", 0.1), ("adams2", "lagged", step)):
-        boat = make_boat("bb2", "full", rates, integrator, h)
-        boat.start(10 * 1852 / 3600, 60.0, 0.0)
+        boat = start_boat(10 * 1852 / 3600, rates=rates, integrator=integrator, step=h)
         take_in_hand(boat)
         boat.state.ordered_r = -math.radians(15.0)
-        for _ in range(round(900 / h)):
-            boat.tick()
+        take_ticks(boat, round(900 / h))
         s = boat.state
         turns.append([s.u, s.v, s.psidot, s.phi])
 
@@ -198,8 +196,7 @@ def test_adams_gives_the_same_turn_at_half_a_second_and_one(step: float) -> None
 
 
 def test_history_fills_from_the_present_after_a_jump() -> None:
-    boat = make_boat("bb2", "full")
-    boat.start(5.0, 60.0, 0.0)
+    boat = start_boat(5.0)
     boat.state.udot = 99.0
     boat.state.history = 0.0
     speed = boat.state.u

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import calls_of, make_boat
 from helpers.orders import answer_of, obey_all
 from numpy.typing import NDArray
 
@@ -54,12 +54,7 @@ def sail(boat: Boat, seconds: float, *names: str) -> NDArray[np.float64]:
 
 def said(boat: Boat, seconds: float) -> list[str]:
     """Return what is called out in so many seconds."""
-    monitor = PilotMonitor.over(boat)
-    news = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        news += [call.text for call in monitor.look(boat)]
-    return news
+    return [call.text for call in calls_of(boat, PilotMonitor.over(boat), seconds)]
 
 
 # --- speed

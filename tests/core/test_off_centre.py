@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_twin.compiler import SAME_BITS, build
-from helpers.boats import make_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.lanes import sample_cases
 
 from trainer.analysis.bench.standard_hour import digest
@@ -151,15 +151,13 @@ def test_the_image_of_a_boat_off_centre_moves_as_its_image(equations: str, way: 
 
 
 def test_a_tank_beside_the_middle_plane_heels_the_compact_boat() -> None:
-    boat = make_boat("bb2", "modified")
-    boat.start(5.0, 60.0, 0.0)
+    boat = start_boat(5.0, equations="modified")
     assert not compact_set.off_centre(boat.records.compact, boat.records.state)
     tank = TANKS.index("auxiliary")
     boat.vessel.y[tank] = 3.0  # to starboard
     boat.state.water[tank] -= 5000.0
 
-    for _ in range(40):
-        assert boat.tick() == 0
+    take_ticks(boat, 40)
 
     assert boat.state.y_g < 0.0
     assert boat.state.phi < -0.001, "port side down"

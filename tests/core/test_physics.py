@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2, take_in_hand
+from helpers.boats import make_boat, start_bb2, take_in_hand, take_ticks
 
 from trainer.boat.boat import Boat
 from trainer.core import full, rates
@@ -98,8 +98,7 @@ def test_straight_trimmed_flight_stays_straight_for_an_hour(equations: str) -> N
     boat = start_bb2(equations)
     take_in_hand(boat)
 
-    for _ in range(7200):
-        boat.tick()
+    take_ticks(boat, 7200)
 
     s = boat.state
     assert s.z == pytest.approx(60.0, abs=1e-6)
@@ -120,8 +119,7 @@ def test_longitudinal_motion_never_excites_lateral_motion() -> None:
     take_in_hand(boat)
     boat.state.ordered_s = 0.05
 
-    for _ in range(300):
-        boat.tick()
+    take_ticks(boat, 300)
 
     s = boat.state
     assert s.z > 21.0
@@ -135,8 +133,7 @@ def test_a_neutral_boat_at_rest_stays_at_rest() -> None:
     s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
     s.z = 30.0
 
-    for _ in range(1000):
-        assert boat.tick() == 0
+    take_ticks(boat, 1000)
 
     assert list(s.motion[:6]) == [0.0] * 6
     assert s.z == 30.0
@@ -164,8 +161,7 @@ def test_fifty_tonnes_light_and_dead_in_the_water_rises_broadside() -> None:
     s.weight -= 50e3 * 9.81
     s.z = 1000.0
 
-    for _ in range(800):
-        assert boat.tick() == 0
+    take_ticks(boat, 800)
 
     assert -s.zdot == pytest.approx(1.7, abs=0.05)
     assert abs(math.degrees(s.theta)) < 3.0

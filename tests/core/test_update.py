@@ -1,14 +1,14 @@
 """One tick: what it never does to the state, and the surfaces and the engine it moves."""
 
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2
+from helpers.boats import make_boat, start_bb2, take_ticks
+from helpers.installation import run_program
 from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
@@ -31,8 +31,7 @@ def under_way(*method: str) -> Boat:
     s = boat.state
     s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = 1.0
     s.ordered_r, s.ordered_s = 0.2, 0.05
-    for _ in range(20):
-        assert boat.tick() == 0
+    take_ticks(boat, 20)
     return boat
 
 
@@ -64,8 +63,7 @@ def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
 def test_a_tick_that_fails_in_a_sea_leaves_the_waves_as_they_were() -> None:
     boat = under_way()
     boat.put_to_sea(load_sea("sea-state-5"))
-    for _ in range(4):
-        assert boat.tick() == 0
+    take_ticks(boat, 4)
     boat.state.v = 1e200
     before = boat.records.state.tobytes()
     with np.errstate(all="ignore"):
@@ -109,8 +107,7 @@ def test_a_turn_goes_on_from_a_snapshot_to_the_bit(equations: str, integrator: s
     for each in (boat, boat, other):  # nothing hides elsewhere
         if ends:
             each.restore(snapshot)
-        for _ in range(20):
-            assert each.tick() == 0
+        take_ticks(each, 20)
         ends.append(each.records.state.tobytes())
 
     assert ends[0] == ends[1] == ends[2]
@@ -169,13 +166,10 @@ for equations in ("full", "modified", "basic", "longitudinal"):
 @pytest.mark.slow
 def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     # the call from Python itself wraps its arguments: what counts is what more ticks add to that
-    ran = subprocess.run(
+    ran = run_program(
         [sys.executable, "-c", COUNT_ALLOCATIONS],
         cwd=tmp_path,
         env=environment(NUMBA_NRT_STATS="1", NUMBA_DISABLE_JIT="0"),
-        capture_output=True,
-        text=True,
-        check=True,
     )
     counts = [line.split() for line in ran.stdout.splitlines()]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 from numpy.typing import NDArray
 
 from fuzz.fuzz import Target, text_of
@@ -144,8 +144,7 @@ class Wire:
 @functools.cache
 def boat() -> tuple[Boat, NDArray[np.void]]:
     """Return a boat with everything fitted, and how it starts."""
-    made = make_boat("bb2", "modified")
-    made.start(8 * KNOT, 40.0, 0.0)
+    made = start_boat(8 * KNOT, 40.0, equations="modified")
     return made, made.snapshot()
 
 

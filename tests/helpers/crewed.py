@@ -175,3 +175,15 @@ def crewed(tmp_path: Path) -> Iterator[Begin]:
     yield begin
     for each in begun:
         each.recording.close()
+
+
+@pytest.fixture
+def ship(crewed: Begin) -> Crewed:
+    """Return a session without an end."""
+    return crewed(seconds=None)
+
+
+@pytest.fixture
+def drill(crewed: Begin) -> Crewed:
+    """Return a session that ends at 5 s."""
+    return crewed()

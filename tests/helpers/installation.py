@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Mapping, Sequence
-from typing import Final, NoReturn
+from typing import Any, Final, NoReturn
 
 INSTALLING_S: Final = 600.0  # [s] for all of them
 OUTAGE_S: Final = 240.0  # [s] that the network may be away
@@ -50,6 +50,13 @@ def is_complete() -> bool:
 def find(program: str) -> str | None:
     """Return the path of a program; None without."""
     return shutil.which(program, path=f"{os.environ['PATH']}:/usr/sbin")
+
+
+def run_program(words: Sequence[object], **more: Any) -> "subprocess.CompletedProcess[str]":
+    """Run a program that must succeed; return what it wrote."""
+    return subprocess.run(
+        [str(word) for word in words], capture_output=True, text=True, check=True, **more
+    )
 
 
 def install_missing(packages: Mapping[str, str]) -> None:

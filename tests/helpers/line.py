@@ -1,5 +1,7 @@
 """A line of a station, typed by a test."""
 
+import threading
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -29,6 +31,29 @@ class Line:
     def close(self, patience: float) -> None:
         assert patience >= 0.0
         self.ended = True
+
+
+class ScriptedLine:
+    """A line whose orders a test has written before, and the sender of its subscriptions."""
+
+    name, trouble, dropped, room = "script", "", 0, True
+
+    def __init__(self, wake: threading.Event | None = None) -> None:
+        self.wake = wake or threading.Event()
+        self.heard: list[str] = []
+        self.troubles: deque[str] = deque()
+
+    def send(self, line: str) -> None:
+        self.heard.append(line)
+
+    def close(self, patience: float) -> None:
+        del patience
+
+    def add(self, subscription: object) -> None:
+        del subscription
+
+    def strike(self, subscription: object) -> None:
+        del subscription
 
 
 def fields_of(lines: Iterable[str], kind: str) -> list[tuple[str, ...]]:

@@ -25,7 +25,7 @@ from trainer.session.parts import Monitors
 from trainer.session.plan import Plan, plan_run
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.subscriptions import PromptSender, Roster, Sender
-from trainer.session.stations.view import StateReader
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
@@ -41,6 +41,27 @@ seed = 23
 depth_m = 40
 speed_kn = 8
 """  # the head of an exercise; casualties are added
+NOISE_AND_FLOODING = """
+[[casualties]]
+at_s = 5
+name = "depth-gauge-noisy"
+
+[[casualties]]
+at_s = 10
+name = "flooding-aft"
+severity = 0.2
+ramp_s = 25
+"""
+TIME_TO_65_M = """
+[[scores]]
+name = "Time to 65 m"
+measure = "time-to"
+quantity = "depth_m"
+target = 65
+band = 2
+full = 30
+zero = 300
+"""
 
 
 def session_over(
@@ -71,7 +92,17 @@ def session_over(
 
 def prompt_sender(boat: Boat) -> PromptSender:
     """Return what shows a boat to stations at once."""
-    return PromptSender(Roster(StateReader(boat, Ledger(boat.method.step).summary)))
+    return PromptSender(Roster(state_reader(boat)))
+
+
+def state_reader(boat: Boat) -> StateReader:
+    """Return what reads a boat's states for its stations."""
+    return StateReader(boat, Ledger(boat.method.step).summary)
+
+
+def frame_of(boat: Boat, pace: Pace = Pace()) -> Frame:  # noqa: B008  frozen
+    """Return what is seen of a boat at this tick."""
+    return state_reader(boat).frame(Picture(boat.ticks, boat.records.state.tobytes(), pace))
 
 
 def free_session(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from helpers.installation import run_program
 from helpers.nursery import run_trainer
 from helpers.places import CHECKOUT, environment
 from trainer.cli.main import cli
@@ -79,13 +80,10 @@ HEAVY = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")
 
 def imported(words: tuple[str, ...], folder: Path | None = None, **more: str) -> set[str]:
     """Return the names of all modules that a command imports."""
-    loaded = subprocess.run(
+    loaded = run_program(
         [sys.executable, "-X", "importtime", "-m", "trainer", *words],
         cwd=folder,
         env=environment(**more),
-        capture_output=True,
-        text=True,
-        check=True,
     ).stderr
     return {line.rpartition("|")[2].strip() for line in loaded.splitlines()}
 

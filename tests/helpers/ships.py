@@ -15,6 +15,19 @@ from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.ships.likelihood import TANKER_PRIOR, ShipProblem
 from trainer.identify.ships.records import Trial
 
+NOMOTO_SHIP = """schema = "nomoto/1"
+name = "a ship"
+length_m = 161
+speed_kn = 15
+K_per_s = -0.18
+T1_s = 118
+T2_s = 7.8
+T3_s = 18.5
+rudder_limit_deg = 35
+rudder_rate_deg_s = 2.5
+step_s = 0.5
+"""
+
 SHIP = ShipFile(
     path=Path("ship.toml"),
     name="tanker",

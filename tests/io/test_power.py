@@ -20,6 +20,7 @@ import pytest
 from helpers.altered import is_whole
 from helpers.crewed import Crewed
 from helpers.givers import HELM
+from helpers.installation import run_program
 from helpers.waiting import PATIENCE, eventually
 
 from trainer.io.recording import durability
@@ -139,9 +140,7 @@ class Machine:
 
 def key_of(path: Path) -> str:
     """Return the name under which the layer keeps a file or folder."""
-    said = subprocess.run(
-        ["stat", "-c", "%i %W %w", path], capture_output=True, text=True, check=True
-    ).stdout.split()
+    said = run_program(["stat", "-c", "%i %W %w", path]).stdout.split()
     return f"{said[0]}-{said[1]}.{int(said[3].partition('.')[2])}"
 
 

@@ -31,8 +31,7 @@ def scheduled(text: str) -> list[ScheduledOrder]:
     return made
 
 
-def test_a_casualty_comes_at_its_time_and_so_long_from_now(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_casualty_comes_at_its_time_and_so_long_from_now(ship: Crewed) -> None:
     ship.fly(4)
     assert ship.order("at 5 rudder left 5") == "planned: 1: at 00:00:05: rudder left 5"
     assert (
@@ -55,8 +54,7 @@ def test_a_casualty_comes_at_its_time_and_so_long_from_now(crewed: Begin) -> Non
     assert "2: at 00:00:08: casualty rudder-stuck" in ship.events(ship.instructor, "exercise")[-1]
 
 
-def test_an_order_waits_for_a_condition(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_an_order_waits_for_a_condition(ship: Crewed) -> None:
     ship.order("when depth >= 62 m then casualty bow-stuck")
     ship.order("when depth > 64 then freeze")
     assert planned(ship)[0] == "1,depth >= 62 m,casualty bow-stuck"
@@ -106,16 +104,14 @@ def test_a_plan_is_taken_away_by_its_number(crewed: Begin) -> None:
         ("when depth > 60 casualty rudder-stuck", "expected then"),
     ],
 )
-def test_a_plan_that_cannot_come_is_refused_at_once(crewed: Begin, words: str, why: str) -> None:
-    ship = crewed(seconds=None)
+def test_a_plan_that_cannot_come_is_refused_at_once(ship: Crewed, words: str, why: str) -> None:
     ship.fly(4)
     assert why in ship.refused(words)
     assert planned(ship) == []
     assert "word" not in "".join(ship.instructor.sent).replace("words", "") or "word" not in words
 
 
-def test_a_replay_gives_what_came_and_waits_for_the_rest(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_replay_gives_what_came_and_waits_for_the_rest(ship: Crewed) -> None:
     ship.order("at 3 casualty rudder-stuck")
     ship.order("at 30 depth 70")
     ship.fly(16)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.line import Line, fields_of
-from helpers.sessions import start_plan
+from helpers.sessions import TIME_TO_65_M, start_plan
 
 from trainer.boat.casualties import instrument_readings
 from trainer.config.exercise import AIDS, load_exercise, parse_exercise
@@ -194,24 +194,14 @@ briefing = "Go to 65 m."
 duration_s = 100
 {more}
 """
-SCORES = """
-[[scores]]
-name = "Time to 65 m"
-measure = "time-to"
-quantity = "depth_m"
-target = 65
-band = 2
-full = 30
-zero = 300
-"""
 
 
 @pytest.mark.parametrize(
     ("more", "aids"),
     [
         ("", AIDS),
-        (SCORES, ()),
-        (f'aids = ["predictor"]\n{SCORES}', ("predictor",)),
+        (TIME_TO_65_M, ()),
+        (f'aids = ["predictor"]\n{TIME_TO_65_M}', ("predictor",)),
         ("aids = []", ()),
     ],
 )

@@ -1,15 +1,13 @@
 """Time wound back: every way leads to the bits of a run that was never wound back."""
 
 import contextlib
-import threading
-from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sessions import TROUBLED_SEA, begin_run, free_session, start_plan
+from helpers.line import ScriptedLine
+from helpers.sessions import NOISE_AND_FLOODING, TROUBLED_SEA, begin_run, free_session, start_plan
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -22,7 +20,6 @@ from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
 
 STEP = 0.5  # [s]
@@ -48,16 +45,7 @@ order = "freeze"
 at_s = 61
 order = "sea state 3"
 
-[[casualties]]
-at_s = 5
-name = "depth-gauge-noisy"
-
-[[casualties]]
-at_s = 10
-name = "flooding-aft"
-severity = 0.2
-ramp_s = 25
-
+{NOISE_AND_FLOODING}
 [[casualties]]
 when = "depth > 41"
 name = "rudder-slow"
@@ -74,39 +62,23 @@ GIVEN = {
 Lines = Iterator[str]
 
 
-@dataclass
-class Bridge:
+class Bridge(ScriptedLine):
     """The instructor's line: what is typed comes from the test, each line once the last is done."""
 
-    typed: Lines = field(default_factory=lambda: iter(()))
-    wake: threading.Event = field(default_factory=threading.Event)
-    heard: list[str] = field(default_factory=list)
-    troubles: deque[str] = field(default_factory=deque)
-    shown: Callable[[int, bytes, Pace], None] = lambda _tick, _state, _pace: None
-    stepping: Callable[[], object] = lambda: False
-    name: str = "bridge"
-    trouble: str = ""
-    dropped: int = 0
-    ended: bool = False
+    ended = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.typed: Lines = iter(())
+        self.shown: Callable[[int, bytes, Pace], None] = lambda _tick, _state, _pace: None
+        self.stepping: Callable[[], object] = lambda: False
 
     def take(self, _most: int) -> list[str]:
         self.wake.set()
         return [] if self.stepping() else [next(self.typed, "quit")]
 
-    def send(self, line: str) -> None:
-        self.heard.append(line)
-
-    def close(self, patience: float) -> None:
-        del patience
-
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         self.shown(tick, state, pace)
-
-    def add(self, subscription: Subscription) -> None:
-        del subscription
-
-    def strike(self, subscription: Subscription) -> None:
-        del subscription
 
 
 class Ship:

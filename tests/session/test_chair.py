@@ -39,40 +39,37 @@ def role_of(ship: Crewed, line: Line) -> str:
     return next(each.role.name for each in ship.session.event_log.stations if each.line is line)
 
 
-def test_who_is_alone_takes_every_chair_and_goes_back(crewed: Begin) -> None:
-    ship = crewed()
-    line = alone(ship, "trainee")
+def test_who_is_alone_takes_every_chair_and_goes_back(drill: Crewed) -> None:
+    line = alone(drill, "trainee")
     for role in ("instructor", "trainee", *CREW_ROLES, "observer", "trainee"):
-        assert ship.say(line, f"role {role}") == ("ok", f"you {ROLES[role].part}")
-        assert role_of(ship, line) == role
-        assert ship.facts(line, "chair")[-1] == role
-    assert ship.refused("role trainee", line) == "you are a trainee already"
+        assert drill.say(line, f"role {role}") == ("ok", f"you {ROLES[role].part}")
+        assert role_of(drill, line) == role
+        assert drill.facts(line, "chair")[-1] == role
+    assert drill.refused("role trainee", line) == "you are a trainee already"
 
 
-def test_what_is_hidden_stays_behind_with_the_instructors_chair(crewed: Begin) -> None:
-    ship = crewed()
-    line = alone(ship, "trainee")
-    assert ship.say(line, "subscribe motion")[0] == "no"
-    ship.say(line, "role instructor")
+def test_what_is_hidden_stays_behind_with_the_instructors_chair(drill: Crewed) -> None:
+    line = alone(drill, "trainee")
+    assert drill.say(line, "subscribe motion")[0] == "no"
+    drill.say(line, "role instructor")
     for channel in ("motion", "casualties", "gauges"):
-        assert ship.say(line, f"subscribe {channel}")[0] == "ok"
-    ship.say(line, "role trainee")
+        assert drill.say(line, f"subscribe {channel}")[0] == "ok"
+    drill.say(line, "role trainee")
     line.sent.clear()
 
-    ship.fly(3)
+    drill.fly(3)
     told = "\n".join(line.sent)
     assert "$TRS,gauges" in told
     assert not re.search("motion|casualties", told)
-    assert ship.say(line, "casualty stern-stuck")[0] == "no"
+    assert drill.say(line, "casualty stern-stuck")[0] == "no"
 
 
-def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Begin) -> None:
-    ship = crewed()
-    line = alone(ship, "trainee")
-    ship.fly(4)
-    ship.say(line, "role instructor")
+def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(drill: Crewed) -> None:
+    line = alone(drill, "trainee")
+    drill.fly(4)
+    drill.say(line, "role instructor")
 
-    entry = ship.recording.orders(1)[-1]
+    entry = drill.recording.orders(1)[-1]
     assert (entry.text, entry.tick, entry.accepted) == ("role instructor", 4, True)
     assert entry.giver.role == "trainee"
     assert any("type an order, such as" in each for each in line.sent)
@@ -88,26 +85,24 @@ def test_a_change_is_in_the_journal_and_the_line_is_briefed_anew(crewed: Begin) 
     ],
 )
 def test_a_line_keeps_its_role_that_may_not_change_it(
-    crewed: Begin, door: Access, role: str, why: str
+    drill: Crewed, door: Access, role: str, why: str
 ) -> None:
-    ship = crewed()
-    line = alone(ship, role, door)
-    before = role_of(ship, line)
-    assert why in ship.refused("role instructor", line)
-    assert role_of(ship, line) == before
+    line = alone(drill, role, door)
+    before = role_of(drill, line)
+    assert why in drill.refused("role instructor", line)
+    assert role_of(drill, line) == before
 
 
 def test_the_runs_own_console_changes_its_chair_and_nobody_does_beside_another(
-    crewed: Begin,
+    drill: Crewed,
 ) -> None:
-    ship = crewed()
-    line = alone(ship, "", Access("instructor", own=True))
-    assert ship.say(line, "role trainee")[0] == "ok"
-    other = joins(ship, "helm", Access(here=lambda: True))
+    line = alone(drill, "", Access("instructor", own=True))
+    assert drill.say(line, "role trainee")[0] == "ok"
+    other = joins(drill, "helm", Access(here=lambda: True))
     for each in (line, other):
-        assert "while others are attached" in ship.refused("role instructor", each)
-    ship.leaves(other)
-    assert ship.say(line, "role instructor")[0] == "ok"
+        assert "while others are attached" in drill.refused("role instructor", each)
+    drill.leaves(other)
+    assert drill.say(line, "role instructor")[0] == "ok"
 
 
 def aids_of(path: Path, branch: int, ship: Crewed) -> tuple[str, ...]:
@@ -196,9 +191,8 @@ REFUSED_IN_A_CHAIR = [
 
 @pytest.mark.parametrize(("role", "order"), REFUSED_IN_A_CHAIR)
 def test_who_is_refused_an_order_alone_is_told_the_chair_that_has_it(
-    crewed: Begin, role: str, order: str
+    ship: Crewed, role: str, order: str
 ) -> None:
-    ship = crewed(seconds=None)
     line = alone(ship, role)
     (advice,) = re.findall("`([^`]+)`", ship.refused(order, line))
     wanted = "instructor" if order.startswith("casualty") else "trainee"

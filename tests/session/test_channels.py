@@ -3,8 +3,9 @@
 import math
 
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.orders import obey_all
+from helpers.sessions import frame_of, state_reader
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -33,7 +34,6 @@ KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
 STATIONS = sorted({c for r in ROLES.values() if r.name != "instructor" for c in r.channels})
 OBSERVER = ROLES["observer"]
-RUNNING = Pace()
 
 # What a station may see of the state beside the three gauges. Nothing else of it may show.
 SHOWN = (
@@ -51,21 +51,10 @@ GAUGES = ("casualty", "casualty_amount")
 @pytest.fixture
 def boat() -> Boat:
     """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, math.pi / 2.0)
+    boat = start_boat(10.0 * KNOT, 60.0, math.pi / 2.0)
     boat.state.ordered_psi = 2.0
-    for _ in range(120):
-        assert boat.tick() == 0
+    take_ticks(boat, 120)
     return boat
-
-
-def lookout(boat: Boat) -> StateReader:
-    return StateReader(boat, Ledger(boat.method.step).summary)
-
-
-def frame_of(boat: Boat, pace: Pace = RUNNING) -> Frame:
-    state = boat.records.state
-    return lookout(boat).frame(Picture(int(boat.state.tick), state.tobytes(), pace))
 
 
 def values(frame: Frame, channel: str) -> dict[str, str]:
@@ -176,8 +165,7 @@ def places(boat: Boat, name: str) -> range:
 @pytest.fixture(scope="module")
 def stuck() -> tuple[Boat, list[str]]:
     """Return a BB2 of which all gauges are stuck, and what stations get of it."""
-    boat = make_boat("bb2")
-    boat.start(10.0 * KNOT, 60.0, 1.0)
+    boat = start_boat(10.0 * KNOT, 60.0, 1.0)
     stick_gauges(boat)
     return boat, everything_stations_get(frame_of(boat))
 
@@ -211,7 +199,7 @@ def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None
 
 def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
     state, scratch = boat.records.state.copy(), boat.records.scratch.copy()
-    look = lookout(boat)
+    look = state_reader(boat)
     picture = Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace())
 
     for _ in range(3):
@@ -223,7 +211,7 @@ def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
 
 def test_a_state_of_another_layout_is_told_from_this_cores(boat: Boat) -> None:
     with pytest.raises(ValueError, match="a state of 16 bytes"):
-        lookout(boat).frame(Picture(0, b"\0" * 16, Pace()))
+        state_reader(boat).frame(Picture(0, b"\0" * 16, Pace()))
 
 
 def test_the_panels_show_what_is_ordered_who_steers_and_what_is_done(boat: Boat) -> None:
@@ -284,8 +272,7 @@ def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> 
 
 
 def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them() -> None:
-    boat = make_boat("remus100", step=0.1)
-    boat.start(3.0 * KNOT, 10.0, 0.0)
+    boat = start_boat(3.0 * KNOT, 10.0, vessel="remus100", step=0.1)
     frame = frame_of(boat)
 
     assert values(frame, "tanks")["forward"] == ""
@@ -322,8 +309,7 @@ def test_what_is_held_still_has_no_rate(boat: Boat) -> None:
 def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None:
     assert isinstance(casualties.insert_casualty(boat, "rudder-slow", 0.5, 10.0), str)
     assert isinstance(casualties.insert_casualty(boat, "depth-gauge-stuck"), str)
-    for _ in range(10):
-        assert boat.tick() == 0
+    take_ticks(boat, 10)
     shown = values(frame_of(boat), "casualties")
 
     assert shown["casualty_1"] == "rudder-slow"

@@ -104,6 +104,11 @@ class Bench:
         return [(b - a) / PERIOD for a, b in itertools.pairwise(self.starts)]
 
 
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
 def periods(number: float) -> int:
     return int(number * PERIOD)
 
@@ -143,8 +148,7 @@ def test_nothing_is_due_before_run_and_in_a_freeze() -> None:
     assert pacer.wait(wake) is WaitResult.WOKEN
 
 
-def test_an_hour_of_freeze_is_followed_by_the_rest_of_the_period_and_no_burst() -> None:
-    bench = Bench()
+def test_an_hour_of_freeze_is_followed_by_the_rest_of_the_period_and_no_burst(bench: Bench) -> None:
     bench.tick(periods(0.25))
     bench.pacer.freeze()
     bench.clock.stand_still(3600 * SECOND_NS)
@@ -157,8 +161,7 @@ def test_an_hour_of_freeze_is_followed_by_the_rest_of_the_period_and_no_burst() 
     assert (summary.gaps, summary.skipped, summary.caught_up, summary.overruns) == (0, 0, 0, 0)
 
 
-def test_a_new_speed_scales_the_rest_of_the_period() -> None:
-    bench = Bench()
+def test_a_new_speed_scales_the_rest_of_the_period(bench: Bench) -> None:
     bench.tick(periods(0.5))
     bench.pacer.set_speed(10.0)
     bench.tick(0, 0)
@@ -168,8 +171,7 @@ def test_a_new_speed_scales_the_rest_of_the_period() -> None:
     assert bench.spacings() == [0.55, 0.1, 10.0]
 
 
-def test_a_new_speed_in_a_freeze_stays_frozen() -> None:
-    bench = Bench()
+def test_a_new_speed_in_a_freeze_stays_frozen(bench: Bench) -> None:
     bench.tick(0)
     bench.pacer.freeze()
     bench.pacer.set_speed(2.0)
@@ -270,8 +272,7 @@ def test_a_process_stopped_in_the_work_goes_on_without_a_burst(step: float) -> N
     assert (summary.gaps, summary.overruns, summary.work.max_ns) == (1, 0, 1000)
 
 
-def test_a_process_stopped_while_an_order_is_handled_goes_on_without_a_burst() -> None:
-    bench = Bench()
+def test_a_process_stopped_while_an_order_is_handled_goes_on_without_a_burst(bench: Bench) -> None:
     bench.tick(0)
     bench.wake.set()
     bench.pacer.wait(bench.wake)
@@ -283,8 +284,7 @@ def test_a_process_stopped_while_an_order_is_handled_goes_on_without_a_burst() -
     assert bench.ledger.summary().gaps == 1
 
 
-def test_a_tick_that_blocks_for_three_periods_is_an_overrun_not_a_gap() -> None:
-    bench = Bench()
+def test_a_tick_that_blocks_for_three_periods_is_an_overrun_not_a_gap(bench: Bench) -> None:
     bench.pacer.wait(bench.wake)
     bench.pacer.begin()
     bench.clock.stand_still(periods(3))
@@ -294,8 +294,7 @@ def test_a_tick_that_blocks_for_three_periods_is_an_overrun_not_a_gap() -> None:
     assert (summary.overruns, summary.gaps, summary.work.max_ns) == (1, 0, periods(3))
 
 
-def test_no_tick_on_time_asks_the_system_for_its_processor_time() -> None:
-    bench = Bench()
+def test_no_tick_on_time_asks_the_system_for_its_processor_time(bench: Bench) -> None:
     for _ in range(3):
         bench.pacer.wait(bench.wake)
         asked = bench.clock.asked
@@ -306,8 +305,7 @@ def test_no_tick_on_time_asks_the_system_for_its_processor_time() -> None:
         assert bench.clock.asked == asked
 
 
-def test_a_single_step_in_a_freeze_is_recorded_on_time() -> None:
-    bench = Bench()
+def test_a_single_step_in_a_freeze_is_recorded_on_time(bench: Bench) -> None:
     bench.tick(0)
     bench.pacer.freeze()
     bench.clock.stand_still(periods(30))
@@ -346,8 +344,7 @@ def test_unpaced_hears_orders_and_freezes() -> None:
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.09, 100.1, -1.0, float("nan"), float("inf")])
-def test_a_speed_out_of_range_is_refused_and_changes_nothing(speed: float) -> None:
-    bench = Bench()
+def test_a_speed_out_of_range_is_refused_and_changes_nothing(bench: Bench, speed: float) -> None:
     bench.tick(0)
     with pytest.raises(ValueError, match=r"not between 0\.1 and 100"):
         bench.pacer.set_speed(speed)
@@ -423,8 +420,7 @@ def test_a_late_tick_waits_for_what_has_arrived_but_not_for_a_flood_of_it() -> N
         bench.tick(periods(3))
 
 
-def test_what_was_heard_before_a_deadline_does_not_make_its_tick_later() -> None:
-    bench = Bench()
+def test_what_was_heard_before_a_deadline_does_not_make_its_tick_later(bench: Bench) -> None:
     bench.tick(0)
     bench.wake.set()
     assert bench.pacer.wait(bench.wake) is WaitResult.WOKEN

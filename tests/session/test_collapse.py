@@ -4,11 +4,12 @@ import contextlib
 import math
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.line import ScriptedLine
 from helpers.nursery import Done, run_trainer
 from helpers.sessions import free_session, prompt_sender
 
@@ -36,18 +37,15 @@ CALLS = [
 ]
 
 
-@dataclass
-class Typist:
+class Typist(ScriptedLine):
     """A line whose orders come from the test, each once the last is done."""
 
-    typed: Iterator[str]
-    wake: threading.Event
-    stepping: Callable[[], bool]
-    heard: list[str] = field(default_factory=list)
-    name: str = "typist"
-    trouble: str = ""
-    dropped: int = 0
-    ended: bool = False
+    ended = False
+
+    def __init__(self, wake: threading.Event, stepping: Callable[[], bool]) -> None:
+        super().__init__(wake)
+        self.typed: Iterator[str] = iter(())
+        self.stepping = stepping
 
     def take(self, _most: int) -> list[str]:
         if self.stepping():  # on a busy machine lines are heard between the steps
@@ -59,12 +57,6 @@ class Typist:
             self.wake.set()
             return [line]
         return []
-
-    def send(self, line: str) -> None:
-        self.heard.append(line)
-
-    def close(self, patience: float) -> None:
-        del patience
 
     def said(self, words: str) -> list[str]:
         return [line for line in self.heard if words in line]
@@ -83,9 +75,7 @@ class Watch:
         sending = prompt_sender(self.boat)
         self.session = free_session(self.boat, self.recording, sending)
         control, wake = self.session.control, self.session.wake
-        self.instructor, self.helm = (
-            Typist(iter(()), wake, lambda: control.steps > 0) for _ in range(2)
-        )
+        self.instructor, self.helm = (Typist(wake, lambda: control.steps > 0) for _ in range(2))
         for role, line in (("instructor", self.instructor), ("helm", self.helm)):
             station = Station(line, Access(role), sending, self.session.event_log.log)  # type: ignore[arg-type]
             self.session.event_log.stations.append(station)

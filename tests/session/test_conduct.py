@@ -22,7 +22,7 @@ from trainer.config.files import shipped_names
 from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
-from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.orders.sentences import parse_sentence
 from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
 from trainer.session.exercise import is_met, quantity_of
@@ -67,83 +67,79 @@ def test_any_quantity_of_a_condition_can_lose_an_exercise(crewed: Begin, quantit
         assert is_met(Condition(quantity, sense, strict, threshold, "", PLACE), boat) is met
 
 
-def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    helm = ship.comes("helm")
+def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(drill: Crewed) -> None:
+    helm = drill.comes("helm")
 
-    ship.fly(20)
+    drill.fly(20)
 
-    assert ship.boat.ticks == 10
-    assert ship.session.time.frozen
-    assert not ship.session.control.ended
-    assert ship.facts(helm, "exercise-over") == ship.facts(ship.instructor, "exercise-over")
-    assert ship.events(helm, "time")[-1] == "EXERCISE OVER: time is up at 5 s"
-    assert "the exercise is over" in ship.refused("run")
-    assert "the exercise is over" in ship.refused("step 3")
+    assert drill.boat.ticks == 10
+    assert drill.session.time.frozen
+    assert not drill.session.control.ended
+    assert drill.facts(helm, "exercise-over") == drill.facts(drill.instructor, "exercise-over")
+    assert drill.events(helm, "time")[-1] == "EXERCISE OVER: time is up at 5 s"
+    assert "the exercise is over" in drill.refused("run")
+    assert "the exercise is over" in drill.refused("step 3")
 
 
-def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ballast, diving = ship.comes("ballast"), ship.comes("diving")
-    ship.fly(20)
-    state, journal = ship.boat.records.state.tobytes(), len(ship.recording.orders(1))
+def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(drill: Crewed) -> None:
+    ballast, diving = drill.comes("ballast"), drill.comes("diving")
+    drill.fly(20)
+    state, journal = drill.boat.records.state.tobytes(), len(drill.recording.orders(1))
 
     refused = "the exercise is over: the instructor goes on"
-    assert ship.refused("emergency blow", ballast) == refused
-    assert ship.refused("order depth 30", diving) == refused
-    assert ship.refused("depth 30").startswith("the exercise is over: again, ")
-    assert ship.refused("casualty stern-stuck").startswith("the exercise is over: again, ")
-    assert ship.boat.records.state.tobytes() == state
-    assert len(ship.recording.orders(1)) == journal
-    assert ship.say(diving, "report ready")[0] == "ok"  # words move nothing
+    assert drill.refused("emergency blow", ballast) == refused
+    assert drill.refused("order depth 30", diving) == refused
+    assert drill.refused("depth 30").startswith("the exercise is over: again, ")
+    assert drill.refused("casualty stern-stuck").startswith("the exercise is over: again, ")
+    assert drill.boat.records.state.tobytes() == state
+    assert len(drill.recording.orders(1)) == journal
+    assert drill.say(diving, "report ready")[0] == "ok"  # words move nothing
 
-    ship.order("again from 2 s")
+    drill.order("again from 2 s")
 
-    assert ship.say(ballast, "emergency blow")[0] == "ok"
+    assert drill.say(ballast, "emergency blow")[0] == "ok"
 
 
-def test_marks_go_to_the_instructor_first_and_to_all_when_released(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    helm = ship.comes("helm")
-    assert "not over" in ship.refused("release marks")
-    ship.fly(20)
-    ship.settle(lambda: ship.conduct.marks.found)
+def test_marks_go_to_the_instructor_first_and_to_all_when_released(drill: Crewed) -> None:
+    helm = drill.comes("helm")
+    assert "not over" in drill.refused("release marks")
+    drill.fly(20)
+    drill.settle(lambda: drill.conduct.marks.found)
 
-    assert ship.facts(ship.instructor, "marks") == ["not reached,42.0"]
-    assert ship.facts(helm, "marks") == []
+    assert drill.facts(drill.instructor, "marks") == ["not reached,42.0"]
+    assert drill.facts(helm, "marks") == []
     assert not any("42" in line for line in helm.sent)
-    kept = ship.conduct.marks.kept
+    kept = drill.conduct.marks.kept
     change = f'  to change a mark: trainer debrief {kept} --change "NAME: WHAT, REASON"'
-    assert ship.events(ship.instructor, "exercise")[-4:] == [
+    assert drill.events(drill.instructor, "exercise")[-4:] == [
         *("marks: not reached, 42 marks of 100", "  branch 1: 42"),
         *("  Stern jam answered: does not count", change),
     ]
 
-    ship.order("release marks")
+    drill.order("release marks")
 
     assert not any("Stern jam" in line or "--change" in line for line in helm.sent)
 
-    assert ship.facts(helm, "marks") == ["not reached,42.0"]
-    assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
+    assert drill.facts(helm, "marks") == ["not reached,42.0"]
+    assert drill.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
 
 
-def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    assert ship.facts(ship.comes("helm"), "exercise-over") == []
-    ship.fly(20)
-    ship.settle(lambda: ship.conduct.marks.found)
+def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(drill: Crewed) -> None:
+    assert drill.facts(drill.comes("helm"), "exercise-over") == []
+    drill.fly(20)
+    drill.settle(lambda: drill.conduct.marks.found)
 
-    helm, second = ship.comes("helm"), ship.comes("instructor")
+    helm, second = drill.comes("helm"), drill.comes("instructor")
     for late in (helm, second):
-        assert ship.facts(late, "exercise-over") == ["ended"]
-    assert ship.facts(helm, "marks") == []
-    assert ship.facts(second, "marks") == ["not reached,42.0"]
+        assert drill.facts(late, "exercise-over") == ["ended"]
+    assert drill.facts(helm, "marks") == []
+    assert drill.facts(second, "marks") == ["not reached,42.0"]
 
-    ship.order("release marks")
-    assert ship.facts(ship.comes("planes"), "marks") == ["not reached,42.0"]
+    drill.order("release marks")
+    assert drill.facts(drill.comes("planes"), "marks") == ["not reached,42.0"]
 
-    ship.order("again from 2 s")
-    assert ship.facts(ship.comes("helm"), "exercise-over") == []
+    drill.order("again from 2 s")
+    assert drill.facts(drill.comes("helm"), "exercise-over") == []
 
 
 def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(crewed: Begin) -> None:
@@ -168,8 +164,7 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(crewed: Begin) -> N
         assert other.conduct.ending.why == "turned over"
 
 
-def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(ship: Crewed) -> None:
     helm = ship.comes("helm")
     ship.fly(4)
     assert "instructor" in ship.refused("end exercise", helm)
@@ -181,29 +176,28 @@ def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(crewed: Begi
     assert "again" in ship.refused("end exercise")
 
 
-def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ship.order("snapshot beginning")
-    ship.fly(20)
-    ship.settle(lambda: ship.conduct.marks.found)
-    assert "here is the end" in ship.refused("again from here")
+def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(drill: Crewed) -> None:
+    drill.order("snapshot beginning")
+    drill.fly(20)
+    drill.settle(lambda: drill.conduct.marks.found)
+    assert "here is the end" in drill.refused("again from here")
 
-    assert "frozen; branch 2 begins" in ship.order("again")
-    assert ship.boat.ticks == 0
-    assert not ship.conduct.ending.over
-    assert ship.facts(ship.instructor, "back") == ["again"]
-    ship.order("run")
-    ship.fly(20)
-    assert ship.boat.ticks == 10
-    ship.settle(lambda: len(ship.facts(ship.instructor, "marks")) == 2)
-    assert ship.events(ship.instructor, "exercise")[-3] == "  branch 2: 42"
+    assert "frozen; branch 2 begins" in drill.order("again")
+    assert drill.boat.ticks == 0
+    assert not drill.conduct.ending.over
+    assert drill.facts(drill.instructor, "back") == ["again"]
+    drill.order("run")
+    drill.fly(20)
+    assert drill.boat.ticks == 10
+    drill.settle(lambda: len(drill.facts(drill.instructor, "marks")) == 2)
+    assert drill.events(drill.instructor, "exercise")[-3] == "  branch 2: 42"
 
-    ship.order("again from 2 s")
-    assert ship.boat.ticks == 6
-    ship.order("again from here")
-    ship.order("again from beginning")
-    assert ship.boat.ticks == 0
-    assert "here, beginning" in ship.refused("again from nowhere")
+    drill.order("again from 2 s")
+    assert drill.boat.ticks == 6
+    drill.order("again from here")
+    drill.order("again from beginning")
+    assert drill.boat.ticks == 0
+    assert "here, beginning" in drill.refused("again from nowhere")
 
 
 @pytest.mark.parametrize("lost", [False, True])
@@ -227,49 +221,46 @@ def test_a_jump_to_the_very_end_of_an_exercise_does_not_take_its_end_back(
         assert ship.facts(helm, "exercise-over")[-1] == how
 
 
-def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ship.fly(20)
-    assert ship.judged.wait(60.0)
-    ship.session.control.ended = False
-    ship.instructor.waiting = ["again"]
-    for station in ship.session.event_log.stations:
+def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(drill: Crewed) -> None:
+    drill.fly(20)
+    assert drill.judged.wait(60.0)
+    drill.session.control.ended = False
+    drill.instructor.waiting = ["again"]
+    for station in drill.session.event_log.stations:
         for asked in station.take(1):
-            ship.session.dispatch.hear(asked)  # before what is done beside is taken
-    ship.settle(lambda: True)
+            drill.session.dispatch.hear(asked)  # before what is done beside is taken
+    drill.settle(lambda: True)
 
-    assert ship.conduct.marks.found is None
-    assert ship.facts(ship.instructor, "marks") == []
+    assert drill.conduct.marks.found is None
+    assert drill.facts(drill.instructor, "marks") == []
 
 
-def test_a_debrief_is_written_beside_the_session_which_says_where(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ship.session.time.pacer.run()
-    assert "freeze" in ship.refused("debrief")
-    ship.fly(20)
+def test_a_debrief_is_written_beside_the_session_which_says_where(drill: Crewed) -> None:
+    drill.session.time.pacer.run()
+    assert "freeze" in drill.refused("debrief")
+    drill.fly(20)
 
-    assert "branch 1" in ship.order("debrief")
-    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+    assert "branch 1" in drill.order("debrief")
+    drill.settle(lambda: drill.facts(drill.instructor, "debrief"))
 
-    (path,) = ship.facts(ship.instructor, "debrief")
+    (path,) = drill.facts(drill.instructor, "debrief")
     assert path.endswith(".branch1.html")
-    assert ship.facts(ship.instructor, "debriefing") == ["0.25", ""]
-    assert "2,0:02: much was lost." in ship.facts(ship.instructor, "reason")
+    assert drill.facts(drill.instructor, "debriefing") == ["0.25", ""]
+    assert "2,0:02: much was lost." in drill.facts(drill.instructor, "reason")
 
 
-def test_who_trains_alone_has_a_debrief_written_at_the_end(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    trainee = ship.comes("trainee")
-    ship.say(ship.instructor, "detach")
-    assert "first end exercise" in ship.refused("debrief", trainee)
-    ship.fly(20)
-    ship.settle(lambda: ship.facts(trainee, "marks"))
+def test_who_trains_alone_has_a_debrief_written_at_the_end(drill: Crewed) -> None:
+    trainee = drill.comes("trainee")
+    drill.say(drill.instructor, "detach")
+    assert "first end exercise" in drill.refused("debrief", trainee)
+    drill.fly(20)
+    drill.settle(lambda: drill.facts(trainee, "marks"))
 
-    assert ship.say(trainee, "debrief")[0] == "ok"
-    ship.settle(lambda: ship.facts(trainee, "debrief"))
+    assert drill.say(trainee, "debrief")[0] == "ok"
+    drill.settle(lambda: drill.facts(trainee, "debrief"))
 
-    assert ship.facts(trainee, "debriefing") == ["0.25", ""]
-    assert ship.facts(trainee, "reason")[-1] == "2,0:02: much was lost."
+    assert drill.facts(trainee, "debriefing") == ["0.25", ""]
+    assert drill.facts(trainee, "reason")[-1] == "2,0:02: much was lost."
 
 
 def hold_debrief(ship: Crewed) -> threading.Event:
@@ -286,32 +277,30 @@ def hold_debrief(ship: Crewed) -> threading.Event:
     return may_write
 
 
-def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    may_write = hold_debrief(ship)
-    ship.fly(20)
-    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
-    ship.order("debrief")
-    ship.order("again")
+def test_what_a_run_cost_is_not_told_of_one_that_has_taken_its_place(drill: Crewed) -> None:
+    may_write = hold_debrief(drill)
+    drill.fly(20)
+    drill.settle(lambda: drill.facts(drill.instructor, "marks"))
+    drill.order("debrief")
+    drill.order("again")
     may_write.set()
-    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+    drill.settle(lambda: drill.facts(drill.instructor, "debrief"))
 
-    assert "much was lost" not in str(ship.facts(ship.instructor, "reason"))
+    assert "much was lost" not in str(drill.facts(drill.instructor, "reason"))
 
 
-def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(crewed: Begin) -> None:
+def test_one_debrief_is_written_at_a_time_and_marks_do_not_wait_for_it(drill: Crewed) -> None:
     """Twenty at once took 425 MB, and answers came after seconds."""
-    ship = crewed(seconds=5.0)
-    may_write = hold_debrief(ship)
-    assert "branch 1" in ship.order("debrief")
-    assert "one is being written" in ship.refused("debrief")
-    ship.order("run")
-    ship.fly(20)
-    ship.settle(lambda: ship.facts(ship.instructor, "marks"))
-    assert "one is being written" in ship.refused("debrief")
+    may_write = hold_debrief(drill)
+    assert "branch 1" in drill.order("debrief")
+    assert "one is being written" in drill.refused("debrief")
+    drill.order("run")
+    drill.fly(20)
+    drill.settle(lambda: drill.facts(drill.instructor, "marks"))
+    assert "one is being written" in drill.refused("debrief")
     may_write.set()
-    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
-    assert "branch 1" in ship.order("debrief")  # and another may be asked for
+    drill.settle(lambda: drill.facts(drill.instructor, "debrief"))
+    assert "branch 1" in drill.order("debrief")  # and another may be asked for
 
 
 @pytest.mark.process
@@ -367,37 +356,34 @@ def is_told(ship: Crewed, news: str) -> bool:
     return news in ship.events(ship.instructor, "exercise")
 
 
-def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-
+def test_what_cannot_be_judged_is_told_and_ends_nothing(drill: Crewed) -> None:
     def fail(path: Path, branch: int) -> Judgement:
         raise ValueError(f"{path.name} {branch}")
 
-    ship.conduct.marks.debriefing = DebriefSource(fail, ship._write)  # noqa: SLF001
-    ship.fly(20)
-    ship.settle(lambda: "no marks: 0.trainer 1" in ship.events(ship.instructor, "exercise"))
-    assert "no marks yet" in ship.refused("release marks")
+    drill.conduct.marks.debriefing = DebriefSource(fail, drill._write)  # noqa: SLF001
+    drill.fly(20)
+    drill.settle(lambda: "no marks: 0.trainer 1" in drill.events(drill.instructor, "exercise"))
+    assert "no marks yet" in drill.refused("release marks")
 
 
-def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    helm = ship.comes("helm")
-    assert "quit, then trainer run backing" in ship.refused("next backing")
+def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(drill: Crewed) -> None:
+    helm = drill.comes("helm")
+    assert "quit, then trainer run backing" in drill.refused("next backing")
 
-    ship.conduct.training.barred = None
-    assert "end exercise" in ship.refused("next backing")
-    ship.fly(20)
-    assert 'no exercise "nothing"' in ship.refused("next nothing")
-    ship.order("next")
-    assert ship.said[:2] == ["first-depth-change", "steady-course"]  # the course's order
+    drill.conduct.training.barred = None
+    assert "end exercise" in drill.refused("next backing")
+    drill.fly(20)
+    assert 'no exercise "nothing"' in drill.refused("next nothing")
+    drill.order("next")
+    assert drill.said[:2] == ["first-depth-change", "steady-course"]  # the course's order
 
-    ship.order("next backing")
+    drill.order("next backing")
 
-    assert ship.session.control.ended
-    assert ship.session.control.following == "backing"
-    assert ship.facts(ship.instructor, "next") == ["backing"]
-    assert ship.facts(helm, "next") == [""]  # a file's name may tell what is hidden
-    assert ship.events(helm, "time")[-1] == "the next exercise is being made ready"
+    assert drill.session.control.ended
+    assert drill.session.control.following == "backing"
+    assert drill.facts(drill.instructor, "next") == ["backing"]
+    assert drill.facts(helm, "next") == [""]  # a file's name may tell what is hidden
+    assert drill.events(helm, "time")[-1] == "the next exercise is being made ready"
     assert not any("backing" in line for line in helm.sent)
 
 
@@ -443,8 +429,7 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
 # Nothing is lost
 
 
-def test_branches_are_listed_and_any_is_gone_back_to(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_branches_are_listed_and_any_is_gone_back_to(ship: Crewed) -> None:
     ship.fly(6)
     ship.order("freeze")
     ship.order("rudder left 10")  # in the freeze, at the end of the branch
@@ -472,9 +457,7 @@ def test_branches_are_listed_and_any_is_gone_back_to(crewed: Begin) -> None:
     assert ship.boat.ticks == 2
 
 
-def test_what_happened_on_a_branch_left_behind_is_not_counted(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
-
+def test_what_happened_on_a_branch_left_behind_is_not_counted(ship: Crewed) -> None:
     def counted() -> dict[str, list[float]]:
         return ship.session.monitors.times
 
@@ -494,8 +477,7 @@ def test_what_happened_on_a_branch_left_behind_is_not_counted(crewed: Begin) -> 
     assert counted() == {"broached": [1.0, 2.0], "test depth passed": [1.5]}
 
 
-def test_a_branch_that_is_not_there_is_named_with_what_there_is(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_branch_that_is_not_there_is_named_with_what_there_is(ship: Crewed) -> None:
     assert ship.refused("branch 99") == "no branch 99: there is 1 to 1; branches lists them"
 
 
@@ -524,8 +506,7 @@ def test_quit_asks_once_more_while_others_are_attached(crewed: Begin) -> None:
 # Who is there
 
 
-def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_run_waits_for_nobody_and_tells_who_is_not_ready(ship: Crewed) -> None:
     helm, planes = ship.comes("helm"), ship.comes("planes")
     ship.comes("observer")
     ship.order("freeze")
@@ -546,8 +527,7 @@ def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Begin) -> None:
     assert ship.say(helm, "ready") == ("ok", "ready; everybody is")
 
 
-def test_one_instructor_has_command_and_the_others_watch_and_mark(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_one_instructor_has_command_and_the_others_watch_and_mark(ship: Crewed) -> None:
     ship.order("freeze")
     second = ship.comes("instructor")
 
@@ -581,8 +561,7 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(crewed: Begin)
     assert ship.say(second, "run") == ("ok", "running")
 
 
-def test_command_that_the_session_s_only_instructor_has_cannot_be_given(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_command_that_the_session_s_only_instructor_has_cannot_be_given(ship: Crewed) -> None:
     assert ship.refused("give command") == "there is no other instructor"
     assert ship.refused("keep command") == "nobody has asked for command"
     assert ship.order("take command") == "you have command"
@@ -604,8 +583,7 @@ def past(ship: Crewed, line: Line, channel: str) -> list[tuple[str, ...]]:
     return [each.fields for each in between if each.fields[0] == channel]
 
 
-def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(ship: Crewed) -> None:
     watch = ship.comes("observer")
     ship.say(watch, "subscribe gauges")
     ship.fly(400)
@@ -646,8 +624,7 @@ class Narrow(Line):
         self.room = len(self.sent) < self.taken
 
 
-def test_a_slow_line_loses_nothing_of_the_past(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_slow_line_loses_nothing_of_the_past(ship: Crewed) -> None:
     ship.fly(200)
     ship.order("freeze")
     ship.recording.flush()
@@ -664,8 +641,7 @@ def test_a_slow_line_loses_nothing_of_the_past(crewed: Begin) -> None:
     assert late.dropped == 0
 
 
-def test_the_past_is_that_of_the_role_and_of_the_present_branch(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_the_past_is_that_of_the_role_and_of_the_present_branch(ship: Crewed) -> None:
     ship.fly(20)
     ship.order("mark on the old branch")
     ship.order("backtrack 5 s")
@@ -696,8 +672,7 @@ def test_the_past_is_that_of_the_role_and_of_the_present_branch(crewed: Begin) -
     assert [row[1] for row in past(ship, other, "motion")] == [str(tick) for tick in range(17)]
 
 
-def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(ship: Crewed) -> None:
     ship.order("casualty rudder-stuck")
     ship.order("reset")
     ship.order("mark on the second way")
@@ -709,8 +684,7 @@ def test_what_was_ordered_at_the_start_is_no_past_after_a_reset(crewed: Begin) -
     assert ship.facts(other, "mark") == ["on the second way"]
 
 
-def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(ship: Crewed) -> None:
     ship.fly(20)
     ship.order("mark on the first branch")
     ship.order("backtrack 5 s")
@@ -725,8 +699,7 @@ def test_the_past_after_a_return_to_a_branch_is_that_of_this_branch(crewed: Begi
     assert ship.facts(late, "mark") == ["on the first branch", "on the third"]
 
 
-def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_without_a_recording_the_past_is_what_memory_keeps(ship: Crewed) -> None:
     ship.conduct.past.kept = None
     ship.fly(100)
     ship.order("freeze")
@@ -768,61 +741,44 @@ def test_an_alarm_wakes_once_at_the_earliest_time_asked_for() -> None:
 
 
 def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the_end_too(
-    crewed: Begin,
+    drill: Crewed,
 ) -> None:
-    ship = crewed(seconds=5.0)
-    ship.conduct.company.visitors = True
-    visitor = ship.comes("visitor")
-    begun = ship.boat.plain.tobytes()
-    ship.fly(4)
-    assert ship.say(visitor, "restart") == ("ok", "from the start, running; branch 2 begins")
-    assert (ship.boat.plain.tobytes(), ship.session.time.frozen) == (begun, False)
-    ship.fly(20)
-    assert ship.conduct.ending.over
+    drill.conduct.company.visitors = True
+    visitor = drill.comes("visitor")
+    begun = drill.boat.plain.tobytes()
+    drill.fly(4)
+    assert drill.say(visitor, "restart") == ("ok", "from the start, running; branch 2 begins")
+    assert (drill.boat.plain.tobytes(), drill.session.time.frozen) == (begun, False)
+    drill.fly(20)
+    assert drill.conduct.ending.over
 
-    ship.say(visitor, "restart")
+    drill.say(visitor, "restart")
 
-    assert not ship.conduct.ending.over
-    assert (ship.boat.time, ship.session.time.frozen) == (0.0, False)
-    assert ship.facts(visitor, "back") == ["restart", "restart"]
-    assert ship.facts(visitor, "exercise-over") == ["ended"]
+    assert not drill.conduct.ending.over
+    assert (drill.boat.time, drill.session.time.frozen) == (0.0, False)
+    assert drill.facts(visitor, "back") == ["restart", "restart"]
+    assert drill.facts(visitor, "exercise-over") == ["ended"]
 
 
-def test_a_visitor_does_not_begin_the_run_of_a_crew_again(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    visitor, helm = ship.comes("visitor"), ship.comes("helm")
-    ship.fly(4)
-    before = ship.boat.plain.tobytes()
+def test_a_visitor_does_not_begin_the_run_of_a_crew_again(drill: Crewed) -> None:
+    visitor, helm = drill.comes("visitor"), drill.comes("helm")
+    drill.fly(4)
+    before = drill.boat.plain.tobytes()
 
     why = "a visitor begins an exercise again only where its file has visitors = true"
-    assert ship.refused("restart", visitor) == f"{why}: ask the instructor"
+    assert drill.refused("restart", visitor) == f"{why}: ask the instructor"
 
-    assert (ship.boat.plain.tobytes(), ship.session.time.frozen) == (before, False)
-    assert ship.facts(helm, "back") == []
-    assert len(ship.recording.branches()) == 1
-    assert ship.order("restart").startswith("from the start, running")
-
-
-def test_a_station_is_called_by_a_name_of_its_own(crewed: Begin) -> None:
-    ship = crewed()
-    wall = ship.comes("observer")
-    assert ship.say(wall, "name wall") == ("ok", "this line is called wall")
-    ship.order("who")
-    assert any(f"observer at {wall.name}, called wall: 0 orders" in line for line in ship.said)
-    assert ship.say(wall, "name <b>")[0] == "no"
-    ship.order("who")
-    assert any(f"observer at {wall.name}, called wall: " in line for line in ship.said)
+    assert (drill.boat.plain.tobytes(), drill.session.time.frozen) == (before, False)
+    assert drill.facts(helm, "back") == []
+    assert len(drill.recording.branches()) == 1
+    assert drill.order("restart").startswith("from the start, running")
 
 
-def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(crewed: Begin) -> None:
-    ship = crewed()
-    visitor = ship.comes("visitor")
-    visitor.waiting = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
-    begun = time.monotonic()
-    for _ in range(20):
-        ship.session.attendance.listen()
-    answers = [each for each in map(parse_sentence, visitor.sent) if each and each.tag == "8"]
-    passed = time.monotonic() - begun
-    assert len(answers) <= 100 + 20 * (passed + 1.0)
-    assert passed > 5.0 or len(answers) < 300
-    assert any("orders a second wait" in text for text in ship.events(ship.instructor, "refused"))
+def test_a_station_is_called_by_a_name_of_its_own(drill: Crewed) -> None:
+    wall = drill.comes("observer")
+    assert drill.say(wall, "name wall") == ("ok", "this line is called wall")
+    drill.order("who")
+    assert any(f"observer at {wall.name}, called wall: 0 orders" in line for line in drill.said)
+    assert drill.say(wall, "name <b>")[0] == "no"
+    drill.order("who")
+    assert any(f"observer at {wall.name}, called wall: " in line for line in drill.said)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
-from helpers.sessions import start_plan
+from helpers.boats import make_boat, start_boat, take_ticks
+from helpers.sessions import frame_of, start_plan
 
 from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
@@ -31,9 +31,8 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
+from trainer.session.stations.view import Frame
 from trainer.session.status import current_lines
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 START = datetime(2026, 1, 1, tzinfo=UTC)
@@ -64,12 +63,6 @@ def carried(boat: Boat) -> Frame:
     s.xdot = (s.u - s.v) * math.sqrt(0.5)
     s.ydot = (s.u + s.v) * math.sqrt(0.5) + s.water_east
     return frame_of(boat)
-
-
-def frame_of(boat: Boat) -> Frame:
-    """Return what is seen of a boat."""
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
 
 
 @pytest.fixture
@@ -163,15 +156,13 @@ def test_no_casualty_and_no_reference_crew_can_wait_for_what_no_gauge_shows() ->
 
 
 def test_a_boat_carried_along_is_not_chased_by_the_waves() -> None:
-    boat = make_boat()
-    boat.start(3.0 * KNOT, 17.5, math.pi)  # with waves from the north
+    boat = start_boat(3.0 * KNOT, 17.5, math.pi)
     boat.put_to_sea(load_sea("sea-state-5"))
     boat.tick()
     slow = following_speed_ratio(boat)
     assert slow > 0.1
     boat.state.current[0] = -8.0 * KNOT
-    for _ in range(2):
-        boat.tick()
+    take_ticks(boat, 2)
     assert boat.state.xdot < -10.0 * KNOT
     assert following_speed_ratio(boat) == pytest.approx(slow, rel=0.1)
 

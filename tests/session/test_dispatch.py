@@ -94,8 +94,7 @@ def test_each_gate_is_shut_to_what_it_is_there_for_and_to_nothing_else(
     assert shut(ship, "status", station) == []
 
 
-def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_of_two_gates_that_are_shut_the_first_one_answers(ship: Crewed) -> None:
     second = ship.comes("instructor")
     ship.order("end exercise")
     station = next(each for each in ship.session.event_log.stations if each.line is second)
@@ -109,19 +108,17 @@ def test_of_two_gates_that_are_shut_the_first_one_answers(crewed: Begin) -> None
     assert "has command" in found.reason
 
 
-def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    ship.fly(20)
-    over = ship.conduct.ending.over
+def test_a_refused_way_back_leaves_the_end_of_an_exercise_as_it_is(drill: Crewed) -> None:
+    drill.fly(20)
+    over = drill.conduct.ending.over
     assert over
-    assert "no snapshot nowhere" in ship.refused("restore nowhere")
-    assert ship.conduct.ending.over == over
+    assert "no snapshot nowhere" in drill.refused("restore nowhere")
+    assert drill.conduct.ending.over == over
 
 
 def test_a_question_about_a_past_that_cannot_be_read_is_refused_and_the_session_goes_on(
-    crewed: Begin, monkeypatch: pytest.MonkeyPatch
+    ship: Crewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ship = crewed(seconds=None)
     ship.fly(10)
     ship.order("snapshot a")
     with monkeypatch.context() as broken, closing(sqlite3.connect(":memory:")) as empty:

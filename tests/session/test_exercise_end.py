@@ -4,15 +4,15 @@ import contextlib
 import re
 import signal
 import subprocess
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from helpers.nursery import run_trainer, start_trainer
 from helpers.places import environment
+from helpers.sessions import TIME_TO_65_M
 from helpers.waiting import once_it_can, stay_for
-from soak.session_process import Caller, GoneError
+from soak.session_process import Caller, GoneError, SessionProcess
 
 from trainer.debrief.page import DebriefRequest, debrief_file
 from trainer.io.recording.recording import Recording
@@ -20,82 +20,12 @@ from trainer.io.recording.recording import Recording
 pytestmark = pytest.mark.process
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
-ANSWER = 60.0  # [s] in which a session says nothing
-EXERCISE = """
+EXERCISE = f"""
 schema = "exercise/1"
 name = "Down a little"
 briefing = "Go to 65 m."
-duration_s = {seconds}
-
-[[scores]]
-name = "Time to 65 m"
-measure = "time-to"
-quantity = "depth_m"
-target = 65
-band = 2
-full = 30
-zero = 300
-"""
-
-
-class Served:
-    """A session that listens at a local socket of its own."""
-
-    def __init__(self, folder: Path, words: list[str]) -> None:
-        self.where = folder / "s"
-        self.told: list[str] = []
-        self.callers: list[Caller] = []
-        self._listening = threading.Event()
-        socket = ["--socket", str(self.where)] if "--socket" not in words else []
-        own = {"XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
-        self._out = folder / "out.txt"
-        with self._out.open("w", encoding="utf-8") as out:
-            self.process = start_trainer(
-                *words,
-                *socket,
-                env=environment(**own),
-                stderr=subprocess.PIPE,
-                stdout=out,
-                stdin=subprocess.DEVNULL,
-            )
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        for line in self.process.stderr or ():
-            self.told.append(line)
-            if "listening at" in line:
-                self._listening.set()
-
-    def caller(self, role: str) -> Caller:
-        assert self._listening.wait(PATIENCE), self.told
-
-        def come() -> Caller:
-            caller = Caller(self.where, ANSWER)
-            self.callers.append(caller)
-            assert caller.ask(f"role {role}")[0]
-            return caller
-
-        return once_it_can(come, GoneError)  # a session that ends, or the next that begins
-
-    def account(self) -> str:
-        """Return what it says when it has ended; where all its threads are, if it does not end."""
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(PATIENCE)
-        if self.process.returncode is None:
-            self.process.send_signal(signal.SIGABRT)
-        self._reader.join(ANSWER)
-        assert self.process.wait() >= 0, "".join(self.told)
-        return self._out.read_text(encoding="utf-8")
-
-    def stop(self) -> None:
-        for caller in self.callers:
-            caller.hang_up()
-        self.process.kill()
-        self.process.wait()
-        self._reader.join(ANSWER)
-        assert self.process.stderr
-        self.process.stderr.close()
+duration_s = 20
+{TIME_TO_65_M}"""
 
 
 def until(caller: Caller, text: str) -> str:
@@ -105,34 +35,59 @@ def until(caller: Caller, text: str) -> str:
     return found[0]
 
 
-Serve = Callable[..., Served]
+Serve = Callable[..., SessionProcess]
+Attach = Callable[[SessionProcess, str], Caller]
 
 
 @pytest.fixture
 def serve(tmp_path: Path) -> Iterator[Serve]:
-    begun: list[Served] = []
+    """Return a function that starts a session, which listens at a local socket of its own."""
+    own = environment(XDG_STATE_HOME=str(tmp_path), XDG_RUNTIME_DIR=str(tmp_path))
+    with contextlib.ExitStack() as begun:
 
-    def begin(*words: str) -> Served:
-        begun.append(Served(tmp_path, list(words)))
-        return begun[-1]
+        def begin(*words: str) -> SessionProcess:
+            where = [] if "--socket" in words else ["--socket", str(tmp_path / "s")]
+            pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
+            process = start_trainer(
+                *words, *where, env=own, stderr=pipe, stdout=pipe, stdin=nothing
+            )
+            session = SessionProcess(process)
+            begun.callback(session.kill)
+            return session
 
-    yield begin
-    for each in begun:
-        each.stop()
+        yield begin
+
+
+@pytest.fixture
+def attach() -> Iterator[Attach]:
+    """Return a function that attaches a station to a session that ends, or to the next."""
+    with contextlib.ExitStack() as lines:
+        yield lambda session, role: lines.enter_context(
+            once_it_can(lambda: session.caller(role), GoneError)
+        )
+
+
+def account_of(session: SessionProcess) -> str:
+    """Return what it says when it has ended; where all its threads are, if it does not end."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        session.process.wait(PATIENCE)
+    session.process.send_signal(signal.SIGABRT)
+    assert session.ended(PATIENCE) >= 0, "\n".join(session.told)
+    return "\n".join(session.account)
 
 
 @pytest.fixture
 def exercise(tmp_path: Path) -> Path:
     path = tmp_path / "down.toml"
-    path.write_text(EXERCISE.format(seconds=20), encoding="utf-8")
+    path.write_text(EXERCISE, encoding="utf-8")
     return path
 
 
 def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
-    serve: Serve, exercise: Path
+    serve: Serve, attach: Attach, exercise: Path
 ) -> None:
     served = serve("serve", str(exercise), "--listen", "none", "--speed", "50", "--frozen")
-    instructor, helm = served.caller("instructor"), served.caller("helm")
+    instructor, helm = attach(served, "instructor"), attach(served, "helm")
     assert instructor.ask("depth 65")[0]
     assert instructor.ask("run")[0]
 
@@ -157,13 +112,13 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     assert instructor.ask("next depth-changes")[0]
     with contextlib.suppress(GoneError):
         until(instructor, "nothing of the kind")  # the line is closed
-    again = served.caller("instructor")
+    again = attach(served, "instructor")
     assert again.ask("briefing")[0]
     assert "depth-changes" in again.said[0]
     assert again.ask("status")[0]
     assert any("tick 0" in line for line in again.said)
     assert again.ask("quit")[0]
-    told = served.account()
+    told = account_of(served)
     assert served.process.returncode == 0
     assert told.count("outcome") == 1  # nothing was flown of the other
     assert told.index("outcome") < told.index("simulated")
@@ -188,13 +143,13 @@ def test_a_duration_of_the_command_line_ends_the_session_as_ever(
     given = ["--duration", "4"] if words[0] == "serve" and "max" not in words else []
     speed = [] if "max" in words else ["--speed", "50"]
     served = serve(words[0], str(exercise), *words[1:], *given, *speed, "--socket", "none")
-    assert "simulated" in served.account()
+    assert "simulated" in account_of(served)
     assert served.process.returncode == 0
 
 
 def test_an_exercise_whose_end_nobody_awaits_ends_its_session(serve: Serve, exercise: Path) -> None:
     served = serve("run", str(exercise), "--teletype", "--speed", "50", "--socket", "none")
-    told = served.account()
+    told = account_of(served)
     assert served.process.returncode == 0
     assert "EXERCISE OVER: time is up at 20 s" in told
 
@@ -203,22 +158,19 @@ def test_a_frozen_session_waits_at_its_local_socket(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
-    words = ["serve", "depth-changes", "--listen", "none", "--frozen"]
-    with start_trainer(
-        *words,
+    process = start_trainer(
+        *("serve", "depth-changes", "--listen", "none", "--frozen"),
         env=environment(XDG_STATE_HOME=str(tmp_path), XDG_RUNTIME_DIR=home),
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
-    ) as session:
-        assert session.stderr
-        line = next(line for line in session.stderr if "listening at" in line)
-        stay_for(session, 1.5)  # longer than two looks at whether anybody can say run
-        caller = Caller(Path(line.partition("listening at ")[2].strip()), ANSWER)
-        assert caller.ask("role instructor")[0]
+    )
+    session = SessionProcess(process)
+    session.where()
+    stay_for(process, 1.5)  # longer than two looks at whether anybody can say run
+    with session.caller("instructor") as caller:
         assert caller.ask("run") == (True, "running")
         assert caller.ask("quit")[0]
-        caller.hang_up()
-        assert session.wait(PATIENCE) == 0
+    assert session.ended(PATIENCE) == 0
 
 
 @pytest.mark.parametrize(
@@ -246,17 +198,17 @@ def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[
 
 
 def test_what_is_resumed_at_its_exercise_s_end_is_over(
-    serve: Serve, exercise: Path, tmp_path: Path
+    serve: Serve, attach: Attach, exercise: Path, tmp_path: Path
 ) -> None:
     kept = tmp_path / "kept.trainer"
     orders = tmp_path / "orders.txt"
     orders.write_text("5 casualty rudder-stuck\n7 rudder left 5\n", encoding="utf-8")
     words = ("run", str(exercise), "--headless", "--speed", "max", "--record", str(kept))
     flown = serve(*words, "--orders", str(orders), "--socket", "none")
-    assert "simulated" in flown.account()
+    assert "simulated" in account_of(flown)
 
     served = serve("resume", str(kept), "--teletype")
-    instructor = served.caller("instructor")
+    instructor = attach(served, "instructor")
     ok, why = instructor.ask("run")
     assert not ok
     assert "the exercise is over" in why
@@ -269,6 +221,6 @@ def test_what_is_resumed_at_its_exercise_s_end_is_over(
     assert instructor.ask("branches")[0]
     assert len(instructor.said) == 2
     assert instructor.ask("quit")[0]
-    served.account()
+    account_of(served)
     with contextlib.closing(Recording.look(kept)) as recording:
         assert len(recording.branches()) == 2

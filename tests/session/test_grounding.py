@@ -5,9 +5,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from helpers.boats import make_boat
-from helpers.crewed import Begin
-from helpers.sessions import begin_run
+from helpers.boats import start_boat, take_ticks
+from helpers.crewed import Begin, Crewed
+from helpers.sessions import begin_run, frame_of
 
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
@@ -28,8 +28,6 @@ from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_in
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 
@@ -63,11 +61,15 @@ def calls(boat: Boat, seconds: float) -> list[str]:
     return told
 
 
+@pytest.fixture
+def boat() -> Boat:
+    return start_boat(5.0 * KNOT)
+
+
 # Calls
 
 
-def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
-    boat = make_boat()
+def test_a_boat_that_sinks_onto_the_ground_is_aground_once(boat: Boat) -> None:
     sinking(boat, 2.0, 0.2)
     (told,) = calls(boat, 120.0)
     assert told.startswith("AGROUND: 0.")
@@ -75,9 +77,7 @@ def test_a_boat_that_sinks_onto_the_ground_is_aground_once() -> None:
 
 
 @pytest.mark.parametrize(("seconds", "news"), [(10.0, 0), (40.0, 1)])
-def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -> None:
-    boat = make_boat()
-    boat.start(1.0, 60.0, 0.0)
+def test_touching_again_is_news_after_half_a_minute(boat: Boat, seconds: float, news: int) -> None:
     put_on(boat, ground(depth_m=100))
     monitor = GroundMonitor(boat)
     told: list[object] = []
@@ -89,8 +89,7 @@ def test_touching_again_is_news_after_half_a_minute(seconds: float, news: int) -
     assert len(told) == 1 + news
 
 
-def test_a_fast_one_is_hard_aground() -> None:
-    boat = make_boat()
+def test_a_fast_one_is_hard_aground(boat: Boat) -> None:
     sinking(boat, 2.0, 0.8)
     (told,) = calls(boat, 60.0)
     assert told.startswith("HARD AGROUND: 0.")
@@ -111,8 +110,7 @@ def test_hard_is_fast_into_the_ground_or_way_over_rock(
     assert touch.is_hard(kind) is hard
 
 
-def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
-    boat = make_boat()
+def test_a_boat_laid_down_well_is_told_so_and_that_it_lies(boat: Boat) -> None:
     sinking(boat, 0.5, 0.05, 10.0, bottoming=True)
     told = calls(boat, 120.0)
     assert len(told) == 2
@@ -120,8 +118,7 @@ def test_a_boat_laid_down_well_is_told_so_and_that_it_lies() -> None:
     assert told[1] == "lies on the ground: 9 t on the ground, screw stopped"
 
 
-def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong() -> None:
-    boat = make_boat()
+def test_a_boat_laid_down_badly_or_too_light_is_told_what_was_wrong(boat: Boat) -> None:
     sinking(boat, 2.0, 0.3, 10.0, bottoming=True)
     (told,) = calls(boat, 400.0)
     assert "sinking 0." in told
@@ -136,16 +133,13 @@ def test_off_the_chart_is_called_once_each_time(tmp_path: Path) -> None:
     path = tmp_path / "a.asc"
     head = "ncols 2\nnrows 2\nxllcenter -50\nyllcenter -50\ncellsize 100\n"
     path.write_text(head + "300 300 310 320")
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+    boat = start_boat(5.0 * KNOT)
     position = Position("x.toml", "bottom")
     put_on(boat, read_bottom({"grid": path.name, "values": "depth"}, position, tmp_path / "x.toml"))
     assert calls(boat, 60.0) == ["BEYOND THE CHART: the ground is taken as at its edge"]
 
 
-def test_clearance_is_the_keel_s_and_a_limit() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_clearance_is_the_keel_s_and_a_limit(boat: Boat) -> None:
     assert clearance(boat) == math.inf
     put_on(boat, ground(depth_m=100))
     s = boat.state
@@ -176,8 +170,7 @@ def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over:
     assert any("AGROUND" in line for line in ship.events(ship.instructor, "depth"))
 
 
-def test_a_grounding_is_called_again_after_a_jump_to_before_it(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_grounding_is_called_again_after_a_jump_to_before_it(ship: Crewed) -> None:
     sinking(ship.boat, 1.0, 0.3, grounding="free")
     ship.conduct.hull.ground = GroundMonitor(ship.boat)
     moment = ship.session.history.now()
@@ -191,24 +184,16 @@ def test_a_grounding_is_called_again_after_a_jump_to_before_it(crewed: Begin) ->
 # What is shown
 
 
-def frame(boat: Boat) -> Frame:
-    """Return the frame of a boat."""
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(boat.ticks, boat.records.state.tobytes(), Pace()))
-
-
 def sentences(boat: Boat) -> dict[str, str]:
     """Return the sentences of depths of a boat by their beginning."""
     chosen = choose_instruments(["DBT", "DPT", "XDR"])
     lines = InstrumentSet(chosen, DEFAULT_CHART, datetime(2026, 1, 1, tzinfo=UTC)).lines(
-        frame(boat)
+        frame_of(boat)
     )
     return {line[1:8]: line for line in lines}
 
 
-def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves(boat: Boat) -> None:
     put_on(boat, None)
     deep = sentences(boat)
     assert deep["INXDR,D"].startswith("$INXDR,D,60.00,M,DEPTH*")
@@ -226,11 +211,9 @@ def test_with_a_ground_the_bus_has_soundings_and_the_depth_moves() -> None:
     assert len(INSTRUMENTS) > len(told)
 
 
-def test_crew_sees_the_sounder_and_the_instructor_the_clearance() -> None:
-    boat = make_boat()
-    boat.start(5.0 * KNOT, 60.0, 0.0)
+def test_crew_sees_the_sounder_and_the_instructor_the_clearance(boat: Boat) -> None:
     put_on(boat, ground(depth_m=100))
-    seen = frame(boat)
+    seen = frame_of(boat)
     shown = {
         (name, field.name): field.text(seen)
         for name in ("diving", "motion")
@@ -309,8 +292,7 @@ def test_a_recorded_run_over_a_grid_is_flown_again_to_the_bit_without_it(tmp_pat
     for each in (plan, plan_of(header)):
         again = Boat(each.file, each.method)
         each.start(again)
-        for _ in range(200):
-            assert again.tick() == 0
+        take_ticks(again, 200)
         ends.append(again.snapshot().tobytes())
         (tmp_path / "shoal.asc").unlink(missing_ok=True)
         path.unlink(missing_ok=True)

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from helpers.boats import make_boat
 from helpers.sessions import begin_run, start_plan
+from helpers.ships import NOMOTO_SHIP
 
 from trainer.config import files
 from trainer.config.files import (
@@ -72,19 +73,6 @@ TABLE = """
 [casualty.weak-pump]
 kind = "pump-trim-failed"
 severity = 0.5
-"""
-NOMOTO = """
-schema = "nomoto/1"
-name = "a ship"
-length_m = 161
-speed_kn = 15
-K_per_s = -0.18
-T1_s = 118
-T2_s = 7.8
-T3_s = 18.5
-rudder_limit_deg = 35
-rudder_rate_deg_s = 2.5
-step_s = 0.5
 """
 MET = """
 schema = "exercise/1"
@@ -432,7 +420,7 @@ def test_a_header_of_anybody_s_making_is_refused_by_name(
 
 def test_a_nomoto_ship_that_went_by_the_first_form_is_told(tmp_path: Path) -> None:
     """Form 1 took other steps: what is recorded does not fly again to its own bits."""
-    (tmp_path / "ship.toml").write_text(NOMOTO, encoding="utf-8")
+    (tmp_path / "ship.toml").write_text(NOMOTO_SHIP, encoding="utf-8")
     path = tmp_path / "met.toml"
     path.write_text(MET, encoding="utf-8")
     _, _, header = begin_run(RunOptions(exercise=str(path)))

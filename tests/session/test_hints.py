@@ -41,6 +41,11 @@ def jam(crewed: Begin) -> Crewed:
     return ship
 
 
+@pytest.fixture
+def line(jam: Crewed) -> Line:
+    return trainee(jam)
+
+
 def asks(ship: Crewed, line: Line, words: str = "hint") -> tuple[str, str]:
     """Ask for a hint as a program; wait for the answer, and return it."""
     before = len(line.sent)
@@ -65,9 +70,8 @@ def told_in(ship: Crewed, branch: int) -> list[tuple[int, str]]:
 
 
 def test_a_hint_tells_the_overdue_order_and_why_while_time_runs_and_is_recorded(
-    jam: Crewed,
+    line: Line, jam: Crewed
 ) -> None:
-    line = trainee(jam)
     assert not jam.session.time.frozen
     assert asks(jam, line) == ("ok", TOLD)
     assert told_in(jam, 1) == [(JAMMED, TOLD)]
@@ -80,8 +84,7 @@ def test_a_hint_tells_the_overdue_order_and_why_while_time_runs_and_is_recorded(
     assert [(each.tick, each.kind) for each in events] == [(JAMMED, "shown")]
 
 
-def test_what_is_ordered_meanwhile_is_overdue_no_more(jam: Crewed) -> None:
-    line = trainee(jam)
+def test_what_is_ordered_meanwhile_is_overdue_no_more(line: Line, jam: Crewed) -> None:
     jam.say(line, "bell astern full")
     jam.fly(4)
     assert asks(jam, line)[1].startswith("hint, 5 marks: bow planes rise 30, due since")
@@ -102,9 +105,8 @@ def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: B
 
 
 def test_a_hint_stays_with_who_goes_back_before_it_and_not_with_a_run_from_the_start(
-    jam: Crewed,
+    line: Line, jam: Crewed
 ) -> None:
-    line = trainee(jam)
     asks(jam, line)
     jam.say(line, "freeze")
     assert jam.say(line, "backtrack 20 s")[0] == "ok"
@@ -116,8 +118,7 @@ def test_a_hint_stays_with_who_goes_back_before_it_and_not_with_a_run_from_the_s
     assert told_in(jam, 3) == []
 
 
-def test_who_may_ask_and_when(jam: Crewed) -> None:
-    line = trainee(jam)
+def test_who_may_ask_and_when(line: Line, jam: Crewed) -> None:
     for role in CREW_ROLES:
         other = jam.comes(role)
         assert "hint" in jam.refused("hint", other)
@@ -155,9 +156,8 @@ def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(crewed
 
 
 def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
-    jam: Crewed, monkeypatch: pytest.MonkeyPatch
+    line: Line, jam: Crewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    line = trainee(jam)
     with monkeypatch.context() as patch:
         patch.setattr("trainer.session.second_boat.follow_run", lambda *_: 1 // 0)
         assert asks(jam, line) == (
@@ -167,8 +167,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
     assert asks(jam, line) == ("ok", TOLD)
 
 
-def test_a_hint_of_a_moment_that_was_left_is_not_told(jam: Crewed) -> None:
-    line = trainee(jam)
+def test_a_hint_of_a_moment_that_was_left_is_not_told(line: Line, jam: Crewed) -> None:
     line.waiting = [order_sentence("hint", "8"), order_sentence("hint", "9")]
     jam.session.attendance.listen()
     assert "a hint is being found already" in line.sent[-1]

@@ -261,8 +261,7 @@ def test_whoever_follows_a_jump_is_as_he_was_then(crewed: Begin) -> None:
     assert later == GROWING
 
 
-def test_what_was_called_after_a_moment_is_called_again_after_a_jump_to_it(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_what_was_called_after_a_moment_is_called_again_after_a_jump_to_it(ship: Crewed) -> None:
     ship.order("snapshot then")
     for calls in (1, 2):
         ship.order("stern planes dive 25")

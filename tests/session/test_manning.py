@@ -1,7 +1,7 @@
 """Who mans what, and what is said where nobody does."""
 
 import pytest
-from helpers.crewed import Begin
+from helpers.crewed import Begin, Crewed
 from helpers.orders import read_order
 
 from trainer.io.orders.schedule import parse_schedule
@@ -97,16 +97,15 @@ def test_the_crew_s_controls_are_in_hand_before_time_runs(crewed: Begin) -> None
     ],
 )
 def test_an_end_without_marks_says_so_and_nobody_waits_for_them(
-    crewed: Begin, *, kept: bool, scored: bool, why: str
+    drill: Crewed, *, kept: bool, scored: bool, why: str
 ) -> None:
-    ship = crewed(seconds=5.0)
-    ship.conduct.marks.scored = scored
-    ship.conduct.marks.kept = ship.conduct.marks.kept if kept else None
-    helm = ship.comes("helm")
+    drill.conduct.marks.scored = scored
+    drill.conduct.marks.kept = drill.conduct.marks.kept if kept else None
+    helm = drill.comes("helm")
 
-    ship.fly(20)
+    drill.fly(20)
 
-    assert ship.facts(ship.instructor, "marks") == ship.facts(helm, "marks") == ["ended,"]
-    assert ship.events(helm, "time")[-1] == why
-    assert ship.refused("release marks") == why.removeprefix("no marks: ")
-    assert ship.facts(ship.comes("planes"), "marks") == ["ended,"]
+    assert drill.facts(drill.instructor, "marks") == drill.facts(helm, "marks") == ["ended,"]
+    assert drill.events(helm, "time")[-1] == why
+    assert drill.refused("release marks") == why.removeprefix("no marks: ")
+    assert drill.facts(drill.comes("planes"), "marks") == ["ended,"]

@@ -8,10 +8,11 @@ from datetime import UTC, datetime
 import pynmea2
 import pytest
 from geographiclib.geodesic import Geodesic
-from helpers.boats import make_boat
+from helpers.boats import start_boat, take_ticks
 from helpers.line import Line
 from helpers.orders import obey_all, read_order
 from helpers.places import ROOT
+from helpers.sessions import frame_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -42,8 +43,6 @@ from trainer.session.nmea.sentences import (
     widest,
 )
 from trainer.session.stations.roles import ROLES, refusal
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
@@ -51,20 +50,18 @@ START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
 
 def under_way(speed: float = 10.0, course: float = 0.0) -> Boat:
     """Return BB2 at 60 m, everything automatic, at ``speed`` [kn] and ``course`` [deg]."""
-    boat = make_boat("bb2", "modified")
-    boat.start(speed * KNOT, 60.0, math.radians(course))
-    return boat
+    return start_boat(speed * KNOT, 60.0, math.radians(course), equations="modified")
 
 
-def seen(boat: Boat) -> Frame:
-    lookout = StateReader(boat, Ledger(boat.method.step).summary)
-    return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
+@pytest.fixture
+def boat() -> Boat:
+    return under_way()
 
 
 def told(boat: Boat, chart: Chart = DEFAULT_CHART) -> dict[str, tuple[str, ...]]:
     """Return the fields of the set of a boat, by address and, of our own, page."""
     fields = {}
-    for line in InstrumentSet(INSTRUMENTS, chart, START).lines(seen(boat)):
+    for line in InstrumentSet(INSTRUMENTS, chart, START).lines(frame_of(boat)):
         heard = nmea.parse_sentence(line)
         assert isinstance(heard, nmea.NmeaSentence)
         name = heard.talker + heard.formatter
@@ -143,15 +140,14 @@ def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
     for _ in range(300):
         if boat.tick():
             break
-        lines = shown.lines(seen(boat))
+        lines = shown.lines(frame_of(boat))
         assert sum(len(line) + 2 for line in lines) <= widest(INSTRUMENTS)[1]
 
 
 def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
     boat = under_way(course=200.0)
     obey_all(boat, "rudder right 10", "stern planes rise 4", "bell ahead full")
-    for _ in range(60):
-        boat.tick()
+    take_ticks(boat, 60)
     s, fields = boat.state, told(boat)
     assert float(fields["INHDT"][0]) == pytest.approx(math.degrees(s.psi) % 360.0, abs=0.0051)
     assert float(fields["INDPT"][0]) == pytest.approx(s.z, abs=0.0051)
@@ -178,8 +174,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     boat = under_way(course=90.0)
     sound = told(boat)
     obey_all(boat, "casualty depth-gauge-biased 5", "casualty gyro-biased 4")
-    for _ in range(40):
-        boat.tick()
+    take_ticks(boat, 40)
     wrong, s = told(boat), boat.state
     off = float(wrong["INDPT"][0]) - s.z
     assert off > 1.0
@@ -192,8 +187,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
     assert sound["INHDT"][0] == "90.00"
 
 
-def test_a_boat_without_planes_has_empty_fields_for_them() -> None:
-    boat = under_way()
+def test_a_boat_without_planes_has_empty_fields_for_them(boat: Boat) -> None:
     boat.toward["bow"] = 0.0
     fields = told(boat)
     assert fields["INXDR2"][4:] == ("A", "", "D", "BOW")
@@ -206,19 +200,16 @@ def test_a_boat_at_rest_makes_no_way_and_keeps_her_heading_as_track() -> None:
     assert told(boat)["INRMC"][6:8] == ("0.00", "45.00")
 
 
-def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
-    boat = under_way()
+def test_above_the_surface_depth_is_nought_and_altitude_is_not(boat: Boat) -> None:
     boat.state.z = -1.5
     fields = told(boat)
     assert (fields["INDPT"][0], fields["INDBT"][2], fields["INGGA"][8]) == ("0.00", "0.00", "1.50")
 
 
-def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
-    boat = under_way()
-
+def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for(boat: Boat) -> None:
     def sent(names: str | None) -> dict[str, str]:
         shown = InstrumentSet(choose_instruments(parse_names(names)), DEFAULT_CHART, START)
-        return {line[1:6]: line for line in shown.lines(seen(boat))}
+        return {line[1:6]: line for line in shown.lines(frame_of(boat))}
 
     usual = sent(None)
     assert not [address for address in usual if address.endswith(("DBT", "DPT"))]
@@ -229,16 +220,17 @@ def test_the_boat_s_own_depth_is_no_sounding_unless_it_is_asked_for() -> None:
         parse_names("IMDPT")
 
 
-def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:
-    boat = under_way()
+def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back(
+    boat: Boat,
+) -> None:
     sampled = SampledDisplay(InstrumentSet(choose_instruments(["HDT"]), DEFAULT_CHART, START), 1.0)
     start = boat.snapshot()
     counts = []
     for _ in range(5):
-        counts.append(len(sampled.lines(seen(boat))))
+        counts.append(len(sampled.lines(frame_of(boat))))
         boat.tick()
     boat.restore(start)
-    counts.append(len(sampled.lines(seen(boat))))
+    counts.append(len(sampled.lines(frame_of(boat))))
     assert counts == [1, 0, 1, 0, 1, 1]
 
 
@@ -250,13 +242,12 @@ def test_after_an_hour_the_position_lies_at_the_distance_and_bearing_that_were_s
     course: float,
 ) -> None:
     boat, chart = under_way(18.0, course), Chart(51.0, 179.9)  # she crosses the date line
-    for _ in range(7200):
-        boat.tick()
+    take_ticks(boat, 7200)
     run = math.hypot(boat.state.x, boat.state.y)
     assert run > 30_000.0
     bearing = math.degrees(math.atan2(boat.state.y, boat.state.x))
     shown = InstrumentSet(choose_instruments(["RMC"]), chart, START)
-    fix = pynmea2.parse(shown.lines(seen(boat))[0])
+    fix = pynmea2.parse(shown.lines(frame_of(boat))[0])
     sailed = Geodesic.WGS84.Inverse(51.0, 179.9, fix.latitude, fix.longitude)
     assert sailed["s12"] == pytest.approx(run, abs=0.05)
     assert math.remainder(sailed["azi1"] - bearing, 360.0) == pytest.approx(0.0, abs=1e-4)
@@ -344,8 +335,7 @@ def test_other_sentences_mean_nothing_here() -> None:
 
 
 @pytest.mark.parametrize("bell", sorted(set(TELEGRAPH_BELLS.values())))
-def test_a_bell_rung_is_told_by_the_position_that_orders_it(bell: str) -> None:
-    boat = under_way()
+def test_a_bell_rung_is_told_by_the_position_that_orders_it(boat: Boat, bell: str) -> None:
     obey_all(boat, f"bell {bell}")
     assert TELEGRAPH_BELLS[told(boat)["INETL"][2]] == bell
 
@@ -462,10 +452,9 @@ def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
     assert line.ignored == 0
 
 
-def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
-    boat = under_way()
+def test_an_echo_of_what_is_sent_here_is_no_order(boat: Boat) -> None:
     obey_all(boat, "rudder left 5", "bell ahead full")
-    echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(seen(boat))
+    echo = InstrumentSet(INSTRUMENTS, DEFAULT_CHART, START).lines(frame_of(boat))
     line, _, _ = line_of(*echo)
     assert line.take(50) == []
     assert line.ignored == len(echo)

@@ -21,7 +21,7 @@ from typing import Any
 import pynmea2
 import pytest
 from helpers.boats import start_bb2
-from helpers.installation import installed
+from helpers.installation import installed, run_program
 from helpers.nursery import run_trainer
 from helpers.sessions import free_session, prompt_sender
 from helpers.waiting import eventually
@@ -301,13 +301,8 @@ def test_a_file_has_every_tick_of_a_run_at_full_speed(kept: Kept) -> None:
 
 @pytest.mark.process
 def test_gpsd_rejects_nothing_and_reports_every_tick_as_it_was(kept: Kept) -> None:
-    done = subprocess.run(
-        [gpsdecode(), "-D", "1", "-j"],
-        input=kept.path.read_bytes().decode("ascii"),
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
+    done = run_program(
+        [gpsdecode(), "-D", "1", "-j"], input=kept.path.read_bytes().decode("ascii"), timeout=60
     )
     said = done.stdout + done.stderr
     assert "WARN" not in said
@@ -423,14 +418,11 @@ def test_signal_k_takes_every_sentence(kept: Kept, tmp_path: Path) -> None:
     modules = signal_k(tmp_path)
     (tmp_path / "parse.js").write_text(PARSER, encoding="ascii")
     lines = kept.path.read_text(encoding="ascii").splitlines()
-    done = subprocess.run(
+    done = run_program(
         ["node", str(tmp_path / "parse.js")],
         env=os.environ | {"NODE_PATH": str(modules)},
         input="\n".join(lines),
-        capture_output=True,
-        text=True,
         timeout=60,
-        check=True,
     )
     answers = [json.loads(line) for line in done.stdout.splitlines()]
     assert len(answers) == len(lines)

@@ -4,18 +4,16 @@ import contextlib
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from helpers.places import environment
 from helpers.waiting import stay_for
-from soak.session_process import Caller
+from soak.session_process import Caller, SessionProcess
 
 from trainer.boat import compilation
 
-PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
 ANSWER = 5.0  # [s] for an order; half a second is promised
 END = 10.0  # [s] after Ctrl-C; one second is promised
 
@@ -24,24 +22,17 @@ END = 10.0  # [s] after Ctrl-C; one second is promised
 def interpreted(tmp_path: Path, *words: str) -> Iterator[tuple["subprocess.Popen[str]", Caller]]:
     """Have an interpreted session of REMUS 100, whose step is short, and its instructor."""
     serve = ["serve", "--vessel", "remus100", "--listen", "127.0.0.1:0", "--socket", "none"]
-    with subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, "-m", "trainer", *serve, *words],
         env=environment(NUMBA_DISABLE_JIT="1", XDG_STATE_HOME=str(tmp_path)),
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,
-    ) as process:
-        killer = threading.Timer(PATIENCE, process.kill)
-        killer.start()
-        with contextlib.ExitStack() as at_the_end:
-            at_the_end.callback(process.kill)
-            at_the_end.callback(killer.cancel)
-            assert process.stderr
-            there = next(line for line in process.stderr if "listening at tcp" in line)
-            caller = Caller(int(there.rpartition(":")[2]), ANSWER)
-            at_the_end.callback(caller.hang_up)
-            assert caller.ask("role instructor")[0]
-            yield process, caller
+    )
+    with contextlib.ExitStack() as at_the_end:
+        session = SessionProcess(process)
+        at_the_end.callback(session.kill)
+        yield process, at_the_end.enter_context(session.caller("instructor", patience=ANSWER))
 
 
 def interrupt(process: "subprocess.Popen[str]") -> int:

@@ -14,8 +14,7 @@ def told(ship: Crewed, page: Line) -> list[str]:
     return [each.rpartition(",")[0] for each in ship.facts(page, "own-alert")]
 
 
-def test_what_one_page_has_seen_all_of_its_station_know(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_what_one_page_has_seen_all_of_its_station_know(ship: Crewed) -> None:
     one, other, planes = ship.comes("helm"), ship.comes("helm"), ship.comes("planes")
     ship.say(one, "ack seen steering-rudder")
     assert told(ship, other) == told(ship, ship.comes("helm")) == ["steering-rudder,seen"]
@@ -40,8 +39,7 @@ def test_silence_lasts_half_a_minute_on_a_page_that_comes_later(
     assert ship.facts(ship.comes("helm"), "own-alert") == []
 
 
-def test_nothing_is_seen_of_what_time_has_gone_back_over(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_nothing_is_seen_of_what_time_has_gone_back_over(ship: Crewed) -> None:
     one = ship.comes("planes")
     ship.fly(2)
     ship.say(one, "ack seen pitch")
@@ -51,8 +49,7 @@ def test_nothing_is_seen_of_what_time_has_gone_back_over(crewed: Begin) -> None:
     assert told(ship, ship.comes("planes")) == ["pitch,seen"]
 
 
-def test_a_role_keeps_the_latest_of_more_alerts_than_any_page_has(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_a_role_keeps_the_latest_of_more_alerts_than_any_page_has(ship: Crewed) -> None:
     one = ship.comes("helm")
     for number in range(own_alerts.MAX_KEPT_ALERTS + 3):
         ship.say(one, f"ack seen alert-{number}")

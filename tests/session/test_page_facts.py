@@ -1,10 +1,9 @@
 """Facts that the pages go by: who is here, who speaks, marks, degrees of casualties."""
 
-from helpers.crewed import Begin, Crewed
+from helpers.crewed import Crewed
 
 
-def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(ship: Crewed) -> None:
     helm = ship.comes("helm")
     ship.comes("instructor")
     assert ship.say(helm, "ready")[0] == "ok"
@@ -19,8 +18,7 @@ def test_who_is_here_is_told_in_facts_with_who_has_command_and_who_is_ready(crew
     ]
 
 
-def test_who_has_said_something_is_told_before_its_text(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_who_has_said_something_is_told_before_its_text(ship: Crewed) -> None:
     helm, observer = ship.comes("helm"), ship.comes("observer")
     ship.order("freeze")
     ship.say(helm, "rudder left 5")
@@ -31,26 +29,24 @@ def test_who_has_said_something_is_told_before_its_text(crewed: Begin) -> None:
     assert not ship.events(observer, "order")[-1].startswith("helm,")
 
 
-def test_marks_are_told_with_their_reasons_in_facts(crewed: Begin) -> None:
-    ship = crewed(seconds=5.0)
-    helm = ship.comes("helm")
-    ship.fly(20)
-    ship.settle(lambda: ship.conduct.marks.found)
-    assert ship.facts(ship.instructor, "reason") == [
+def test_marks_are_told_with_their_reasons_in_facts(drill: Crewed) -> None:
+    helm = drill.comes("helm")
+    drill.fly(20)
+    drill.settle(lambda: drill.conduct.marks.found)
+    assert drill.facts(drill.instructor, "reason") == [
         ",branch 1: 42",
         ",Stern jam answered: does not count",
     ]
-    assert ship.facts(helm, "reason") == []
+    assert drill.facts(helm, "reason") == []
 
-    ship.order("release marks")
-    assert ship.facts(helm, "reason") == [",branch 1: 42"]
+    drill.order("release marks")
+    assert drill.facts(helm, "reason") == [",branch 1: 42"]
     whole = [",branch 1: 42", ",Stern jam answered: does not count"]
-    assert ship.facts(ship.instructor, "reason") == [*whole, *whole]
-    assert ship.facts(ship.comes("instructor"), "reason") == whole
+    assert drill.facts(drill.instructor, "reason") == [*whole, *whole]
+    assert drill.facts(drill.comes("instructor"), "reason") == whole
 
 
-def test_usual_degrees_of_casualties_are_told_in_fields(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_usual_degrees_of_casualties_are_told_in_fields(ship: Crewed) -> None:
     ship.order("casualties")
     degrees = {fields.split(",")[0]: fields.split(",") for fields in _degrees(ship)}
 

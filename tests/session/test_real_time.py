@@ -18,8 +18,9 @@ from helpers.nursery import start_trainer
 from helpers.places import environment
 from helpers.sessions import TROUBLED_SEA
 from helpers.waiting import PATIENCE, eventually
+from soak.session_process import Caller, GoneError, SessionProcess
 
-from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import RecordedEvent, Recording
 
 pytestmark = [
@@ -46,87 +47,21 @@ ramp_s = 25
 """
 
 
-class Client:
-    """A program at a socket that gives orders, and gets on with what is answered."""
-
-    def __init__(self, port: int, *, buffer: int = 0) -> None:
-        self.line = socket.socket()
-        if buffer:
-            self.line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
-        self.line.settimeout(PATIENCE)
-        self.line.connect(("127.0.0.1", port))
-        self._lines = self.line.makefile(encoding="ascii")
-        self._tags = itertools.count(1)
-
-    def ask(self, words: str) -> list[str]:
-        """Give an order; return its answer: "ok" or "no", the last line, and those before it."""
-        tag = str(next(self._tags))
-        self.line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
-        said: list[str] = []
-        for text in self._lines:
-            found = parse_sentence(text)
-            if found and (found.kind, found.tag) == ("TRA", tag):
-                verdict, rest = found.fields
-                if verdict != "say":
-                    return [verdict, rest, *said]
-                said.append(rest)
-        raise AssertionError(f"{words}: the line was closed")
-
-    def rest(self) -> str:
-        """Return what is still said until the line is closed."""
-        return "".join(self._lines)
-
-    def close(self) -> None:
-        self._lines.close()
-        self.line.close()
-
-
-class Served:
-    """A session in a process of its own."""
+class Served(SessionProcess):
+    """A session that is recorded."""
 
     def __init__(self, process: "subprocess.Popen[str]", recording: Path) -> None:
-        self.process = process
+        super().__init__(process)
         self.recording = recording
-        self.told: list[str] = []
-        self.port = 0
-        self._heard = threading.Event()
-        self._reader = threading.Thread(target=self._read)
-        self._reader.start()
-        assert self._heard.wait(PATIENCE), self.told
 
-    def _read(self) -> None:
-        assert self.process.stderr
-        for line in self.process.stderr:
-            self.told.append(line)
-            if "listening at tcp" in line:
-                self.port = int(line.rpartition(":")[2])
-                self._heard.set()
-
-    def client(self, role: str = "", token: str = "", *, buffer: int = 0) -> Client:
-        client = Client(self.port, buffer=buffer)
-        if role:
-            assert client.ask(f"role {role} {token}")[0] == "ok"
-        return client
-
-    def finish(self, by: Client) -> str:
+    def finish(self, by: Caller) -> str:
         """Let the instructor end the session; return its account."""
         answer = by.ask("quit")
         if "quit again" in answer[1]:  # others are attached
             answer = by.ask("quit")
-        assert answer[:2] == ["ok", "ending"]
-        assert self.process.wait(timeout=PATIENCE) == 0, self.told
-        self._reader.join()  # before what it reads is closed
-        with self.process:
-            return self.process.stdout.read() if self.process.stdout else ""
-
-    def memory(self) -> int:
-        """Return the memory [kB] of the process, 0 where the system does not tell."""
-        if sys.platform != "linux":
-            return 0
-        status = Path(f"/proc/{self.process.pid}/status").read_text()
-        found = re.search(r"VmRSS:\s+(\d+) kB", status)
-        assert found
-        return int(found[1])
+        assert answer == (True, "ending")
+        assert self.ended(PATIENCE) == 0, self.told
+        return "\n".join(self.account)
 
     def events(self, kind: str) -> list[RecordedEvent]:
         with contextlib.closing(Recording.look(self.recording)) as recording:
@@ -153,9 +88,9 @@ def serve(tmp_path: Path) -> Iterator[Serve]:
                 *("serve", str(exercise), "--verbose", "--speed", "5", "--listen", "127.0.0.1:0"),
                 *("--socket", "none", "--record", str(recording), *words),
             )
-            started.enter_context(process)
-            started.callback(process.kill)
-            return Served(process, recording)
+            session = Served(process, recording)
+            started.callback(session.kill)
+            return session
 
         yield begin
 
@@ -216,6 +151,12 @@ def babble(line: socket.socket, stop: threading.Event) -> None:
             line.recv(65536)
 
 
+def lines_of(caller: Caller, words: str) -> list[str]:
+    """Return the lines of a long answer."""
+    assert caller.ask(words)[0]
+    return caller.said
+
+
 def lost(account: str) -> int:
     """Return how many lines a station has lost by its account in `who`."""
     found = re.search(r"(\d+) lines lost", account)
@@ -233,7 +174,7 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
         stack.callback(busy.kill)
         session = serve("--line", f"helm={helm_name}", "--line", f"ballast={ballast_name}")
         stop = threading.Event()
-        by, hung, noisy = (stack.enter_context(contextlib.closing(c)) for c in stations(session))
+        by, hung, noisy = (stack.enter_context(c) for c in stations(session))
         noise = threading.Thread(target=babble, args=(noisy.line, stop))
         noise.start()
         stack.callback(noise.join)
@@ -245,11 +186,11 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
         orders = itertools.cycle(("depth 50", "casualty gyro-noisy", "speed 9", "sea state 4"))
         said, end = b"", time.monotonic() + SOAK
         while time.monotonic() < end:
-            assert by.ask(next(orders))[0] == "ok"
+            assert by.ask(next(orders))[0]
             os.write(helm, b"rudder right 10\r")
             said = said[-1000:] + come(helm)
             time.sleep(0.1)  # as somebody types
-        _, _, *accounts = by.ask("who")
+        accounts = lines_of(by, "who")
         stop.set()
         noise.join()
         account = session.finish(by)
@@ -267,14 +208,14 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
     assert "the same to the last bit" in replayed(session.recording)
 
 
-def stations(session: Served) -> Iterator[Client]:
+def stations(session: Served) -> Iterator[Caller]:
     """Yield the instructor, one that is to hang, and one that is to babble."""
-    yield session.client("instructor")
-    hung = session.client("planes", buffer=4096)
+    yield session.caller("instructor")
+    hung = session.caller("planes", buffer=4096)
     for channel in ("teletype", "gauges", "diving", "time"):
-        assert hung.ask(f"subscribe {channel} at 50 hz")[0] == "ok"
+        assert hung.ask(f"subscribe {channel} at 50 hz")[0]
     yield hung
-    yield session.client()
+    yield session.caller()
 
 
 def on_time(account: str) -> bool:
@@ -289,30 +230,30 @@ def on_time(account: str) -> bool:
 
 def refused_ones(session: Served) -> None:
     """Be everybody that a session has to refuse."""
-    with contextlib.closing(session.client()) as stranger:
-        assert stranger.ask("rudder left 5")[0] == "no"
+    with session.caller() as stranger:
+        assert not stranger.ask("rudder left 5")[0]
         assert "needs a token" in stranger.ask("role helm")[1]
         for guess in ("a", "b", "c"):
-            verdict, text, *_ = stranger.ask(f"role instructor {guess}")
-            assert (verdict, text[:11]) == ("no", "wrong token")
+            obeyed, text = stranger.ask(f"role instructor {guess}")
+            assert (obeyed, text[:11]) == (False, "wrong token")
         assert "closed" in text
-        stranger.rest()  # to the end of the line
-    with contextlib.closing(session.client("helm", TOKEN)) as helm:
+        with pytest.raises(GoneError, match="closed"):
+            stranger.hear()
+    with session.caller("helm", TOKEN) as helm:
         for words in ("depth 80", "blow all", "freeze", "quit", "restore a", "subscribe motion"):
-            assert helm.ask(words)[0] == "no"
+            assert not helm.ask(words)[0]
         assert "keeps its role" in helm.ask(f"role instructor {TOKEN}")[1]
         helm.line.sendall(b"rudder left 5" * 1000 + b"\n")
-        assert helm.ask("help rudder")[0] == "ok"
+        assert helm.ask("help rudder")[0]
 
 
 def half_open(session: Served) -> list[socket.socket]:
     """Leave sockets behind: one silent, one within an order; and reset another there."""
-    left = [session.client("helm", TOKEN).line, session.client().line]
+    left = [session.caller("helm", TOKEN).line, session.caller().line]
     left[0].sendall(b"rudder left 2")
-    reset = session.client("helm", TOKEN).line
-    reset.sendall(b"rudder left 20")
-    reset.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
-    reset.close()
+    reset = session.caller("helm", TOKEN)
+    reset.line.sendall(b"rudder left 20")
+    reset.cut()
     return left
 
 
@@ -320,7 +261,7 @@ def fuzz(session: Served, lines: int, seed: int) -> None:
     """Send so many lines of noise on one connection, and wait until all have been heard."""
     dice = random.Random(seed)  # noqa: S311  noise, not a secret
     last = f"\n{order_sentence('who', '777')}\n".encode("ascii")
-    with contextlib.closing(session.client("observer", TOKEN)) as client:
+    with session.caller("observer", TOKEN) as client:
         client.line.settimeout(0.0)
         waiting, said, asked = b"".join(garbage(dice) for _ in range(lines)), b"", 0.0
         while waiting or b"$TRA,777,ok" not in said:
@@ -346,14 +287,14 @@ def test_who_may_not_or_cannot_order_is_refused_logged_and_changes_nothing(
     serve: Serve, tmp_path: Path
 ) -> None:
     session = serve("--token", TOKEN)
-    with contextlib.closing(session.client("instructor", TOKEN)) as by:
+    with session.caller("instructor", TOKEN) as by:
         refused_ones(session)
         left = half_open(session)
         fuzz_all(session, 2000)
         memory = session.memory()
         fuzz_all(session, FUZZ)
         grown = session.memory() - memory
-        assert eventually(lambda: "observer" not in " ".join(by.ask("who")))
+        assert eventually(lambda: "observer" not in " ".join(lines_of(by, "who")))
         account = session.finish(by)
     for line in left:
         line.close()
@@ -396,21 +337,22 @@ def guess(session: Served, lines: int) -> None:
     """Say three wrong tokens on each line, and hang up without waiting for the answers."""
     for number in range(lines):
         with (
-            contextlib.suppress(OSError),  # the oldest stranger gives way
-            socket.create_connection(("127.0.0.1", session.port), PATIENCE) as line,
+            contextlib.suppress(OSError, GoneError),  # the oldest stranger gives way
+            session.caller() as stranger,
         ):
-            line.sendall(b"".join(b"role instructor %d-%d\n" % (number, i) for i in range(3)))
-            line.shutdown(socket.SHUT_WR)
-            while line.recv(4096):
+            guesses = b"".join(b"role instructor %d-%d\n" % (number, i) for i in range(3))
+            stranger.line.sendall(guesses)
+            stranger.line.shutdown(socket.SHUT_WR)
+            while stranger.line.recv(4096):
                 pass
 
 
 def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve: Serve) -> None:
     session = serve("--token", TOKEN)
-    with contextlib.closing(session.client("instructor", TOKEN)) as by:
+    with session.caller("instructor", TOKEN) as by:
         for number in range(40):
-            assert by.ask(f"mark before {number}")[0] == "ok"
-        assert by.ask("subscribe events")[0] == "ok"
+            assert by.ask(f"mark before {number}")[0]
+        assert by.ask("subscribe events")[0]
         guessers = [
             threading.Thread(target=guess, args=(session, 60), daemon=True) for _ in range(3)
         ]
@@ -419,10 +361,10 @@ def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve:
         for each in guessers:
             each.join(PATIENCE)
             assert not each.is_alive()
-        with contextlib.closing(session.client("helm", TOKEN)) as helm:  # right, and at once
-            assert helm.ask("rudder left 5")[0] == "ok"
-        assert eventually(lambda: any("wrong token" in line for line in by.ask("log 500")))
-        kept = by.ask("log 500")[2:]
+        with session.caller("helm", TOKEN) as helm:  # right, and at once
+            assert helm.ask("rudder left 5")[0]
+        assert eventually(lambda: any("wrong token" in line for line in lines_of(by, "log 500")))
+        kept = lines_of(by, "log 500")
         session.finish(by)
 
     assert sum("mark by instructor: before" in line for line in kept) == 40
@@ -437,21 +379,21 @@ def test_wrong_tokens_leave_the_log_readable_and_nobody_waits_behind_them(serve:
 
 def test_a_guesser_waits_for_his_answers_and_no_right_token_does(serve: Serve) -> None:
     session = serve("--token", TOKEN)
-    with contextlib.closing(session.client()) as first:
+    with session.caller() as first:
         for token in ("a", "b"):
             assert first.ask(f"role helm {token}")[1] == "wrong token"
     answers = []
     for token in ("c", "d"):
-        with contextlib.closing(session.client()) as line:
+        with session.caller() as line:
             answers.append(line.ask(f"role helm {token}")[1])
     late = "wrong token; answered after 1 s, because there were many"
     assert answers == ["wrong token", late]
     with (
-        contextlib.closing(session.client()) as waiting,
-        contextlib.closing(session.client("instructor", TOKEN)) as by,
+        session.caller() as waiting,
+        session.caller("instructor", TOKEN) as by,
     ):
         waiting.line.sendall(b"role helm f\n")
-        assert any(each.startswith("stranger at") for each in by.ask("who"))  # it waits still
+        assert any(each.startswith("stranger at") for each in lines_of(by, "who"))  # it waits still
         session.finish(by)
 
 
@@ -462,7 +404,7 @@ def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
     first, name = pty()
     port.symlink_to(name)
     session = serve("--line", f"helm={port}")
-    with contextlib.closing(session.client("instructor")) as by:
+    with session.caller("instructor") as by:
         os.write(first, b"rudder left 5\r")
         assert eventually(lambda: b"left 5, by hand" in come(first))
         os.write(first, b"rudder right 3")  # and the plug is pulled
@@ -473,7 +415,7 @@ def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
         assert eventually(lambda: os.write(second, b"\rstatus\r") and b"rudder" in come(second))
         os.write(second, b"rudder left 8\r")
         assert eventually(lambda: b"left 8, by hand" in come(second))
-        assert any(text.startswith(f"helm at {port}") for text in by.ask("who"))
+        assert any(text.startswith(f"helm at {port}") for text in lines_of(by, "who"))
         session.finish(by)
 
     with contextlib.closing(Recording.look(session.recording)) as recording:

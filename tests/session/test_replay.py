@@ -15,7 +15,7 @@ import pytest
 from helpers.altered import alter, alter_number
 from helpers.givers import giver_at
 from helpers.orders import read_order
-from helpers.sessions import TROUBLED_SEA, begin_run
+from helpers.sessions import NOISE_AND_FLOODING, TROUBLED_SEA, begin_run
 from helpers.waiting import stay_for
 
 from trainer.analysis.recording_export import table_layout
@@ -36,16 +36,7 @@ EXERCISE = f"""{TROUBLED_SEA}
 at_s = 20
 order = "course right 60"
 
-[[casualties]]
-at_s = 5
-name = "depth-gauge-noisy"
-
-[[casualties]]
-at_s = 10
-name = "flooding-aft"
-severity = 0.2
-ramp_s = 25
-
+{NOISE_AND_FLOODING}
 [[casualties]]
 when = "depth > 42"
 name = "rudder-slow"

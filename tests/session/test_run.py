@@ -568,16 +568,6 @@ def test_a_boat_driven_to_divergence_freezes_and_says_where(
     assert max(map(len, ran.err.splitlines())) < 300
 
 
-def test_a_run_that_a_schedule_freezes_for_good_ends_and_says_so(
-    start: Start, tmp_path: Path
-) -> None:
-    (tmp_path / "orders.txt").write_text("5 freeze\n")
-    ran = Run(start(*HEADLESS, "--duration", "1h", "--orders", "orders.txt"))
-    assert ran.code == 1
-    assert "trainer: frozen at 5 s, and nobody is left to say run" in ran.err
-    assert "in 10 ticks" in ran.out
-
-
 # The command itself
 
 

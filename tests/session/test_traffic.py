@@ -10,6 +10,7 @@ import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.nursery import run_trainer
 from helpers.places import environment
+from helpers.sessions import frame_of
 
 from trainer.boat.world.contacts import contacts_in
 from trainer.cli.boat import Boat
@@ -22,8 +23,6 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.view import Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 
 WALL = """
 [[contact]]
@@ -60,8 +59,7 @@ def test_a_collision_freezes_and_time_may_go_on(crewed: Begin) -> None:
     assert ship.boat.ticks == here + 20
 
 
-def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
-    ship = crewed(seconds=None)
+def test_an_instructor_adds_moves_and_removes_ships(ship: Crewed) -> None:
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     ship.fly(10)
     contacts = contacts_in(ship.boat)
@@ -92,8 +90,7 @@ def test_an_instructor_adds_moves_and_removes_ships(crewed: Begin) -> None:
         ("contact add add tug at 0 900 course 0 speed 3", "add: a name has at most 16"),
     ],
 )
-def test_what_cannot_be_is_refused(crewed: Begin, words: str, why: str) -> None:
-    ship = crewed(seconds=None)
+def test_what_cannot_be_is_refused(ship: Crewed, words: str, why: str) -> None:
     ship.order("contact add tug1 tug at 500 -200 course 090 speed 8")
     assert why in ship.refused(words)
 
@@ -140,8 +137,7 @@ def test_the_instructor_is_sent_the_nearest_ships(crewed: Begin) -> None:
     ship = crewed(seconds=None, world=tables(WALL.format(what="call")))
     ship.order("contact add near tug at 0 100 course 180 speed 4")
     ship.fly(2)
-    reader = StateReader(ship.boat, Ledger(0.5).summary)
-    frame = reader.frame(Picture(2, ship.boat.records.state.tobytes(), Pace()))
+    frame = frame_of(ship.boat)
     channel = CHANNELS["contacts"]
     shown = dict(zip((each.name for each in channel.fields), channel.values(frame), strict=True))
     assert (shown["ships"], shown["contact_1"], shown["contact_2"]) == ("2", "near", "wall")

@@ -11,7 +11,7 @@ import threading
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
 import click
 from helpers.places import tests_environment
@@ -23,7 +23,7 @@ from trainer.session.run import run_boat
 from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock
 
-ANSWER: Final = 30.0  # [s] for an answer
+ANSWER: Final = 60.0  # [s] for an answer, or for a word
 RESET: Final = b"\1\0\0\0\0\0\0\0"  # linger 0: the line is cut, not closed
 
 
@@ -34,30 +34,39 @@ class GoneError(Exception):
 class Caller:
     """One line to a session on this machine."""
 
-    def __init__(self, at: int | Path, patience: float = ANSWER) -> None:
-        """Dial a port of this machine, or a local socket; GoneError if nobody answers."""
+    def __init__(self, at: int | Path, patience: float = ANSWER, buffer: int = 0) -> None:
+        """Dial a port of this machine, or a local socket; GoneError if nobody answers.
+
+        ``buffer`` [bytes] is what the line holds of what is said; 0: what the system gives it.
+        """
         self.shown: dict[str, tuple[str, ...]] = {}  # the latest values of each channel
         self.said: list[str] = []  # the lines of the last long answer
         self.news: list[Sentence] = []  # what has happened, until somebody takes it
         self._tags = itertools.cycle(range(1, 1_000_000))
         try:
-            self._line = _dial(at, patience)
+            self.line = _dial(at, patience, buffer)
         except OSError as error:
             raise GoneError(str(error)) from None
-        self._lines = self._line.makefile(encoding="ascii", errors="replace")
+        self._lines = self.line.makefile(encoding="ascii", errors="replace")
 
     @property
     def name(self) -> str:
         """Return what the session calls the line."""
-        host, port = self._line.getsockname()
+        host, port = self.line.getsockname()
         return f"tcp {host}:{port}"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.hang_up()
 
     def ask(self, words: str) -> tuple[bool, str]:
         """Give an order; return whether it was obeyed, and the answer."""
         tag = str(next(self._tags))
         self.said = []
         try:
-            self._line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
+            self.line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
             for text in self._lines:
                 said = parse_sentence(text)
                 if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
@@ -85,12 +94,12 @@ class Caller:
     def hang_up(self) -> None:
         """Leave without a word."""
         self._lines.close()
-        self._line.close()
+        self.line.close()
 
     def cut(self) -> None:
         """Leave as a machine does that loses power: what is under way is lost."""
         with contextlib.suppress(OSError):
-            self._line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+            self.line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
         self.hang_up()
 
     def _take(self, said: Sentence | None, tag: str) -> None:
@@ -103,13 +112,13 @@ class Caller:
             self.news.append(said)
 
 
-def _dial(at: int | Path, patience: float) -> socket.socket:
-    if isinstance(at, int):
-        return socket.create_connection(("127.0.0.1", at), timeout=patience)
-    line = socket.socket(socket.AF_UNIX)
+def _dial(at: int | Path, patience: float, buffer: int) -> socket.socket:
+    line = socket.socket(socket.AF_INET if isinstance(at, int) else socket.AF_UNIX)
+    if buffer:
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
     line.settimeout(patience)
     try:
-        line.connect(str(at))
+        line.connect(("127.0.0.1", at) if isinstance(at, int) else str(at))
     except OSError:
         line.close()
         raise
@@ -125,41 +134,40 @@ class StartError(Exception):
 
 
 class SessionProcess:
-    """One session, that is recorded and listens at a port of this machine."""
+    """One session in a process of its own: what it tells, and lines to it."""
 
-    def __init__(self, *words: str) -> None:
-        """Start `trainer serve` with these words and wait until it listens; StartError."""
-        listening = ("--listen", "127.0.0.1:0", "--socket", "none", "--verbose")
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", PROGRAM, *words, *listening],
-            env=tests_environment(),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+    def __init__(self, process: "subprocess.Popen[str]") -> None:
+        """Read what it writes to pipes; it has one for stderr."""
+        self.process = process
         self.told: list[str] = []  # on stderr
         self.account: list[str] = []  # on stdout
-        self.port = 0
+        self._where: int | Path | None = None
         self._heard = threading.Event()
         self._readers = [
             threading.Thread(target=read, daemon=True) for read in (self._listen, self._keep)
         ]
         for reader in self._readers:
             reader.start()
-        if not self._heard.wait(PATIENCE) or not self.port:
+
+    def where(self) -> int | Path:
+        """Wait until it listens; return its port or local socket, StartError if there is none."""
+        if not self._heard.wait(PATIENCE) or self._where is None:
             code = self.process.poll()
             self.kill()
             raise StartError(
                 "\n".join(self.told) or f"the session does not listen, exit code {code}"
             )
+        return self._where
 
-    def caller(self, role: str) -> Caller:
-        """Return a line to it that has taken a role; GoneError if it has gone."""
-        caller = Caller(self.port)
+    def caller(
+        self, role: str = "", token: str = "", *, patience: float = ANSWER, buffer: int = 0
+    ) -> Caller:
+        """Return a line that has a role; GoneError if it has gone, or refuses."""
         with contextlib.ExitStack() as unless_good:
-            unless_good.callback(caller.hang_up)
-            caller.ask(f"role {role}")
+            caller = unless_good.enter_context(Caller(self.where(), patience, buffer))
+            taken, why = caller.ask(f"role {role} {token}") if role else (True, "")
+            if not taken:
+                raise GoneError(why)
             unless_good.pop_all()
         return caller
 
@@ -198,14 +206,32 @@ class SessionProcess:
     def _listen(self) -> None:
         for line in self.process.stderr or ():
             self.told.append(line.rstrip())
-            if "listening at tcp" in line:
-                self.port = int(line.rpartition(":")[2])
+            if "listening at" in line:
+                at = line.partition("listening at ")[2].strip()
+                self._where = int(at.rpartition(":")[2]) if at.startswith("tcp://") else Path(at)
                 self._heard.set()
         self._heard.set()
 
     def _keep(self) -> None:
         for line in self.process.stdout or ():
             self.account.append(line.rstrip())
+
+
+def begin_watched(*words: str) -> SessionProcess:
+    """Start `trainer serve` with these words and wait until it listens; StartError."""
+    listening = ("--listen", "127.0.0.1:0", "--socket", "none", "--verbose")
+    session = SessionProcess(
+        subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, *words, *listening],
+            env=tests_environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    )
+    session.where()
+    return session
 
 
 # A session whose clock is watched by another: `trainer serve`, and what its deadlines were.

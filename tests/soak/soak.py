@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from soak.audit import Check, audit
 from soak.operators import Watchbill, attend, instruct
-from soak.session_process import SessionProcess
+from soak.session_process import SessionProcess, begin_watched
 from trainer.config.files import read_text, shipped_path
 
 STEP: Final = 0.5  # [s]
@@ -112,7 +112,7 @@ def endless_boat() -> str:
 
 def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int], None]) -> Soaked:
     pace = ("--speed", "1") if plan.real_time else ("--speed", "max", "--frozen")
-    session = SessionProcess(
+    session = begin_watched(
         *(str(exercise), "--seed", str(plan.seed), "--record", str(path), *pace),
         *("--duration", f"{plan.seconds:g}"),
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.boats import take_ticks
 from helpers.nursery import run_trainer
 from helpers.orders import read_order
 from helpers.places import environment
@@ -234,8 +235,7 @@ def test_a_boat_with_nothing_around_her_ticks_as_she_always_did(
     assert boat.tick is boat.advance
     assert isinstance(obey_order(boat, read_order("current set 090 drift 2")), str)
     assert boat.tick is not boat.advance
-    for _ in range(10):
-        boat.tick()
+    take_ticks(boat, 10)
     assert boat.state.water_east > 0.0
     boat.world.obey_anew([])
     assert boat.tick is boat.advance

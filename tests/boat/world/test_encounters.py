@@ -8,6 +8,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from helpers.boats import calls_of, take_ticks
 from helpers.orders import read_order
 from helpers.sessions import start_exercise
 
@@ -121,11 +122,7 @@ cpa_m = 800
 
 def fly(boat: Boat, monitor: EncounterMonitor, seconds: float) -> list[str]:
     """Return what was called out meanwhile."""
-    told = []
-    for _ in range(round(seconds / boat.method.step)):
-        assert boat.tick() == 0
-        told += [call.text for call in monitor.look(boat)]
-    return told
+    return [call.text for call in calls_of(boat, monitor, seconds)]
 
 
 def test_an_approach_is_called_once_and_again_when_it_changes(tmp_path: Path) -> None:
@@ -365,8 +362,7 @@ def test_a_ship_that_drifts_is_ordered_through_the_water_and_moved_over_the_grou
 ) -> None:
     boat = under_way(tmp_path, ADRIFT)
     contacts = ships_of(EncounterMonitor.over(boat))
-    for _ in range(100):
-        boat.tick()
+    take_ticks(boat, 100)
     ordered(boat, "contact hulk move 500 -100")
     ordered(boat, "contact crosser course 180")
     hulk, _, _ = contacts.seen(100)

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, take_ticks
 from helpers.orders import read_order
-from helpers.sessions import start_exercise
+from helpers.sessions import frame_of, start_exercise
 from helpers.typed import type_command
 
 from trainer.boat.boat import Boat
@@ -48,8 +48,6 @@ from trainer.io.recording.recording import RecordedEvent, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.time.ledger import Ledger
 
 HEAD = 'schema = "exercise/1"\nname = "Look"\nbriefing = "Look."\nduration_s = 600\n'
 START = "[initial]\nspeed_kn = {speed}\ndepth_m = {depth}\ncourse_deg = 0\n"
@@ -74,17 +72,6 @@ def scope_of(boat: Boat) -> Periscope:
     scope = periscope_of(boat)
     assert scope is not None
     return scope
-
-
-def fly(boat: Boat, ticks: int) -> None:
-    for _ in range(ticks):
-        assert boat.tick() == 0
-
-
-def frame_of(boat: Boat) -> Frame:
-    """Return what a page's channels are read off."""
-    reader = StateReader(boat, Ledger(boat.method.step).summary)
-    return reader.frame(Picture(boat.ticks, boat.plain.tobytes(), Pace()))
 
 
 def shown(boat: Boat, channel: str) -> dict[str, str]:
@@ -164,13 +151,13 @@ def test_the_mast_comes_out_in_its_time_and_turns_back_on_its_way(tmp_path: Path
     boat = at_sea(tmp_path)
     scope = scope_of(boat)
     assert give(boat, "scope raise") == "raising scope: up in 8 s"
-    fly(boat, 6)
+    take_ticks(boat, 6)
     assert scope.at(boat.ticks).out == pytest.approx(3.0)
     assert give(boat, "scope lower") == "lowering scope: down in 3 s"
-    fly(boat, 4)
+    take_ticks(boat, 4)
     assert scope.at(boat.ticks).out == pytest.approx(1.0)
     give(boat, "scope raise")
-    fly(boat, UP)
+    take_ticks(boat, UP)
     assert scope.at(boat.ticks).out == 8.0
     assert scope.at(boat.ticks).raised == 2
     boat.state.z, boat.state.theta, boat.state.phi = 17.5, 0.0, 0.0
@@ -195,7 +182,7 @@ def test_the_mast_follows_from_the_orders_alone(tmp_path: Path) -> None:
             if at == tick:
                 give(boat, text)
         stood.append(scope_of(boat).at(boat.ticks))
-        fly(boat, 1)
+        take_ticks(boat, 1)
     again = at_sea(tmp_path, speed=9.0)  # another state, in which an order would be doubted
     again.world.obey_anew([(tick, read_order(text)) for tick, text in given])
     assert [scope_of(again).at(tick) for tick in range(24)] == stood
@@ -223,7 +210,7 @@ def test_the_vessel_file_says_what_the_mast_is(tmp_path: Path) -> None:
 def test_at_too_high_a_speed_the_mast_shakes_and_measures_nothing(tmp_path: Path) -> None:
     boat = at_sea(tmp_path, TANKER, speed=9.5)
     assert give(boat, "scope raise").endswith("9.5 kn is too fast for it, 8 at most")
-    fly(boat, UP)
+    take_ticks(boat, UP)
     boat.state.z = 17.0
     give(boat, "scope train 26")
     assert shown(boat, "scope")["view"] == "shakes"
@@ -240,7 +227,7 @@ def test_a_mast_that_shakes_is_called_once_until_it_stood_still_for_long(tmp_pat
             give(boat, "scope lower")
         if tick in {50, 150}:
             give(boat, "scope raise")
-        fly(boat, 1)
+        take_ticks(boat, 1)
         if said := monitor.look(boat):
             told[boat.time] = [call.text for call in said]
     first, again = told
@@ -255,7 +242,7 @@ def test_a_range_is_told_with_the_gyro_s_bearing(tmp_path: Path) -> None:
     assert give(boat, "scope range 40") == "refused: nothing to measure: no ship in the view"
     give(boat, "scope raise")
     give(boat, "scope power 6")
-    fly(boat, UP)
+    take_ticks(boat, UP)
     give(boat, "scope train 27")
     said = give(boat, "scope range 40")
     assert said.startswith("bearing 027: 40 m high, range ")
@@ -269,7 +256,7 @@ def test_a_page_is_told_angles_alone_and_nothing_below_the_horizon(tmp_path: Pat
     assert shown(boat, "scope")["view"] == "down"
     assert "ship_1" not in shown(boat, "scope")
     give(boat, "scope raise")
-    fly(boat, UP)
+    take_ticks(boat, UP)
     told = shown(boat, "scope")
     assert told["ship_1"] == "tanker"
     assert "ship_2" not in told
@@ -284,7 +271,7 @@ def test_a_page_is_told_angles_alone_and_nothing_below_the_horizon(tmp_path: Pat
 def test_the_frame_has_the_height_that_the_core_has(tmp_path: Path) -> None:
     boat = at_sea(tmp_path, "[sea]\nsea_state = 4\n")
     give(boat, "scope raise")
-    fly(boat, 40)
+    take_ticks(boat, 40)
     boat.state.theta, boat.state.phi = 0.1, 0.2
     scope = scope_of(boat)
     mast = scope.at(boat.ticks)
@@ -300,7 +287,7 @@ def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str])
             give(boat, orders[tick])
         rows.append(boat.numbers(tuple(name for name in PASSAGE_COLUMNS if "[" not in name)))
         if tick < ticks:
-            fly(boat, 1)
+            take_ticks(boat, 1)
     names = [name for name in PASSAGE_COLUMNS if "[" not in name]
     count = len(rows)
     columns = dict.fromkeys(PASSAGE_COLUMNS, np.zeros(count)) | dict(
@@ -342,7 +329,7 @@ def test_a_mast_counts_the_same_when_ticks_are_flown_at_once(tmp_path: Path) -> 
         for boat in (singly, at_once):
             give(boat, f"scope {words}")
         stood.append(scope_of(at_once).stands(at_once.ticks))
-        fly(singly, ticks)
+        take_ticks(singly, ticks)
         assert at_once.fly(places, np.empty((ticks, 1))) == 0
         assert at_once.plain.tobytes() == singly.plain.tobytes()
     counts = [scope_of(boat).exposed(150, raised=False) for boat in (singly, at_once)]

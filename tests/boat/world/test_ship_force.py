@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import make_boat, take_ticks
 from helpers.sessions import start_exercise
 
 from trainer.boat.boat import Boat
@@ -140,8 +140,7 @@ def flown(folder: Path, force: str) -> Boat:
     path = folder / f"{force}.toml"
     path.write_text(HEAD + PASSING + f'force = "{force}"\n')
     boat = start_exercise(path)
-    for _ in range(400):
-        assert boat.tick() == 0
+    take_ticks(boat, 400)
     return boat
 
 
@@ -152,7 +151,6 @@ def test_force_is_off_unless_an_exercise_asks_for_it(tmp_path: Path) -> None:
     plan = plan_run(RunOptions(exercise=str(tmp_path / "off.toml")))
     plan.start(free)
     free.world = World()
-    for _ in range(400):
-        assert free.tick() == 0
+    take_ticks(free, 400)
     assert free.records.state.tobytes() == without.records.state.tobytes()
     assert abs(float(pulled.state.y) - float(without.state.y)) > 0.05

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from helpers.orders import read_order
+from helpers.ships import NOMOTO_SHIP
 
 from trainer.boat.ship.motion import ShipMotion
 from trainer.boat.world.contacts import Contacts, contacts_of
@@ -141,18 +142,6 @@ def test_a_recording_keeps_the_file_of_the_ship(tmp_path: Path) -> None:
     assert any('schema = "ship/1"' in text for text in texts.values())
 
 
-NOMOTO = """schema = "nomoto/1"
-name = "a ship"
-length_m = 161
-speed_kn = 15
-K_per_s = -0.18
-T1_s = 118
-T2_s = 7.8
-T3_s = 18.5
-rudder_limit_deg = 35
-rudder_rate_deg_s = 2.5
-step_s = 0.5
-"""
 BAD: dict[str, tuple[dict[str, object], str]] = {
     "two ships": ({"nomoto": "./nomoto.toml"}, r"ship = .*: goes without nomoto: give one"),
     "no way on": ({"speed_kn": 0}, r"ship = .*: goes with speed_kn: it has way on"),
@@ -174,7 +163,7 @@ BAD: dict[str, tuple[dict[str, object], str]] = {
 @pytest.mark.parametrize("kind", BAD)
 def test_what_cannot_be_is_refused(tmp_path: Path, kind: str) -> None:
     changes, told = BAD[kind]
-    (tmp_path / "nomoto.toml").write_text(NOMOTO, encoding="utf-8")
+    (tmp_path / "nomoto.toml").write_text(NOMOTO_SHIP, encoding="utf-8")
     with pytest.raises(ConfigError, match=told):
         exercise(tmp_path, **changes)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.boats import make_boat
+from helpers.boats import start_boat
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.swell import (
@@ -30,8 +30,7 @@ SEAS = {
 
 def at_sea(text: str, direction: float = 120.0, seed: int = 3) -> Boat:
     """Return BB2 at periscope depth in a sea."""
-    boat = make_boat("bb2", "modified")
-    boat.start(6.0 * KNOT, 17.5, 0.3, seed)
+    boat = start_boat(6.0 * KNOT, 17.5, 0.3, seed=seed, equations="modified")
     boat.put_to_sea(parse_sea(f"[sea]\n{text}\ndirection_deg = {direction}\n", Path("my-sea.toml")))
     return boat
 
