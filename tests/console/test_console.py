@@ -39,6 +39,7 @@ from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTake
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
+from trainer.console.client import MAX_ORDER_LETTERS
 from trainer.console.entry import Entry, complete_word, hint, offer
 from trainer.console.journal import TimelineMoment
 from trainer.console.key_orders import TypedKeys
@@ -371,6 +372,7 @@ def test_completion_offers_what_the_grammar_has() -> None:
     assert complete_word("rudder le", known) == "rudder left "
     assert offer("casualty ", known).words == ("stern-stuck", "rudder-slow")
     assert "a depth (0 to 2000 m)" in hint("depth ", known)
+    assert "the line is full" in hint("mark ".ljust(MAX_ORDER_LETTERS, "x"), known)
     assert offer("no such order", known) == ((), ())
     assert complete_word("", known) == ""
 
