@@ -35,11 +35,10 @@ from textual.strip import Strip
 
 from trainer.console.app import Console
 from trainer.console.charts import Sample, Trace
-from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
+from trainer.console.client import MAX_ORDER_LETTERS, Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
-from trainer.console.client import MAX_ORDER_LETTERS
 from trainer.console.entry import Entry, complete_word, hint, offer
 from trainer.console.journal import TimelineMoment
 from trainer.console.key_orders import TypedKeys

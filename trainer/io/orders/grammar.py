@@ -414,7 +414,9 @@ def describe_unexpected(tokens: list[str], i: int, slots: list[Slot]) -> str:
     token, before = tokens[i], " ".join(tokens[:i])
     if not slots:
         ends = [[*map(type, each.slots[i - 1 :])] for each in HEAD_READINGS[tokens[0]]]
-        whole = f"; a name is one word, such as {'-'.join(tokens[i - 1 :])}" if [Name] in ends else ""
+        whole = (
+            f"; a name is one word, such as {'-'.join(tokens[i - 1 :])}" if [Name] in ends else ""
+        )
         return f'"{token}" is too much after "{before}"{whole}'
     if token[0] in "+-.0123456789" and any(isinstance(slot, Number) for slot in slots):
         return f'"{token}" is not a plain decimal number'
