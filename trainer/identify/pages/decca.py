@@ -4,7 +4,8 @@ It is for trials whose ships had no log of sway. Section 11 with equations 5.7-5
 was a chain of radio stations: a receiver counts lanes, hyperbolas between the master and a slave,
 and two of them cross at the ship. The master station is at the origin, slaves at (u, v) [m] in a
 plane grid. A lane is counted from the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d
-the wavelength, twice a lane's width on that line. Velocities are in knots on the page, in m/s in the data.
+the wavelength, twice a lane's width on that line. Velocities are in knots on the page, in m/s in
+the data.
 """
 
 import math
