@@ -35,7 +35,7 @@ from textual.strip import Strip
 
 from trainer.console.app import Console
 from trainer.console.charts import Sample, Trace
-from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
+from trainer.console.client import MAX_ORDER_LETTERS, Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.drawing.attitude import turn
 from trainer.console.drawing.chart import limits
 from trainer.console.drawing.evaluation import evaluation
@@ -371,6 +371,7 @@ def test_completion_offers_what_the_grammar_has() -> None:
     assert complete_word("rudder le", known) == "rudder left "
     assert offer("casualty ", known).words == ("stern-stuck", "rudder-slow")
     assert "a depth (0 to 2000 m)" in hint("depth ", known)
+    assert "the line is full" in hint("mark ".ljust(MAX_ORDER_LETTERS, "x"), known)
     assert offer("no such order", known) == ((), ())
     assert complete_word("", known) == ""
 

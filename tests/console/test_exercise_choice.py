@@ -289,6 +289,9 @@ def test_a_trainee_is_offered_what_is_weakest_and_told_why() -> None:
     assert "88" not in plain(alone.draw(76, 22))
     assert "trainer run --trainee NAME" in plain(alone.draw(76, 22))
     assert "trainer run --trainee NAME" not in text
+    narrow = plain(alone.draw(56, 16))  # of a terminal of 60 columns
+    assert "Esc leaves" in narrow
+    assert "trainer run --trainee NAME" in narrow
 
 
 def test_who_trains_is_remembered_by_the_name_of_his_account(

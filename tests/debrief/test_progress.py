@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shlex
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -174,7 +175,9 @@ def test_progress_is_drawn_in_eighty_columns(capsys: pytest.CaptureFixture[str])
     )
     assert next(line.split()[:2] for line in lines if "█████" in line) == ["late", "70"]
     assert f"1 of {len(lessons())}" in text
-    assert f'--train --trainee "{ANN}"' in lines[-1]
+    assert f"--train --trainee '{ANN}'" in lines[-1]
+    own = list(progress_lines(Progress("Zoë O'Brian")))[-1]
+    assert shlex.split(own)[-1] == "Zoë O'Brian"  # as the shell reads it back
     drawn = list(progress_lines(Progress(ANN)))
     assert not any("cost most" in line for line in drawn)  # nothing has cost anything yet
 

@@ -1,5 +1,6 @@
 """Decca: lanes to places, places to sway velocity, against the golden vectors."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from trainer.config.files import ConfigError
 from trainer.identify.pages.decca import (
     Point,
     Slave,
+    SlaveRow,
     fixes,
     lane_at,
     lane_number,
@@ -37,6 +39,13 @@ from trainer.identify.record.track import (
 def test_a_reading_counts_the_lanes_from_zone_a(case: Any) -> None:
     text = f"{case['zone']}{case['lane']}"
     assert lane_number(case["colour"], text) == pytest.approx(case["numerical"], abs=1e-9)
+
+
+def test_two_lanes_of_the_base_line_are_as_wide_as_the_file_says() -> None:
+    slave = Slave(Point(9000.0, 0.0), 600.0)
+    assert [lane_at(slave, Point(x, 0.0)) for x in (0.0, 300.0, 600.0)] == [0.0, 1.0, 2.0]
+    described = {each.name: each.metadata for each in dataclasses.fields(SlaveRow)}["lane_m"]
+    assert "twice a lane's width" in str(described)
 
 
 def test_a_lane_that_the_zone_does_not_have_is_refused() -> None:

@@ -165,6 +165,10 @@ MISTYPED = [
     ("r 80", '"r" may be replay, rpm or rudder'),
     ("snapshot", "snapshot what? expected a name for a moment"),
     ("snapshots first", '"first" is too much after "snapshots"'),
+    (
+        "snapshot Before the Jam",
+        '"the" is too much after "snapshot before"; a name is one word, such as before-the-jam',
+    ),
     ("restore 5", "expected a name for a moment"),
     ("backtrack 25 h", "expected s or min"),
     ("backtrack 0", "0 s: a time back is 0.1 to 86400 s"),

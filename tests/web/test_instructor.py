@@ -64,6 +64,21 @@ def test_the_keys_of_alerts_and_aids_share_a_row_on_a_laptop(serve: Serve, look:
     assert above["y"] <= beside["y"] < above["y"] + above["height"]
 
 
+def test_an_answer_has_room_in_the_log_of_a_laptop_below_three_branches(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("first-depth-change")
+    caller, page = session.attach(), look(session, "instructor", size="laptop")
+    for words in ("step 60", "backtrack 9 s", "step 40", "backtrack 5 s") * 2:
+        assert caller.ask(words)[0]
+    expect(page.locator("time-line .lane")).to_have_count(4)
+    expect(page.locator("#command")).to_be_visible()
+    places = [page.locator(name).bounding_box() for name in ("#log", "#order", "#log-panel")]
+    log, line, panel = (box or {"y": 0.0, "height": 0.0} for box in places)
+    assert log["height"] >= 40  # two lines
+    assert line["y"] + line["height"] <= panel["y"] + panel["height"]
+
+
 @pytest.mark.parametrize("way", WAYS)
 def test_time_is_let_go_made_faster_stepped_and_stopped(
     shared: Served, caller: Caller, look: Look, way: str

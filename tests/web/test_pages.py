@@ -121,7 +121,7 @@ def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
     field, enter = page.locator("#word input"), page.locator("#word form button")
     field.fill("boom")
     work(page, enter, way)
-    expect(page.locator("#refusal")).not_to_be_empty()
+    expect(page.locator("#refusal")).to_contain_text("wrong token")
     work(page, page.locator("#word a"), way)
     expect(page.locator("#state")).to_have_text("CONNECTED")
     work(page, page.locator("[href='/helm']"), way)

@@ -14,6 +14,7 @@ from helpers.hands import (
     TOO_WIDE,
     UNWORKED,
     WAYS,
+    await_obeyed,
     await_truth,
     heard,
     on_groove,
@@ -436,3 +437,9 @@ def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(
                 assert session.ask(words)[0]
             expect(page.locator("#state")).to_have_text("RUNNING")
             expect(briefing).to_be_hidden()
+    page.locator("#close-briefing").click()
+    await_obeyed(session, "release marks")  # once they are judged
+    expect(briefing).to_be_visible()  # the marks are shown, though its end has been put away
+    expect(briefing).to_contain_text("marks of 100")
+    page.locator("#close-briefing").click()
+    expect(briefing).to_be_hidden()

@@ -93,7 +93,9 @@ def complete_word(text: str, known: Mapping[str, Sequence[str]]) -> str:
 
 
 def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
-    """Return what may come next, in words."""
+    """Return what may come next, in words, or that nothing more can."""
+    if len(text) >= MAX_ORDER_LETTERS:
+        return f"the line is full: an order has {MAX_ORDER_LETTERS} letters at most"
     offered = offer(text, known)
     return "   ".join((*offered.words, *(f"<{each}>" for each in offered.hints)))
 

@@ -122,11 +122,9 @@ def exercise_choice(
         for each in offered
     ]
     rows = [*lessons, *rows] if trains else [*rows, *lessons]
-    advice: tuple[str, ...] = (
-        "Up or Down, or type part of a title or name; Enter begins, Esc leaves",
-    )
+    advice: tuple[str, ...] = ("Up, Down, or part of a title; Enter begins, Esc leaves",)
     if progress is None:
-        advice += ("What is done, with which marks, is kept by: trainer run --trainee NAME",)
+        advice += ("Marks are kept by: trainer run --trainee NAME",)
     elif trains:
         advice += (f"Kept on this machine as {progress.trainee}; another: --trainee NAME",)
     choice = ExerciseChoice("Choose an exercise", rows, advice, size=(76, 40))

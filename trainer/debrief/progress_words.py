@@ -6,6 +6,7 @@ next and what cost most; ``--csv`` writes the runs of all trainees, or of one, f
 
 import csv
 import glob
+import shlex
 import shutil
 import sys
 import textwrap
@@ -72,7 +73,7 @@ def progress_lines(progress: Progress, width: int = MAX_COLUMNS) -> Iterator[str
         yield f"Next: {following.title}"
         indent = " " * len("Next: ")
         yield from textwrap.wrap(reason, width, initial_indent=indent, subsequent_indent=indent)
-        yield f"{indent}trainer run {following.name} --train --trainee {quote(name)}"
+        yield f"{indent}trainer run {following.name} --train --trainee {shlex.quote(name)}"
 
 
 def exercise_line(lesson: Lesson, runs: Sequence[ProgressRun]) -> str:

@@ -4,7 +4,8 @@ It is for trials whose ships had no log of sway. Section 11 with equations 5.7-5
 was a chain of radio stations: a receiver counts lanes, hyperbolas between the master and a slave,
 and two of them cross at the ship. The master station is at the origin, slaves at (u, v) [m] in a
 plane grid. A lane is counted from the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d
-the lane's width on it. Velocities are in knots on the page, in m/s in the data.
+the wavelength, twice a lane's width on that line. Velocities are in knots on the page, in m/s in
+the data.
 """
 
 import math
@@ -70,7 +71,7 @@ class Point(NamedTuple):
 
 
 class Slave(NamedTuple):
-    """A slave station: its location, and its lanes' width on the base line [m]."""
+    """A slave station: its location, and twice its lanes' width on the base line [m]."""
 
     location: Point
     width: float
@@ -218,7 +219,7 @@ class SlaveRow:
     colour: str = required(Choice(tuple(LANE_ZONES), "of its lanes"))
     east_m: float = required("m", GRID_LIMITS_M, "place from the master, in the grid")
     north_m: float = required("m", GRID_LIMITS_M, "likewise")
-    lane_m: float | None = optional("m", above(0, 1e5), "a lane on the base line")
+    lane_m: float | None = optional("m", above(0, 1e5), "twice a lane's width on the base line")
     frequency_khz: float | None = optional(
         "kHz", above(0, 1e4), "comparison frequency, instead of lane_m"
     )

@@ -413,7 +413,9 @@ def describe_unexpected(tokens: list[str], i: int, slots: list[Slot]) -> str:
     """Return why token `i` fits none of the slots, and the nearest word that fits."""
     token, before = tokens[i], " ".join(tokens[:i])
     if not slots:
-        return f'"{token}" is too much after "{before}"'
+        named = [Name] in [[*map(type, each.slots[i - 1 :])] for each in HEAD_READINGS[tokens[0]]]
+        whole = f"; a name is one word, such as {'-'.join(tokens[i - 1 :])}" * named
+        return f'"{token}" is too much after "{before}"{whole}'
     if token[0] in "+-.0123456789" and any(isinstance(slot, Number) for slot in slots):
         return f'"{token}" is not a plain decimal number'
     spelled = {said for slot in slots if isinstance(slot, Word) for said, _ in slot.spellings}

@@ -36,8 +36,8 @@ const LOSS = /^([a-z][a-z_]*?)(?:_(kn|m_s|m|ft|deg|s|min))?\s*([<>])=?\s*([-+.\d
 /** @typedef {import("./model/session.js").Session} Session */
 
 /**
- * Furnishes the briefing of a station. It opens by itself before time runs, and at the end, and goes
- * as soon as time runs or the end is undone: nothing lies over a running boat.
+ * Furnishes the briefing of a station. It opens by itself before time runs, at the end, and when the
+ * marks come. It goes as soon as time runs or the end is undone: nothing lies over a running boat.
  * @param {Session} session
  */
 export function furnishBriefing(session) {
@@ -54,12 +54,13 @@ export function furnishBriefing(session) {
     one("#briefing-text").replaceChildren(...text(session));
     const begins = session.state === "frozen" && session.seconds === 0;
     ready.hidden = !begins || trains || !session.may("ready");
-    const why = session.outcome ? "end" : begins && (title || trains) ? "begin" : "";
-    if (why && (shown !== why || of !== title) && !dialog.open) {
+    const end = session.judgement.marks ? "marks" : "end";
+    const why = session.outcome ? end : begins && (title || trains) ? "begin" : "";
+    if (why && (shown !== why || of !== title)) {
       [shown, of] = [why, title];
       dialog.show();
     }
-    if (!why && (shown === "end" || (shown && session.state === "running"))) {
+    if (!why && shown && (shown !== "begin" || session.state === "running")) {
       shown = "";
       dialog.close();
     }

@@ -214,7 +214,7 @@ export class Session extends EventTarget {
   update() {
     const before = this.state;
     this.state = this.found();
-    const told = before !== this.state || ["connecting", "lost"].includes(this.state);
+    const told = before !== this.state || ["connecting", "lost", "role"].includes(this.state);
     if (told) this.tell("state");
   }
 
