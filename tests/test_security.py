@@ -225,8 +225,10 @@ def test_each_role_has_its_own_token_or_the_one_for_all() -> None:
     assert not any(only.admits("instructor", word) for word in given)
 
 
-@pytest.mark.parametrize("given", [("helm=a", "helm=b"), ("a", "b"), ("helm=",)])
-def test_a_token_given_twice_or_none_is_refused(given: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("given", [("helm=a", "helm=b"), ("a", "b"), ("helm=",), ("hlem=a",)])
+def test_a_token_given_twice_or_none_or_for_a_role_that_is_none_is_refused(
+    given: tuple[str, ...],
+) -> None:
     with pytest.raises(ConfigError, match="--token"):
         read_tokens(given)
 

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, nearest
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
 from trainer.io.orders.table import FORMS, heading_word
 
@@ -326,6 +326,8 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
     for text in given:
         role, equals, word = text.partition("=")
         if not equals or role not in ROLES:
+            if word and (near := nearest(role, ROLES)):
+                raise ConfigError(f"--token {role}=: no such role{near}")
             role, word = ANY_ROLE, text
         if not word:
             raise ConfigError(f"--token {role}=: say {role}=WORD")
