@@ -321,18 +321,15 @@ def read_form(tokens: list[str]) -> PartialReading:
     """Return the one reading of the tokens. Refuses where there is none, or more than one."""
     alive = HEAD_READINGS.get(tokens[0], [])
     for i, token in enumerate(tokens):
-        reached = [reading for reading in alive if len(reading.slots) > i]
+        before, reached = alive, [reading for reading in alive if len(reading.slots) > i]
         alive = [
-            PartialReading(form, slots, (*before, said))
-            for form, slots, before in reached
+            PartialReading(form, slots, (*said_before, said))
+            for form, slots, said_before in reached
             for said in match_slot(slots[i], token)
         ]
         if not alive:
-            raise RefusedError(
-                describe_unexpected(
-                    tokens, i, list_alternatives(reached if i else list(FORM_READINGS), i)
-                )
-            )
+            slots = list_alternatives(reached if i else list(FORM_READINGS), i)
+            raise RefusedError(describe_unexpected(tokens, i, slots, before))
         alive = in_full(alive, i, token)
     refuse_doubt(tokens, alive)
     whole = [reading for reading in alive if len(reading.slots) == len(tokens)]
@@ -409,12 +406,14 @@ def meant_order(tokens: list[str]) -> str:
     return MEANT_ORDERS.get(tokens[0], "")
 
 
-def describe_unexpected(tokens: list[str], i: int, slots: list[Slot]) -> str:
-    """Return why token `i` fits none of the slots, and the nearest word that fits."""
+def describe_unexpected(
+    tokens: list[str], i: int, slots: list[Slot], readings: list[PartialReading]
+) -> str:
+    """Return why token `i`, after these readings, fits none of the slots, and what would."""
     token, before = tokens[i], " ".join(tokens[:i])
     if not slots:
-        named = [Name] in [[*map(type, each.slots[i - 1 :])] for each in HEAD_READINGS[tokens[0]]]
-        whole = f"; a name is one word, such as {'-'.join(tokens[i - 1 :])}" * named
+        named = any(isinstance(each.slots[i - 1], Name) for each in readings)
+        whole = f"; a name is one word, such as {'-'.join(tokens[i - 1 :])}" if named else ""
         return f'"{token}" is too much after "{before}"{whole}'
     if token[0] in "+-.0123456789" and any(isinstance(slot, Number) for slot in slots):
         return f'"{token}" is not a plain decimal number'
