@@ -2,9 +2,6 @@
 
 import gc
 import sys
-from typing import Final
-
-INTERRUPTED_CODE: Final = 130  # as shells have it
 
 
 def main() -> None:
@@ -13,7 +10,7 @@ def main() -> None:
     try:
         from trainer.cli.main import main as command  # noqa: PLC0415
     except KeyboardInterrupt:  # nothing has begun yet
-        sys.exit(INTERRUPTED_CODE)
+        sys.exit(130)  # as shells have it
 
     gc.freeze()
     gc.enable()

@@ -531,6 +531,14 @@ def test_an_exercise_that_is_lost_at_its_start_is_refused(tmp_path: Path) -> Non
     assert str(refused.value).count("lost at its start") == 1
 
 
+def test_a_boat_that_an_exercise_misnames_is_told_once(tmp_path: Path) -> None:
+    name = drill(tmp_path, 'vessel = "bb3"')
+    with pytest.raises(ConfigError) as refused:
+        check_exercise(name)
+    (problem,) = refused.value.problems
+    assert 'vessel = "bb3": no vessel "bb3"; nearest is bb2' in problem
+
+
 # All seeds
 
 

@@ -33,6 +33,7 @@ from trainer.config.files import (
     Position,
     as_typed,
     collecting,
+    is_path,
     number_problems,
     parse_toml,
     path_named,
@@ -237,7 +238,7 @@ def check_exercise(name: str) -> list[str]:
         with collecting(problems):  # a boat that cannot be read, too
             path = path_named(name, "exercises")
             vessel = parse_toml(read_text(path), path.name).get("vessel")
-            if isinstance(vessel, str):
+            if isinstance(vessel, str) and is_path(vessel):  # a name is told with its line
                 load_vessel(relative_name(path, vessel))
         raise ConfigError(*dict.fromkeys(problems))
     boat = plan.launch_boat()

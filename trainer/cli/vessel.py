@@ -11,7 +11,14 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import Number, json_of, outputs, show_progress, show_report
+from trainer.cli.answers import (
+    Number,
+    json_of,
+    outputs,
+    refuse_no_folder,
+    show_progress,
+    show_report,
+)
 from trainer.cli.options import (
     SEA_NAME,
     TOML_OUTPUT,
@@ -193,7 +200,6 @@ def reduce(vessel: str, **options: Any) -> None:
     """
     from trainer.analysis.reduce import page, reduction
     from trainer.analysis.workers import processor_count
-    from trainer.config.files import ConfigError
     from trainer.config.vessel import load_vessel
 
     chosen = [name for name in ("check", "table", "write", "output") if options[name]]
@@ -203,8 +209,7 @@ def reduce(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     cores = options["cores"] or processor_count()
     result = file.path if options["write"] else options["output"]
-    if result and not result.parent.is_dir():
-        raise ConfigError(f"{result}: there is no folder {result.parent}")
+    refuse_no_folder(result)
     if options["check"]:
         reduction_report = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:

@@ -181,15 +181,15 @@ def _disturb(plant: Plant, record: Record, values: Numbers, known: Mapping[str, 
     names = [name for name in DISTURBANCE_NAMES if name in model.names and name not in known]
     if not names:
         return
-    places = [model.index(name) for name in names]
-    values[places] = 1.0
+    indices = [model.index(name) for name in names]
+    values[indices] = 1.0
     noise = plant.blocks(values[None]).noise[0]
     index = 0 if model.name in ("nomoto1", "2") else 1
     seen = record.sway if model.name == "2" else record.yaw_rate
     seen = record.column("turning")[:-1] if seen is None else seen
     motion = float(np.nanstd(seen)) or 1e-6  # the usual size of it, SI
     variance = (DISTURBANCE_SHARE * motion) ** 2
-    values[places] = variance / max(noise[index, index], 1e-300) / (5.0 * record.interval)
+    values[indices] = variance / max(noise[index, index], 1e-300) / (5.0 * record.interval)
 
 
 def pose_problem(

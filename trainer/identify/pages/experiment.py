@@ -89,10 +89,10 @@ def prospect(
     sea = {"R1_N": 1.0, "R1_Y": SEA_LEVER_LENGTHS**-2}
     if kind != "1":  # the moment acts on yaw at once and, through sway, by the rate 1/T3
         sea = {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
-    places = [model.index(name) for name in sea]
-    values[places] = list(sea.values())
+    indices = [model.index(name) for name in sea]
+    values[indices] = list(sea.values())
     density = _density(plant, values, math.radians(unrest))
-    values[places] *= density
+    values[indices] *= density
     free = [name for name in free_names(plant, ()) if name not in sea or density > 0.0]
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
