@@ -165,7 +165,9 @@ def test_the_view_follows_a_drag_and_the_arrows(desk: Caller, ahead: Page) -> No
 def test_the_page_s_waves_are_the_session_s(desk: Caller, ahead: Page) -> None:
     page = ahead
     eye = float(read(desk, "lookout.eye"))
-    page.wait_for_function(f"Math.abs(document.querySelector('scope-view').eye - {eye}) < 0.06")
+    page.wait_for_function(
+        f"() => Math.abs(document.querySelector('scope-view').eye - {eye}) < 0.06"
+    )
     level = float(read(desk, "sea.elevation"))
     assert page.evaluate(LEVEL, [0, 0]) == pytest.approx(level, abs=0.006)
     levels = [page.evaluate(LEVEL, [x, 40]) for x in range(-200, 200, 10)]

@@ -222,7 +222,7 @@ def test_no_order_of_a_lever_comes_after_the_one_that_gives_it_away(
     give_away = "document.querySelector('[data-auto=rudder]').click()"  # at once: 5 waits its turn
     page.evaluate(f"() => {{ {lever}.choose(3); {lever}.choose(5); {give_away}; }}")
     await_truth(instructor, "steering.rudder_mode", "auto")
-    page.wait_for_function(f"{lever}.classList.contains('automatic')")
+    expect(page.locator("order-lever[name=rudder].automatic")).to_be_visible()
     page.wait_for_timeout(200.0)  # [ms] twice the time between two orders
     assert ["rudder auto" in line for _, line in page.evaluate("sent")] == [False, True]
 
