@@ -800,12 +800,3 @@ def test_options_that_exclude_one_another_are_refused() -> None:
 
     assert code == 2
     assert "--check and --table exclude one another" in told
-
-
-def test_a_result_that_cannot_be_written_is_told_before_the_search(
-    slim: VesselFile, tmp_path: Path
-) -> None:
-    code, _, told = run(str(slim.path), "-o", str(tmp_path / "no" / "such.toml"))
-
-    assert code == 1
-    assert "such.toml: there is no folder" in told

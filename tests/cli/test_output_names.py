@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import pytest
 from helpers.decca_run import FILE as DECCA_STUDY
+from helpers.recorded import record
 
 from trainer.boat import compilation
 from trainer.boat.boat import Boat
@@ -171,6 +172,74 @@ def test_two_outputs_of_a_command_are_two_files(typed: Typed, tmp_path: Path) ->
     assert tried > 30
     assert faults == []
     assert not list(tmp_path.iterdir())
+
+
+def test_an_output_without_a_folder_is_refused_before_anything_is_done(
+    typed: Typed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    faults, tried = [], 0
+    for words, command, outputs in WRITERS:
+        monkeypatch.setattr(command, "callback", no_work)
+        for output in outputs:
+            kind = output.type
+            assert isinstance(kind, Output)
+            if not kind.endings:  # a folder, which is made
+                continue
+            tried += 1
+            line = line_of(words, command, {output.name or "": f"no/out{kind.endings[0]}"})
+            code, told = typed(*line)
+            if code != 2 or "there is no folder no" not in told:
+                faults.append(f"{' '.join(line)}: {code}: {told}")
+    assert tried >= MIN_OUTPUTS
+    assert faults == []
+    assert not list(tmp_path.iterdir())
+
+
+REFUSED_LATE = [  # lines whose last words are wrong, where those before them would be carried out
+    "debrief it.trainer --change CHANGE --text --json",
+    "debrief it.trainer --text --change CHANGE --reference-from 9999",
+    "debrief it.trainer --html new.html --change CHANGE --reference-from 9999",
+    "debrief it.trainer --text --change CHANGE --form wrong.toml",
+    "debrief it.trainer --form form.toml --text --json",
+    "debrief it.trainer --text --form form.toml --change nonsense",
+    "debrief it.trainer --text --form form.toml --reference-from 9999",
+    "debrief it.trainer --html new.html --branch 7",
+    "debrief it.trainer --change CHANGE",
+    "export it.trainer --csv new.csv --plot new.svg --column depht",
+    "export it.trainer --csv new.csv --plot new.svg --branch 7",
+    "recordings --csv new.csv --progress --trainee Nobody",
+]
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("few_points")
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_refused_command_changes_nothing(
+    typed: Typed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    record(tmp_path / "it.trainer", "steady-course", {}, "instructor at a desk")
+    assert typed("exercise", "form", "steady-course", "-o", "form.toml")[0] == 0
+    form = (tmp_path / "form.toml").read_text().replace('by = ""', 'by = "B. Smith"')
+    (tmp_path / "form.toml").write_text(form)
+    (tmp_path / "wrong.toml").write_text(form.replace("form/1", "form/2"))
+    (tmp_path / "it.html").write_text("no page of ours")  # where the page would go by itself
+    typed("debrief", "it.trainer", "--text")  # what is kept of each run
+
+    def kept() -> dict[Path, bytes]:
+        return {each: each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()}
+
+    before = kept()
+    faults = []
+    for line in REFUSED_LATE:
+        words = ["outcome: lost, tested" if word == "CHANGE" else word for word in line.split()]
+        code, told = typed(*words)
+        if code != 2 or kept() != before:
+            changed = [str(each) for each in kept() if kept()[each] != before.get(each)]
+            faults.append(f"{line}: {code}: {told.strip()[:80]}; changed {changed}")
+    assert faults == []
+    assert typed("debrief", "it.trainer", "--change", "outcome: lost, tested", "--text")[0] == 0
+    assert kept() != before
 
 
 def test_the_recording_is_named_where_a_page_was_to_be_written(typed: Typed) -> None:

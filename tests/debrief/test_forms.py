@@ -11,7 +11,7 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.debrief.changes import change_of
 from trainer.debrief.data import debrief_figures
-from trainer.debrief.forms import form_text, forms_path, judged_names, keep_forms, read_forms
+from trainer.debrief.forms import form_text, judged_names, read_forms, with_forms, write_forms
 from trainer.debrief.history import (
     familiarisation_lines,
     forget_trainee,
@@ -111,7 +111,7 @@ def test_marks_of_three_assessors_and_a_peer_are_laid_beside_the_program_s(
     plan = plan_run(RunOptions(exercise=EXERCISE))
     files = [filled(tmp_path, by, "assessor", mark) for by, mark in MARKS.items()]
     peer = filled(tmp_path, "E. Green", "peer", 10, remark="He <b>never</b> looked up.")
-    keep_forms(flown, [*files, peer], plan)
+    write_forms(flown, with_forms(read_forms(flown), [*files, peer], plan))
     debrief = read_dossier(flown, None)
     compared = {each["name"]: each for each in debrief_figures(debrief)["compared_marks"]}
     assert list(compared) == ["Quiet rudder", "Usual procedures", "The whole run"]
@@ -127,7 +127,8 @@ def test_marks_of_three_assessors_and_a_peer_are_laid_beside_the_program_s(
     assert whole in as_text(debrief)
     assert "mean 70, spread 20" in as_text(debrief).replace("\n", " ")
 
-    keep_forms(flown, [filled(tmp_path, "B. Smith", "assessor", 90)], plan)
+    later = [filled(tmp_path, "B. Smith", "assessor", 90)]
+    write_forms(flown, with_forms(read_forms(flown), later, plan))
     assert [form.marks["The whole run"] for form in read_forms(flown)] == [90, 60, 70, 10]
 
 
@@ -151,16 +152,14 @@ def test_a_form_that_is_wrong_is_refused(old: str, new: str, told: str, tmp_path
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new), encoding="utf-8")
-    recording = tmp_path / "drill.trainer"
     with pytest.raises(ConfigError, match=told):
-        keep_forms(recording, [path], plan_run(RunOptions(exercise=EXERCISE)))
-    assert not forms_path(recording).exists()
+        with_forms((), [path], plan_run(RunOptions(exercise=EXERCISE)))
 
 
 def test_a_name_is_forgotten_in_forms_too(tmp_path: Path) -> None:
     path = record(tmp_path / "drill.trainer", EXERCISE, {}, "helm")
     form = filled(tmp_path, "E. Green", "peer", 10, remark="said E. Green, beside him")
-    keep_forms(path, [form], plan_run(RunOptions(exercise=EXERCISE)))
+    write_forms(path, with_forms((), [form], plan_run(RunOptions(exercise=EXERCISE))))
     assert list(forget_trainee("e. green", [path]))
     (kept,) = read_forms(path)
     assert (kept.by, kept.remark) == ("(name removed)", "said (name removed), beside him")

@@ -16,7 +16,13 @@ from trainer.cli.main import main
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.debrief import history as history_module
-from trainer.debrief.changes import change_of, changes_path, read_changes, without_changes
+from trainer.debrief.changes import (
+    change_of,
+    changes_path,
+    read_changes,
+    without_changes,
+    write_changes,
+)
 from trainer.debrief.data import debrief_figures, find_branch
 from trainer.debrief.forms import EvaluationForm, read_forms
 from trainer.debrief.history import (
@@ -36,8 +42,8 @@ from trainer.debrief.history import (
 from trainer.debrief.page import (
     DebriefRequest,
     as_text,
-    change_marks,
     debrief_file,
+    judge_as_asked,
     read_compared,
     read_dossier,
     render,
@@ -73,6 +79,12 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def kept(flown: Path, tmp_path: Path) -> Path:
     """Return a copy of it for a test."""
     return Path(shutil.copy(flown, tmp_path / flown.name))
+
+
+def change_marks(path: Path, *texts: str, back: str = "", branch: int | None = None) -> None:
+    """Change marks of a recording as is asked on the command line."""
+    asked = DebriefRequest(branch, change=texts, change_back=(back,) if back else ())
+    write_changes(path, judge_as_asked(path, asked).changes)
 
 
 # Names
@@ -131,7 +143,7 @@ def test_a_recording_is_judged_once_for_the_list(
 
 def test_a_changed_mark_and_another_state_are_judged_anew(kept: Path) -> None:
     before = list_recording(kept)
-    change_marks(kept, DebriefRequest(), ["outcome: won, the repeater was off"], [])
+    change_marks(kept, "outcome: won, the repeater was off")
     after = list_recording(kept)
     assert before.came
     assert after.came
@@ -349,7 +361,7 @@ def test_a_trainee_is_found_however_the_name_is_written_and_else_the_nearest() -
 
 @pytest.mark.long
 def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
-    change_marks(kept, DebriefRequest(), [f"outcome: won, {ANN} steered well"], [])
+    change_marks(kept, f"outcome: won, {ANN} steered well")
     debrief_file(kept, None, None, DebriefRequest())
     list_recording(kept)
     before = read_dossier(kept, None).trajectory
@@ -386,7 +398,7 @@ def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_p
     plain = read_compared(path, DebriefRequest())
     names = [each.name for each in plain.card.scores]
     texts = [f"{names[0]}: strike, a squall", f"{names[1].upper()}:  weight  2 , it matters, here"]
-    change_marks(path, DebriefRequest(), texts, [])
+    change_marks(path, *texts)
     debrief = read_compared(path, DebriefRequest())
 
     assert [str(each) for each in debrief.changes] == [
@@ -404,16 +416,14 @@ def test_a_struck_measure_and_a_weight_change_the_total_and_both_are_shown(tmp_p
 
 
 def test_an_outcome_and_a_width_can_be_changed_and_taken_back(kept: Path) -> None:
-    change_marks(
-        kept, DebriefRequest(), ["outcome: won, seen by me", "width: basic, a beginner"], []
-    )
+    change_marks(kept, "outcome: won, seen by me", "width: basic, a beginner")
     debrief = read_dossier(kept, None)
     assert debrief.final.verdict
     assert debrief.final.verdict.outcome == "won"
     assert debrief.final.scores[0].rule.score.zero != debrief.card.scores[0].rule.score.zero
-    change_marks(kept, DebriefRequest(), [], ["Outcome"])
+    change_marks(kept, back="Outcome")
     assert [each.name for each in read_changes(kept)] == ["width"]
-    change_marks(kept, DebriefRequest(), [], ["all"])
+    change_marks(kept, back="all")
     assert not changes_path(kept).exists()
 
 
@@ -435,7 +445,7 @@ def test_a_change_that_is_none_is_told_with_what_it_should_be(
     kept: Path, text: str, told: str
 ) -> None:
     with pytest.raises(ConfigError) as wrong:
-        change_marks(kept, DebriefRequest(), ["outcome: lost, first", text], [])
+        change_marks(kept, "outcome: lost, first", text)
     assert told in str(wrong.value)
     assert not changes_path(kept).exists()
 
@@ -452,7 +462,7 @@ def test_nothing_changed_cannot_be_taken_back(kept: Path) -> None:
 
 def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
     with pytest.raises(ConfigError, match="--branch 7: there are branches 1 only"):
-        change_marks(kept, DebriefRequest(7), ["outcome: won, well done"], [])
+        change_marks(kept, "outcome: won, well done", branch=7)
     assert not changes_path(kept).exists()
 
 
@@ -460,7 +470,7 @@ def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
     ("name", "what"), [("outcome", "wonn"), ("width", "wide"), ("Quiet rudder", "weight x")]
 )
 def test_a_change_written_by_hand_is_checked(kept: Path, name: str, what: str) -> None:
-    change_marks(kept, DebriefRequest(), ["outcome: won, well done"], [])
+    change_marks(kept, "outcome: won, well done")
     path = changes_path(kept)
     text = path.read_text().replace('"outcome"', f'"{name}"').replace('"won"', f'"{what}"')
     path.write_text(text)

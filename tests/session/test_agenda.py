@@ -1,5 +1,7 @@
 """The orders that are ahead: planned, told to the instructor alone, come, taken away."""
 
+from contextlib import closing
+
 import pytest
 from helpers.crewed import PLACE, Begin, Crewed
 from helpers.line import Line, fields_of
@@ -7,8 +9,17 @@ from helpers.line import Line, fields_of
 from trainer.config.derived import compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.core.casualties import KINDS
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
+from trainer.io.recording.facts import Giver, GiverKind
+from trainer.io.recording.recording import Recording
+from trainer.session.agenda import Agenda, Plans
+from trainer.session.crew import CrewTalk
+from trainer.session.manning import HandWork
+from trainer.session.standing import StandRecord
 from trainer.session.stations.roles import ROLES
+
+CAPTAIN = Giver(GiverKind.STATION, "instructor", "instructor at a desk")
 
 
 def broken(ship: Crewed) -> list[str]:
@@ -158,3 +169,65 @@ def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begi
         assert not any(
             "planned" in each or "stuck" in each for each in line.sent if "TRA" not in each
         )
+
+
+def test_an_answer_is_in_the_file_before_it_goes_out(ship: Crewed) -> None:
+    ship.fly(4)
+    ship.order("at 60 depth 70")
+    ship.refused("at 1 emergency blow")
+    ship.refused("speed 50 kn")
+    assert ship.conduct.past.kept
+    with closing(Recording.look(ship.conduct.past.kept)) as reader:
+        answers = [(each.text, each.accepted) for each in reader.orders(1)]
+    assert answers[-3:] == [
+        ("at 60 s depth 70 m", True),
+        ("at 1 s emergency blow", False),
+        ("speed 50 kn", False),
+    ]
+
+
+def test_a_plan_that_was_refused_is_none_after_a_replay_or_by_the_journal_alone(
+    ship: Crewed,
+) -> None:
+    ship.fly(4)
+    ship.order("at 60 depth 70")
+    ship.refused("at 1 emergency blow")
+    ship.fly(6)
+    ship.order("replay 4 s")
+    while ship.session.history.flown.replaying:
+        ship.fly(1)
+        assert planned(ship) in ([], ["1,60.000,depth 70 m"])
+    assert planned(ship) == ["1,60.000,depth 70 m"]
+    assert ship.session.agenda.plans == by_journal(ship)
+
+
+def test_a_plan_that_its_time_has_refused_is_over_by_the_journal_too(crewed: Begin) -> None:
+    ship = crewed(seconds=None, hand=frozenset(("planes",)))
+    assert ship.order("in 2 depth 70").startswith("planned")
+    ship.fly(8)
+    assert "refused" in ship.events(ship.instructor, "exercise")[-1]
+    assert planned(ship) == []
+    assert by_journal(ship).planned == ()
+
+
+def test_what_nobody_was_answered_before_a_kill_is_asked_again(ship: Crewed) -> None:
+    ship.fly(4)
+    history = ship.session.history
+    for text in ("at 1 emergency blow", "at 60 depth 70", "tell helm steady"):
+        order = parse(text)
+        assert isinstance(order, Order)
+        history.order(CAPTAIN, order)
+    history.unanswered += ship.recording.orders(1)[-3:]
+    ship.session.dispatch.answer_left_orders()
+    assert [each.accepted for each in ship.recording.orders(1)[-3:]] == [False, True, True]
+    assert [each.order.text for each in ship.session.agenda.planned.values()] == ["depth 70 m"]
+    assert ship.session.agenda.plans == by_journal(ship)
+
+
+def by_journal(ship: Crewed) -> Plans:
+    """Return the plans as another process would read them from the recording."""
+    session = ship.session
+    agenda = Agenda(session.boat)
+    crew = CrewTalk(session.boat, HandWork(session.boat))
+    StandRecord(crew, agenda, session.history).put_back_plans()
+    return agenda.plans

@@ -20,6 +20,7 @@ from trainer.io.recording.recording import Recording
 pytestmark = pytest.mark.process
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
+JAM = "stern-hard-over"
 EXERCISE = f"""
 schema = "exercise/1"
 name = "Down a little"
@@ -224,3 +225,33 @@ def test_what_is_resumed_at_its_exercise_s_end_is_over(
     account_of(served)
     with contextlib.closing(Recording.look(kept)) as recording:
         assert len(recording.branches()) == 2
+
+
+def test_a_plan_that_was_refused_is_refused_after_a_kill(
+    serve: Serve, attach: Attach, exercise: Path, tmp_path: Path
+) -> None:
+    kept = tmp_path / "kept.trainer"
+    first = serve("serve", str(exercise), "--frozen", "--record", str(kept))
+    instructor = attach(first, "instructor")
+    assert instructor.ask("step 10")[0]
+    assert instructor.ask("at 60 s depth 70")[0]
+    refused = [instructor.ask(f"at 1 s {order}") for order in ("emergency blow", f"casualty {JAM}")]
+    first.kill()
+
+    second = serve("resume", str(kept), "--frozen")
+    instructor = attach(second, "instructor")
+    instructor.said.clear()
+    assert instructor.ask("plans")[0]
+    plans = list(instructor.said)
+    assert instructor.ask("step 10")[0]
+    assert instructor.ask("quit")[0]
+    account_of(second)
+    assert [ok for ok, _ in refused] == [False, False]
+    assert plans == ["1: at 00:01:00: depth 70 m"]
+    with contextlib.closing(Recording.look(kept)) as recording:
+        orders = [(each.text, each.accepted) for each in recording.orders(1)]
+    assert orders == [
+        ("at 60 s depth 70 m", True),
+        ("at 1 s emergency blow", False),
+        (f"at 1 s casualty {JAM}", False),
+    ]

@@ -461,7 +461,7 @@ def refused(
         ("--integrator rk5", "--integrator 'rk5': give one of euler, adams2, best2, "),
         ("--integrator a=1;b=2", "--integrator a=1;b=2: "),
         ("--equations ful", "'ful' is not one of 'full', 'modified', 'basic', 'longitudinal'"),
-        ("--csv no/such/out.csv", "--csv no/such/out.csv: No such file or directory"),
+        ("--csv no/such/out.csv", "no/such/out.csv: there is no folder no/such"),
         ("--csv .", "--csv .: Is a directory"),
         ("--orders none.txt", "--orders none.txt: there is no such file"),
         ("--serial ./ttyNONE", "--serial ./ttyNONE: No such file or directory"),

@@ -23,6 +23,7 @@ from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
+from trainer.session.agenda import Plans
 from trainer.session.dispatch import ORDERS, Dispatch
 from trainer.session.event_log import MAX_OPEN_ALERTS
 from trainer.session.journal import MAX_KEPT_MOMENTS
@@ -55,6 +56,7 @@ class Law(Enum):
     SOLE = "L14: a recording has one session: a second is refused"
     INSTRUMENTS = "L15: each sentence to an instrument is whole, and none is silent for long"
     AIS = "L16: each ship within reach is heard by AIS as often as is promised, and no other"
+    PLANS = "L17: the orders ahead are after a kill what they were before it"
 
 
 class Breach(NamedTuple):
@@ -73,7 +75,7 @@ class Promise(NamedTuple):
     who: str
     what: str
     tick: int
-    kind: str  # "order" or "mark"
+    kind: str  # "order", "refused" for an order that was journalled and refused, or "mark"
 
 
 @dataclass
@@ -106,15 +108,22 @@ class Witness:
     machine: Machine
     session: Session | None = None
     _reply: object = None  # the last that a station was given
+    _before: int = 0  # the last order in the journal before the one that is heard
+    ahead: Plans | None = None  # when the last order was done with; None in the midst of one
+    _left: Plans | None = None  # by the process before, where it was killed
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
         """Wrap what is looked at. Nothing of it is changed."""
         init, hear, answer = Session.__post_init__, Dispatch.hear, Station.answer
-        tick = Session.tick
+        tick, answer_left = Session.tick, Dispatch.answer_left_orders
 
         def begin(session: Session, introduction: object) -> None:
             init(session, introduction)  # type: ignore[arg-type]
             self.session = session
+
+        def answer_left_orders(dispatch: Dispatch) -> None:
+            answer_left(dispatch)
+            self._check_plans()
 
         def hear_order(dispatch: Dispatch, asked: Request) -> None:
             with self._beside(asked):
@@ -128,10 +137,13 @@ class Witness:
             if session.conduct.ending.over and not session.history.flown.replaying:
                 self.docket.enter(Law.ENDED, f"a tick follows tick {session.history.tick}, the end")
             self.docket.ticks += 1
+            self.ahead = None
             tick(session)
+            self.ahead = session.agenda.plans
 
         patch.setattr(Session, "__post_init__", begin)
         patch.setattr(Session, "tick", take_tick)
+        patch.setattr(Dispatch, "answer_left_orders", answer_left_orders)
         patch.setattr(Dispatch, "hear", hear_order)
         patch.setattr(Station, "answer", answer_order)
 
@@ -142,9 +154,10 @@ class Witness:
         assert session
         before = Posture.of(session)
         elsewhere = is_elsewhere(session, asked.station)
-        self._reply = None
+        self._reply, self._before, self.ahead = None, session.history.after, None
         self.docket.orders += 1
         yield
+        self.ahead = session.agenda.plans
         after, name = Posture.of(session), asked.order.name
         text = f"{asked.order.text!r} at tick {before.tick}"
         if isinstance(self._reply, Refused):
@@ -177,16 +190,33 @@ class Witness:
         assert session
         if name == "snapshot" and not isinstance(reply, Refused):
             self.docket.snapshots[asked.order.subject].add(session.boat.plain.tobytes())
-        if isinstance(reply, Refused) or session.history.recording.trouble:
+        refused = isinstance(reply, Refused)
+        journalled = ORDERS[name].journalled and session.history.after != self._before
+        if (refused and not journalled) or session.history.recording.trouble:
             return  # "(not recorded)"
         tick = session.history.tick
         if ORDERS[name].journalled:
-            promise = Promise(station.who, session.crew.meant(asked.order).text, tick, "order")
+            kind = "refused" if refused else "order"
+            promise = Promise(station.who, session.crew.meant(asked.order).text, tick, kind)
         elif name == "mark":
             promise = Promise(station.who, asked.order.subject or "marked", tick, "mark")
         else:
             return
         self.docket.promises.append((promise, self.machine.now))
+
+    def leave(self, *, killed: bool) -> None:
+        """Note with which orders ahead a process ends; they are promised where it was killed."""
+        self._left = self.ahead if killed and self.session else None
+        if self._left and self.session and self.session.history.recording.trouble:
+            self._left = None
+
+    def _check_plans(self) -> None:
+        """L17, when a session has answered what the process before had left."""
+        assert self.session
+        left, ahead = self._left, self.session.agenda.plans
+        self._left = None
+        if left is not None and left != ahead:
+            self.docket.enter(Law.PLANS, f"before: {left}; now: {ahead}")
 
     def check_bounds(self, threads: int, disk: Disk) -> None:
         """L10: look at what the session holds."""
@@ -280,8 +310,9 @@ def promises_in(recording: Recording) -> Counter[Promise]:
     kept: Counter[Promise] = Counter()
     for branch in recording.branches():
         for order in recording.orders(branch.id):
-            if order.branch == branch.id:
-                kept[Promise(order.who, order.text, order.tick, "order")] += 1
+            if order.branch == branch.id and order.accepted is not None:
+                kind = "order" if order.accepted else "refused"
+                kept[Promise(order.who, order.text, order.tick, kind)] += 1
     for event in recording.events():
         if event.kind == MARK_KIND:
             kept[Promise(event.who, event.text, event.tick, "mark")] += 1

@@ -1,6 +1,6 @@
 """Faults put back into the product, each of which a law has to find.
 
-``FAULTS`` has twelve that nobody made, at places where a careless hand would make them, and five
+``FAULTS`` has fourteen that nobody made, at places where a careless hand would make them, and five
 that seeds found in the product. Those are mended; the scripts that show them are kept in
 ``tests/simulation/kept``.
 """
@@ -11,6 +11,7 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -25,11 +26,11 @@ from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
-from trainer.io.recording.facts import Giver
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session import dispatch, jump, resume
 from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
+from trainer.session.journal import Journal
 from trainer.session.nmea.outlets import SteadySubscription
 from trainer.session.nmea.transponders import Messages, Transponders
 from trainer.session.parts import Parts
@@ -40,18 +41,37 @@ from trainer.session.stations.view import Picture
 Fault = Callable[[pytest.MonkeyPatch], None]
 
 
-def gather_journal(patch: pytest.MonkeyPatch) -> None:
-    """Gather the journal as ticks are: an answered order reaches the file within a second."""
-    order = Recording.order
+def gather(patch: pytest.MonkeyPatch, method: str) -> None:
+    """Have a method of the recording gather its rows as ticks are."""
+    write = getattr(Recording, method)
 
-    def gather(
-        self: Recording, tick: int, giver: Giver, text: str, entry: int | None = None
-    ) -> int:
+    def gathered(self: Recording, *given: object, **more: object) -> object:
         with pytest.MonkeyPatch.context() as quiet:
             quiet.setattr(Recording, "flush", lambda *_: None)
-            return order(self, tick, giver, text, entry)
+            return write(self, *given, **more)
 
-    patch.setattr(Recording, "order", gather)
+    patch.setattr(Recording, method, gathered)
+
+
+def gather_journal(patch: pytest.MonkeyPatch) -> None:
+    """Gather the journal as ticks are: an answered order reaches the file within a second."""
+    gather(patch, "order")
+    gather(patch, "answered")
+
+
+def gather_answers(patch: pytest.MonkeyPatch) -> None:
+    """Gather the answers alone: after a kill it is not known which order was refused."""
+    gather(patch, "answered")
+
+
+def plan_refused(patch: pytest.MonkeyPatch) -> None:
+    """Plan again what the journal has, whether it was refused or not."""
+    said = Journal.said
+
+    def say(self: Journal) -> list[RecordedOrder]:
+        return [replace(each, accepted=True) for each in said(self)]
+
+    patch.setattr(Journal, "said", say)
 
 
 def answer_before_journal(patch: pytest.MonkeyPatch) -> None:
@@ -239,6 +259,8 @@ FOUND: Final[Mapping[str, Fault]] = {
 FAULTS: Final[Mapping[str, Fault]] = {
     "journal-gathered": gather_journal,
     "answer-before-journal": answer_before_journal,
+    "answers-gathered": gather_answers,
+    "refused-planned": plan_refused,
     "mark-waiting": leave_mark_waiting,
     "run-after-end": run_after_end,
     "refused-too-late": refuse_too_late,

@@ -233,6 +233,7 @@ class Stage:
     def _cut(self, ending: Ending) -> None:
         """Take what a killed process leaves, or one without power; L1."""
         disk, session, now = self.disk, self.witness.session, self.machine.now
+        self.witness.leave(killed=ending is Ending.KILLED)
         system = Image.of(disk.path)
         self._left, until, since = system, now, 0
         disk.kept = disk.kept or Image(system.file, b"")  # it was made whole, and never asked for

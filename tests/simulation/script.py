@@ -40,7 +40,7 @@ WORDS: Final[Mapping[str, str]] = {
         |restore A|restore B|reset|backtrack 5 s|backtrack 30 s|replay 10 s|replay 20 s|take over
         |again|again from here|again from A|again from 20 s|branch 1|branch 2|branch 9
         |branches|branches|branches|snapshots|snapshots|snapshots|plans
-        |at 30 s depth 70|in 10 s depth 80|in 2 s course 010
+        |at 30 s depth 70|in 10 s depth 80|in 2 s course 010|at 1 s emergency blow
         |when depth over 62 then rudder left 5|cancel 1|cancel all|end exercise|release marks
         |debrief|take command|give command|keep command|mark hello|casualty rudder-stuck 5
         |casualties|clear casualty|sea state 4|sea state 0|order depth 90|order course 120

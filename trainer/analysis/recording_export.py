@@ -1,7 +1,7 @@
 """``trainer export``: a recording for other programs, as tables, arrays, frames or pictures.
 
-``cli/recordings`` calls ``export_file`` and ``draw_run``; ``Recording`` is the face for Python,
-``trainer.Recording``. Nobody else has to know how states lie in a recording.
+``cli/recordings`` calls ``export_file`` and ``panels_of_run``; ``Recording`` is the face for
+Python, ``trainer.Recording``. Nobody else has to know how states lie in a recording.
 """
 
 import math
@@ -28,10 +28,11 @@ from trainer.io.tables import (
     states_table,
 )
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
-from trainer.report.plots import Curve, Panel, draw_plot
+from trainer.report.plots import Curve, Panel
 from trainer.session.header import layout_of, method_of, open_whole_recording, trainees_of
 from trainer.session.layout import numbers_of
 
+FORM_LIBRARIES: Final = {"parquet": "pyarrow", "rrd": "rerun"}  # of forms that need one
 USUAL_COLUMNS: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
 
@@ -46,11 +47,12 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
         raise ConfigError(f"{path}: export to what? say {forms}")
     if path.suffix.lower() == ".csv":
         raise ConfigError(f"{path}: is a table already; of a CSV file only --plot FILE is made")
+    for form in chosen.keys() & FORM_LIBRARIES.keys():  # before any file is written
+        require_library(FORM_LIBRARIES[form], f"--{form}")
     written: list[Path] = []
     with open_whole_recording(path) as recording:
         for form, out in chosen.items():
             if form == "rrd":
-                require_library("rerun", "--rrd")
                 from trainer.session.rerun.request import write_record  # noqa: PLC0415  a second to import
 
                 try:
@@ -66,18 +68,18 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     click.echo("\n".join(map(str, written)))
 
 
-def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) -> None:
-    """Draw columns of a recording or a CSV file over time. Print the plot's name.
+def panels_of_run(path: Path, columns: Sequence[str], branch: int | None) -> tuple[Panel, ...]:
+    """Return panels of columns of a recording or a CSV file over time.
 
-    Names with commas between share a panel. ConfigError if there is no such column, or no plot
-    can be written.
+    Names with commas between share a panel. ConfigError if there is no such column, or no library
+    that draws it.
     """
+    require_library("matplotlib", "--plot")
     shown = [[name.strip() for name in names.split(",")] for names in columns or USUAL_COLUMNS]
     wanted = list(dict.fromkeys(name for names in shown for name in names))
     table = path.suffix.lower() == ".csv"
     series = load_series(path) if table else recorded_series(path, wanted, branch)
-    draw_plot(tuple(panel_of(series, names) for names in shown), out)
-    click.echo(str(out))
+    return tuple(panel_of(series, names) for names in shown)
 
 
 def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Series:

@@ -102,14 +102,6 @@ def show_step(step: int, cost: float) -> None:
         click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
 
 
-def refuse_no_folder(path: Path | None, option: str = "") -> None:
-    """Refuse an output without a folder before what takes long; ConfigError."""
-    from trainer.config.files import ConfigError
-
-    if path is not None and not path.parent.is_dir():
-        raise ConfigError(f"{option} {path}: there is no folder {path.parent}".lstrip())
-
-
 def write_text(path: Path, text: str, option: str = "") -> None:
     """Write a file whole; ConfigError, with the option that named it, if that cannot be."""
     from trainer.config.files import ConfigError

@@ -19,7 +19,6 @@ from trainer.cli.answers import (
     Number,
     json_of,
     outputs,
-    refuse_no_folder,
     show_progress,
     show_report,
     write_text,
@@ -274,8 +273,6 @@ def guide(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     baseline = options["baseline"]
     earlier = contents.load_earlier(baseline, file.name) if baseline else None
-    for kind in ("html", "pdf"):
-        refuse_no_folder(options[kind], f"--{kind}")
     if options["uncertainty"]:
         write_uncertainty(file, options["cores"])
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")

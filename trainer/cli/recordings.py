@@ -83,14 +83,17 @@ def export(
 
     Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
-    from trainer.analysis.recording_export import draw_run, export_file
+    from trainer.analysis.recording_export import export_file, panels_of_run
+    from trainer.report.plots import draw_plot
 
     if columns and plot is None:
         raise click.UsageError("--column says what --plot FILE draws")
+    panels = () if plot is None else panels_of_run(file, columns, branch)  # refusals before a file
     if plot is None or any(wanted.values()):
         export_file(file, wanted, branch)
     if plot is not None:
-        draw_run(file, plot, columns, branch)
+        draw_plot(panels, plot)
+        click.echo(str(plot))
 
 
 @click.command()
@@ -147,18 +150,15 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
         DebriefRequest,
         as_json,
         as_text,
-        change_marks,
         debrief_file,
-        keep_filled_forms,
     )
 
-    path = named_recording(file, last=last)
-    boat = page_text(None, path, "instructor") if how["fly"] else ""
-    request = DebriefRequest(how["branch"], how["width"], how["reference_from"], boat)
-    change_marks(path, request, how["change"], how["change_back"])
-    keep_filled_forms(path, how["forms"])
     if how["text"] and how["json"]:
         raise click.UsageError("--text and --json print two things: say one of them")
+    path = named_recording(file, last=last)
+    boat = page_text(None, path, "instructor") if how["fly"] else ""
+    asked = ("branch", "width", "reference_from", "change", "change_back", "forms")
+    request = DebriefRequest(boat=boat, **{name: how[name] for name in asked})
     printed = as_json if how["json"] else as_text if how["text"] else None
     debrief_file(path, how["html"], how["pdf"], request, printed)
 

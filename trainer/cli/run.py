@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from trainer.cli.answers import input_waits, print_note, refuse_no_folder
+from trainer.cli.answers import input_waits, print_note
 from trainer.cli.options import (
     EXERCISE_NAME,
     HTML_OUTPUT,
@@ -133,7 +133,6 @@ def fly_and_debrief(asked: RunOptions, page: Path) -> NoReturn:
             "--debrief goes with --headless and a recording; of any other run that was kept: "
             "trainer debrief --last"
         )
-    refuse_no_folder(page, "--debrief")
     record = asked.record or page.with_suffix(RECORDING_SUFFIX)
     if record.exists() and not asked.record:
         raise ConfigError(f"--debrief {page}: {record} is there already; give another name")

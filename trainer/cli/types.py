@@ -210,11 +210,13 @@ class File(click.Path):
 
 
 class Output(File):
-    """The path of a file that is written: no input, and no other kind."""
+    """The path of a file that is written, not an input or another kind."""
 
     def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
         """Promise the file until the command ends. SameFileError if an input would be lost."""
         self.refuse_ending(path, param, ctx)
+        if self.endings and not path.parent.is_dir():
+            self.fail(f"{path}: there is no folder {path.parent}", param, ctx)
         ctx.with_resource(promising(path, name_typed(param)))
 
     def refuse_ending(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:

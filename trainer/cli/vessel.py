@@ -15,7 +15,6 @@ from trainer.cli.answers import (
     Number,
     json_of,
     outputs,
-    refuse_no_folder,
     show_progress,
     show_report,
 )
@@ -209,7 +208,6 @@ def reduce(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     cores = options["cores"] or processor_count()
     result = file.path if options["write"] else options["output"]
-    refuse_no_folder(result)
     if options["check"]:
         reduction_report = reduction.report_reduction(file, reduction.as_filed(file), (), ())
     else:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -180,12 +180,29 @@ class DebriefData:
         return tuple(event for event in self.events if event.kind in kinds)
 
 
+class Judged(NamedTuple):
+    """What people think of a run, kept beside its recording."""
+
+    changes: tuple[Change, ...]  # of the instructor's
+    forms: tuple[EvaluationForm, ...]  # filled in by assessors and peers
+
+
+def read_judged(source: Path) -> Judged:
+    """Return what is kept beside a recording; ConfigError if it cannot be read."""
+    return Judged(read_changes(source), read_forms(source))
+
+
 def gather_debrief(
-    recording: Recording, source: Path, number: int | None, width: str | None = None
+    recording: Recording,
+    source: Path,
+    number: int | None,
+    width: str | None = None,
+    judged: Judged | None = None,
 ) -> DebriefData:
     """Return the data of a branch. None: that of ``crew_branch``, the width of the run.
 
-    The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again.
+    The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again. ``judged``
+    stands for what is kept beside the recording.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -209,7 +226,8 @@ def gather_debrief(
     familiarisation = FAMILIARISATION_KEY in header
     if familiarisation:
         plan = replace(plan, scores=())
-    changes = tuple(each for each in read_changes(source) if each.branch == wanted and plan.scores)
+    judged = judged or read_judged(source)
+    changes = tuple(each for each in judged.changes if each.branch == wanted and plan.scores)
     nobody = {
         each: nobody_aboard(plan, header, each)
         for each in {width, *(change.what for change in changes if change.name == WIDTH_NAME)}
@@ -234,7 +252,7 @@ def gather_debrief(
         practice=practice_of(plan, branches, branch),
         trainees=trainees_of(header),
         familiarisation=familiarisation,
-        forms=read_forms(source),
+        forms=judged.forms,
         read_backs=read_backs(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,

@@ -184,12 +184,12 @@ def read_forms(recording: Path) -> tuple[EvaluationForm, ...]:
     return tuple(_form(row, Position(path.name, f"forms[{i}]")) for i, row in enumerate(rows))
 
 
-def keep_forms(recording: Path, files: Sequence[Path], plan: Plan) -> None:
-    """Keep filled forms beside a recording; a later one of a person replaces the earlier."""
-    kept = {(each.kind, each.by): each for each in read_forms(recording)}
-    for form in [read_form(path, plan) for path in files]:
-        kept[form.kind, form.by] = form
-    write_forms(recording, list(kept.values()))
+def with_forms(
+    kept: Sequence[EvaluationForm], files: Sequence[Path], plan: Plan
+) -> tuple[EvaluationForm, ...]:
+    """Return kept and filled forms; a person's later one replaces the earlier."""
+    filled = [read_form(path, plan) for path in files]
+    return tuple({(each.kind, each.by): each for each in (*kept, *filled)}.values())
 
 
 def write_forms(recording: Path, forms: Sequence[EvaluationForm]) -> None:

@@ -8,7 +8,7 @@ record gives the same bytes.
 import contextlib
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
@@ -23,7 +23,7 @@ from trainer.config.files import ConfigError, json_text, write_over
 from trainer.core.kernel import Numbers
 from trainer.debrief import sections
 from trainer.debrief.attainable_words import terminal_lines
-from trainer.debrief.changes import change_of, read_changes, without_changes, write_changes
+from trainer.debrief.changes import change_of, without_changes, write_changes
 from trainer.debrief.charts import (
     RunBeside,
     attainable_chart,
@@ -34,12 +34,14 @@ from trainer.debrief.charts import (
 )
 from trainer.debrief.data import (
     DebriefData,
+    Judged,
     compare_debrief,
     debrief_figures,
     find_branch,
     gather_debrief,
+    read_judged,
 )
-from trainer.debrief.forms import compared_lines, compared_table, keep_forms
+from trainer.debrief.forms import compared_lines, compared_table, with_forms, write_forms
 from trainer.debrief.ships_met import ShipWay, locate_ship, meet_ships, ways_of_ships
 from trainer.debrief.trajectory import row_stretches
 from trainer.io.lines import plain
@@ -161,6 +163,14 @@ class DebriefRequest:
     width: str | None = None  # of the bands; None: as it was begun with
     reference_from: float | None = None  # [s] where the reference crew takes over, too
     boat: str = ""  # a page with the boat inside, to be put into this one
+    change: tuple[str, ...] = ()  # marks, each NAME: WHAT, REASON
+    change_back: tuple[str, ...] = ()  # names of changes to be taken back, before others are made
+    forms: tuple[Path, ...] = ()  # filled ones, to be kept beside the recording
+
+    @property
+    def changes_marks(self) -> bool:
+        """Return whether marks are changed, or changes taken back."""
+        return bool(self.change or self.change_back)
 
 
 def debrief_file(
@@ -170,30 +180,34 @@ def debrief_file(
     asked: DebriefRequest,
     printed: Callable[[DebriefData], str] | None = None,
 ) -> None:
-    """Write the page as HTML or PDF, and print where it is.
+    """Keep what is changed, write the page as HTML or PDF, and name it.
 
     With ``printed``, what that makes of the debrief is printed instead.
 
-    Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
+    Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong, and then
+    nothing is changed.
     """
     if html is None and pdf is None and printed is None:
         html = default_page_path(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        debrief = read_compared(path, asked)
+        judged = judge_as_asked(path, asked)
+        debrief = read_compared(path, asked, judged)
         text = render(debrief, asked.boat) if html or pdf else ""
-    for problem in debrief.excess:
-        click.echo(f"trainer: {path}: {problem}", err=True)
-    written = []
-    if html is not None:
-        write_over(html, text)
-        written.append(html)
-    if pdf is not None:
+    if pdf is not None:  # first, because there may be no browser
         with tempfile.TemporaryDirectory() as folder:
             page = Path(folder) / "debrief.html"
             write_over(page, text)
             print_pdf(page, pdf)
-        written.append(pdf)
+    if asked.changes_marks:
+        write_changes(path, judged.changes)
+    if asked.forms:
+        write_forms(path, judged.forms)
+    if html is not None:
+        write_over(html, text)
+    for problem in debrief.excess:
+        click.echo(f"trainer: {path}: {problem}", err=True)
+    written = filter(None, (html, pdf))
     click.echo(printed(debrief) if printed else "\n".join(map(str, written)))
 
 
@@ -229,10 +243,13 @@ def read_dossier(path: Path, branch: int | None, width: str | None = None) -> De
         return gather_debrief(recording, path, branch, width)
 
 
-def read_compared(path: Path, asked: DebriefRequest) -> DebriefData:
-    """Return the debrief of a recording beside the reference crew's run; ConfigError."""
+def read_compared(path: Path, asked: DebriefRequest, judged: Judged | None = None) -> DebriefData:
+    """Return the debrief of a recording beside the reference crew's run; ConfigError.
+
+    ``judged`` stands for what is kept beside the recording.
+    """
     with open_whole_recording(path) as recording:
-        debrief = gather_debrief(recording, path, asked.branch, asked.width)
+        debrief = gather_debrief(recording, path, asked.branch, asked.width, judged)
     with told_progress() as progress:
         return compare_debrief(debrief, asked.reference_from, progress)
 
@@ -271,27 +288,21 @@ def default_page_path(path: Path, branch: int | None) -> Path:
     return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
 
 
-def change_marks(
-    path: Path, asked: DebriefRequest, texts: Sequence[str], back: Sequence[str]
-) -> None:
-    """Take some changes of marks back, then keep others. A ConfigError changes nothing."""
-    if not (texts or back):
-        return
-    with open_whole_recording(path) as recording:
-        plan = plan_of(recording.header())
-        branch = find_branch(recording, path, asked.branch).id
-    changes = read_changes(path)
-    for name in back:
-        changes = without_changes(changes, name, branch)
-    write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
+def judge_as_asked(path: Path, asked: DebriefRequest) -> Judged:
+    """Return what is to be kept beside a recording; ConfigError if it cannot be.
 
-
-def keep_filled_forms(path: Path, files: Sequence[Path]) -> None:
-    """Keep filled forms beside a recording; ConfigError if one is not of its exercise."""
-    if files:
+    Some changes of marks are taken back, then others are made.
+    """
+    changes, forms = read_judged(path)
+    if asked.changes_marks or asked.forms:
         with open_whole_recording(path) as recording:
             plan = plan_of(recording.header())
-        keep_forms(path, files, plan)
+            branch = find_branch(recording, path, asked.branch).id
+        for name in asked.change_back:
+            changes = without_changes(changes, name, branch)
+        changes = *changes, *(change_of(text, branch, plan) for text in asked.change)
+        forms = with_forms(forms, asked.forms, plan)
+    return Judged(changes, forms)
 
 
 def _refuse_other(html: Path) -> None:

@@ -16,7 +16,7 @@
    a number: what the state of a moment includes is told by that number alone. The tick does not
    wait for the disk (``io/recording/durability``).
 5. **Obeyed** by who obeys it (``Obeyer``), at the present tick; it acts from the next tick on.
-6. **Answered**: in the journal, at the station, and to all others whose role hears of it.
+6. **Answered**: in the journal, then at the station, and to all others whose role hears of it.
 
 ``ORDERS`` says of each order word who obeys it and which gates it may pass. Nothing else decides
 that: the roles say who may give it, the tables of ``io/orders`` how it is worded.
@@ -44,6 +44,7 @@ from trainer.io.recording.recording import RecordingError
 from trainer.session.crew import CrewMessage
 from trainer.session.demonstration import Demonstration
 from trainer.session.event_log import CREW_KIND
+from trainer.session.journal import order_of
 from trainer.session.jump import end_replay, follow_jump
 from trainer.session.manning import unheard
 from trainer.session.parts import Parts
@@ -276,9 +277,16 @@ class Dispatch:
             station.answer(asked, reply)
 
     def give(self, order: Order, giver: Giver) -> Reply:
-        """Carry out an order that comes from no station; return the answer."""
-        crew_order = self.session.crew.meant(order)
-        return refusal(crew_order, None, self.session) or self._carried_out(crew_order, giver)
+        """Carry out an order that comes from no station; return the answer.
+
+        A plan that a gate refuses is journalled, too, because it is no longer ahead.
+        """
+        session, crew_order = self.session, self.session.crew.meant(order)
+        shut = refusal(crew_order, None, session)
+        if shut and giver.kind is GiverKind.PLAN:
+            session.history.answered(session.history.order(giver, crew_order), shut)
+            session.standing.keep()
+        return shut or self._carried_out(crew_order, giver)
 
     def carry_out(
         self, order: Order, giver: Giver, entry: int | None = None, speaker: Station | None = None
@@ -291,13 +299,7 @@ class Dispatch:
         session, rule = self.session, ORDERS[order.name]
         recorded = rule.journalled or entry is not None or giver.kind is GiverKind.PLAN
         number = session.history.order(giver, order, entry) if recorded else None
-        fact = NO_CREW_FACT
-        if entry is not None and order.name in UNSCHEDULED_WORDS:
-            answer: Reply = Refused(f"{order.text} has no place in a schedule")
-        elif rule.journalled:
-            answer, fact = self.obey(order, giver, speaker)
-        else:
-            answer = session.control.obey(order, giver.words)
+        answer, fact = self._obeyed(order, giver, entry, speaker)
         if number is not None:
             session.history.answered(number, answer, fact)
             session.standing.keep()
@@ -306,6 +308,26 @@ class Dispatch:
         if rule.obeyer in (Obeyer.PAST, Obeyer.TIME):
             session.shown.show()
         return answer
+
+    def answer_left_orders(self) -> None:
+        """Carry out what the program before had journalled, and ended before it was answered."""
+        session = self.session
+        for left in session.history.unanswered:
+            order = order_of(left, session.agenda.schedule)
+            if order is not None:
+                answer, fact = self._obeyed(order, left.giver, left.entry)
+                session.history.answered(left.id, answer, fact)
+                session.standing.keep()
+
+    def _obeyed(
+        self, order: Order, giver: Giver, entry: int | None, speaker: Station | None = None
+    ) -> tuple[Reply, CrewFact]:
+        """Have an order obeyed by who obeys it; return the answer, and its crew fact."""
+        if entry is not None and order.name in UNSCHEDULED_WORDS:
+            return Refused(f"{order.text} has no place in a schedule"), NO_CREW_FACT
+        if ORDERS[order.name].journalled:
+            return self.obey(order, giver, speaker)
+        return self.session.control.obey(order, giver.words), NO_CREW_FACT
 
     def obey(
         self, order: Order, giver: Giver, speaker: Station | None = None
@@ -379,11 +401,12 @@ class Dispatch:
 
     def obey_again(self) -> None:
         """Obey the recorded orders of this tick again, in a replay."""
-        session = self.session
+        session, before = self.session, self.session.history.after
         for order, giver in session.history.flown.recorded(session.agenda.schedule):
             if order.name in BOAT_ORDERS | CREW_TALK:
                 self.obey(order, giver)
-            session.agenda.note(order, giver, session.boat.time)
+        if session.history.after != before:
+            session.standing.put_back_plans()
 
     def tell_plans(self, station: Station | None = None) -> None:
         """Send an instructor the orders ahead; without a station all of them, if changed."""

@@ -17,7 +17,7 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import BranchCause
-from trainer.io.recording.recording import Moment, RecordedEvent, RecordingError
+from trainer.io.recording.recording import Moment, RecordedEvent, RecordedOrder, RecordingError
 from trainer.session.journal import Journal, order_of
 from trainer.session.run_faces import LiveRun, ReplayedRun, Run, ShownRun
 
@@ -52,6 +52,7 @@ class History(Journal):
     """The past of one run: its journal, its branches, the ways back to them."""
 
     flown: Run = field(init=False)
+    unanswered: list[RecordedOrder] = field(default_factory=list)  # when the program before ended
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -150,7 +151,7 @@ class History(Journal):
         self._restore(end)
         for entry in orders:
             order = order_of(entry, schedule)
-            if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
+            if order is not None and order.name in BOAT_ORDERS and entry.accepted:
                 obey_order(self.boat, order)
             self.include(entry)
         last = Moment(end.branch, end.tick, self._state(), self.after, self.entry)

@@ -89,7 +89,7 @@ def repeat_step(session: Parts, moment: Moment, why: str) -> None:
 def end_replay(session: Parts) -> None:
     """Freeze time where a replay has come to its end. The run can go on from there."""
     session.event_log.tell("moment", session.history.end_replay())
-    session.standing.put_back_plans(session.history.now())
+    session.standing.put_back_plans()
     session.conduct.judge_moment()
     session.control.stop()
     session.shown.show()

@@ -23,6 +23,7 @@ from trainer.core.kernel import Record
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.facts import GiverKind
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import (
     NO_CHANGES,
@@ -136,6 +137,8 @@ def give_orders(
         order = order_of(entry, course.plan.schedule)
         if order is None or order.name not in BOAT_ORDERS:
             continue
+        if entry.accepted is False and entry.giver.kind is GiverKind.PLAN:
+            continue  # no gate is here that may have refused it
         answer = obey_order(course.boat, order)
         refused = isinstance(answer, Refused)
         if entry.accepted is refused:

@@ -5,6 +5,7 @@ ConfigError if the vessel file, the exercise or the program has changed since, u
 insists, because the run would go on differently from how it began.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,9 +18,10 @@ from trainer.boat.helm import obey_order
 from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Refused
+from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
-from trainer.io.recording.recording import Recording
+from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.journal import order_of, restore_world
@@ -106,11 +108,24 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
                 if status := boat.tick():
                     raise ConfigError(f"cannot be brought up: {boat.failure(status)}")
                 history.ticked(history.tick)
-            order = order_of(entry, plan.schedule)
-            if order is not None and order.name in BOAT_ORDERS:
-                answer = obey_order(boat, order)
-                fact = NO_CREW_FACT if isinstance(answer, Refused) else ordered_fact(boat, order)
-                history.answered(entry.id, answer, fact)
-            history.include(entry)
+            obey_anew(history, entry, plan.schedule)
     history.read_world_orders(recording.branch)
     return history
+
+
+def obey_anew(history: History, entry: RecordedOrder, schedule: Sequence[ScheduledOrder]) -> None:
+    """Have the boat obey an order of the journal that its state does not include.
+
+    Where the program ended before it was answered, it is answered now: by the boat if it moves it,
+    and else by the session that begins.
+    """
+    order = order_of(entry, schedule)
+    if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
+        answer = obey_order(history.boat, order)
+        if entry.accepted is None:
+            refused = isinstance(answer, Refused)
+            fact = NO_CREW_FACT if refused else ordered_fact(history.boat, order)
+            history.answered(entry.id, answer, fact)
+    elif entry.accepted is None:
+        history.unanswered.append(entry)
+    history.include(entry)

@@ -164,13 +164,13 @@ class ReplayedRun:
         return 0.0
 
     def recorded(self, schedule: Sequence[ScheduledOrder]) -> Iterator[tuple[Order, Giver]]:
-        """Yield the orders that were given at this tick, and who gave each."""
+        """Yield the orders that were obeyed at this tick, and who gave each."""
         journal = self._journal
         while self._orders and self._orders[0].tick <= journal.tick:
             entry = self._orders.popleft()
             journal.include(entry)
             order = order_of(entry, schedule)
-            if order is not None:
+            if order is not None and entry.accepted:
                 yield order, entry.giver
 
     def due(self) -> Iterator[Due]:

@@ -101,7 +101,7 @@ def orders_by_tick(
     by_tick: dict[int, list[Order]] = defaultdict(list)
     for entry in orders:
         order = order_of(entry, plan.schedule)
-        if order is not None and entry.accepted is not False:
+        if order is not None and entry.accepted:
             by_tick[entry.tick].append(order)
     for event in marks:
         mark = parse(f"{MARK_ORDER} {event.text}")

@@ -72,6 +72,7 @@ class Session(Parts):
         self._write_row()
         self.conduct.guide.follow(self.history.now())  # of a lesson that goes on
         self.conduct.judge_moment()  # a recorded run may have ended in a collapse, or be over
+        self.dispatch.answer_left_orders()
         if any(self.history.flown.due_of_schedule(self.agenda.schedule)):
             self.shown.show()  # the moment as it is recorded, before what is ordered in it
             self.dispatch.obey_schedule()  # the crew's controls are in hand before time runs

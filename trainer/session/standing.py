@@ -39,18 +39,18 @@ class StandRecord:
 
     def follow(self, moment: Moment) -> None:
         """Put back what stood after the last order that a moment includes."""
-        talk, _ = self._stand_at(moment)
+        talk, plans = self._stand_after(moment.after)
         self.crew.put_back(talk, moment.tick)
-        self.put_back_plans(moment)
+        self.agenda.put_back(plans)
 
-    def put_back_plans(self, moment: Moment) -> None:
-        """Put back the plans alone, as after a replay, which has said its words itself."""
-        self.agenda.put_back(self._stand_at(moment)[1])
+    def put_back_plans(self) -> None:
+        """Put back the plans alone, as in a replay, which says its words itself."""
+        self.agenda.put_back(self._stand_after(self.history.after)[1])
 
-    def _stand_at(self, moment: Moment) -> Stand:
-        if moment.after not in self._by_order:
+    def _stand_after(self, order: int) -> Stand:
+        if order not in self._by_order:
             self._read()
-        return self._by_order.get(moment.after, EMPTY_STAND)
+        return self._by_order.get(order, EMPTY_STAND)
 
     def _read(self) -> None:
         """Understand the journal's orders again, up to the last that the state includes."""
@@ -58,7 +58,7 @@ class StandRecord:
         crew, agenda = CrewTalk(boat, HandWork(boat)), Agenda(boat)
         for entry in self.history.said():
             order = parse(entry.text)
-            taken = entry.accepted is not False
+            taken = bool(entry.accepted)
             if isinstance(order, Order) and taken and order.name in CREW_WORDS:
                 crew.note(order, entry.giver, entry.tick, entry.crew)  # but no report of pumps
             if isinstance(order, Order) and (taken or entry.giver.kind is GiverKind.PLAN):

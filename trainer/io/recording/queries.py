@@ -103,7 +103,7 @@ class RecordedOrder:
     giver: Giver
     text: str
     entry: int | None  # in the schedule; None when somebody gave it
-    accepted: bool | None  # None when the program ended before the answer was written
+    accepted: bool | None  # None when the program ended before it was answered
     answer: str
     crew: CrewFact = NO_CREW_FACT
 

@@ -1,11 +1,11 @@
 """A recording is one file of a run: its orders, states and events.
 
 ``session/history`` writes it. It stores bytes, text and numbers; only its caller knows what they
-mean. An order is written before it acts. Orders, snapshots and forks are committed when the call
-returns; the rest is gathered, and a thread commits it within a second. A process that is killed
-loses nothing that is committed. One whose machine loses power loses no order, mark, snapshot or
-fork older than SAFE_WITHIN_S, and no tick older than FLOWN_WITHIN_S: a thread waits for the disk,
-never the caller. `behind` says if it takes longer.
+mean. An order is written before it acts, and its answer before it goes out. Orders, answers,
+snapshots and forks are committed when the call returns; the rest is gathered, and a thread commits
+it within a second. A process that is killed loses nothing that is committed. One whose machine
+loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no tick older than
+FLOWN_WITHIN_S: a thread waits for the disk, never the caller. `behind` says if it takes longer.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
 recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it is
@@ -231,8 +231,9 @@ class Recording(Past):
         accepted: bool,  # noqa: FBT001
         crew: CrewFact = NO_CREW_FACT,
     ) -> None:
-        """Record the answer to an order, and its crew fact."""
+        """Write the answer to an order and its crew fact, before it goes out."""
         self._put(ANSWER_UPDATE, (answer, int(accepted), crew.news.value, crew.order, order))
+        self.flush()
 
     def state(self, tick: int, state: bytes) -> None:
         """Take the state at the end of a tick. A second state of the same tick is ignored."""
