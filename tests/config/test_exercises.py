@@ -19,7 +19,7 @@ from trainer.boat.casualties import active_casualties
 from trainer.boat.helm import obey_order
 from trainer.config.course import course
 from trainer.config.course import lessons as step_lessons
-from trainer.config.exercise import Exercise, load_exercise, parse_exercise
+from trainer.config.exercise import AUTOMATIC_ORDERS, Exercise, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.options import RunOptions
@@ -238,6 +238,24 @@ def test_a_wrong_file_is_refused_with_table_key_value_and_limit(text: str, messa
         problem.startswith(("drill.toml: ", "no sea")) and "\n" not in problem
         for problem in wrong.value.problems
     )
+
+
+@pytest.mark.parametrize(
+    ("crew", "orders"),
+    [
+        ("course 045", ("course 045", "course right 20", "course left to 045")),
+        ("depth 80", ("depth 80", "periscope depth", "hover on")),
+        ("periscope depth", ("depth 80", "periscope depth", "hover on")),
+        ("speed 8", ("speed 8",)),
+    ],
+)
+def test_whatever_keeps_what_the_crew_is_ordered_mans_it(
+    crew: str, orders: tuple[str, ...]
+) -> None:
+    names = {order.name for order in map(parse, orders) if isinstance(order, Order)}
+    assert {each for each in AUTOMATIC_ORDERS if each in names} == names
+    for name in names:
+        drill(f"allowed = ['{name}']\n[[orders]]\nat_s = 1\norder = 'order {crew}'")
 
 
 def test_each_mistake_is_told_with_its_line() -> None:

@@ -68,13 +68,14 @@ AUTOMATIC_ORDERS_BY_AXIS: Final[Mapping[str, tuple[str, ...]]] = {
 AUTOMATIC_ORDERS: Final = tuple(
     dict.fromkeys(name for names in AUTOMATIC_ORDERS_BY_AXIS.values() for name in names)
 )
-MANNED_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to the crew
-    "course": ("rudder", "course", "course-by"),
-    "depth": ("planes", "ballast", "depth", "periscope", "hover"),
-    "periscope": ("planes", "ballast", "depth", "periscope", "hover"),
+HANDS_BY_CREW_AXIS: Final[Mapping[str, tuple[str, ...]]] = {  # that carry out an order to the crew
+    "course": ("rudder",),
+    "depth": ("planes", "ballast"),
+    "periscope": ("planes", "ballast"),
     "speed": ("speed",),
     "pitch": ("planes", "ballast"),
 }
+KEPT_AXES: Final = HANDS_BY_CREW_AXIS.keys() - {"pitch"}  # by an order to the autopilot as well
 AIDS: Final = ("ghost", "predictor")
 EXERCISE_TABLES: Final = (
     "initial",
@@ -377,6 +378,14 @@ def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     return tuple(each for each in value if isinstance(each, str)) if isinstance(value, list) else ()
 
 
+def controls_manning(axis: str) -> tuple[str, ...]:
+    """Return the hands and orders of which one must be there for an order to the crew."""
+    hands = HANDS_BY_CREW_AXIS[axis]
+    orders = (each for hand in hands for each in AUTOMATIC_ORDERS_BY_AXIS[hand])
+    kept = (each for each in orders if axis in KEPT_AXES and " " not in each)
+    return tuple(dict.fromkeys((*hands, *kept)))
+
+
 def _unmanned(table: Mapping[str, Any], position: Position) -> list[str]:
     """Return problems of scheduled orders to the crew for an axis that nobody mans."""
     if not isinstance(table.get("hand", []), list):
@@ -389,8 +398,8 @@ def _unmanned(table: Mapping[str, Any], position: Position) -> list[str]:
         order = parse(text) if isinstance(text, str) else None
         order = to_the_crew(order) if isinstance(order, Order) else order
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
-        if isinstance(order, Order) and order.name == "order" and axis in MANNED_CONTROLS:
-            manned = MANNED_CONTROLS[axis]
+        if isinstance(order, Order) and order.name == "order" and axis in HANDS_BY_CREW_AXIS:
+            manned = controls_manning(axis)
             if not set(manned) & set(order_names):
                 message = f"nobody mans it: hand = [{', '.join(map(quote, order_names))}]"
                 message += f" has none of {', '.join(manned)}"

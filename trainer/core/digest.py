@@ -2,9 +2,13 @@
 
 A recording names that of the core that made it, so that a replay by another core is told; so do
 the shipped machine code and what is exported. ``cache`` names its folder by that of all kernels.
+
+Comments, docstrings and blank lines do not count: words compute nothing. They are found by their
+form, which the formatter keeps, because to parse the core would take a tenth of a start.
 """
 
 import hashlib
+import re
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +20,10 @@ KERNEL_FOLDERS = (  # folders that have any
     "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset({"fbdb20f4c45be54b"})
+SAME_BITS: frozenset[str] = frozenset({"fbdb20f4c45be54b", "b87f9de2027c0431"})
+OWN = Path(__file__)  # which says what counts, and computes nothing
+DOCSTRING = re.compile(r'(\A|:(?:  #[^\n]*)?\n)\s*"""(?:[^"\\]|\\.|"(?!""))*"""', re.DOTALL)
+COMMENT = re.compile(r"""((?:"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^#"'])*)#.*""")
 
 
 @cache
@@ -26,11 +33,11 @@ def core_digest() -> str:
 
 
 def sources(*folders: str) -> list[Path]:
-    """Return the sources in folders of the package, and in the folders within them."""
+    """Return the sources in folders of the package, and in those within them, but this one."""
     here = Path(__file__).parents[1]
     return [
         here / "units.py",
-        *(path for each in folders for path in sorted((here / each).rglob("*.py"))),
+        *(path for each in folders for path in sorted((here / each).rglob("*.py")) if path != OWN),
     ]
 
 
@@ -38,7 +45,7 @@ def digest_sources(*folders: str) -> str:
     """Return a short hash of the sources in folders of the package."""
     digest = hashlib.sha256()
     for path in sources(*folders):
-        digest.update(path.name.encode() + b"\0" + read_source(path))
+        digest.update(f"{path.name}\0{without_words(read_source(path))}".encode())
     return digest.hexdigest()[:16]
 
 
@@ -47,6 +54,16 @@ def same_core(digest: object) -> bool:
     return digest == core_digest() or digest in SAME_BITS
 
 
-def read_source(path: Path) -> bytes:
+def read_source(path: Path) -> str:
     """Return a source with its line ends as the repository has them."""
-    return path.read_bytes().replace(b"\r\n", b"\n")
+    return path.read_bytes().replace(b"\r\n", b"\n").decode()
+
+
+def without_words(source: str) -> str:
+    """Return the lines of a source that compute: without comments, docstrings and blank lines."""
+    lines = DOCSTRING.sub(r"\1", source).splitlines()
+    return "\n".join(
+        line
+        for each in lines
+        if (line := COMMENT.sub(r"\1", each).rstrip() if "#" in each else each)
+    )
