@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from helpers.boats import fly
 from helpers.orders import obey_all, read_order
+from helpers.sessions import frame_of
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -16,6 +17,7 @@ from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.vessel import load_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.io.orders.grammar import Refused
+from trainer.session.stations.panels import compressor
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -263,6 +265,18 @@ def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
     obey_all(boat, "depth 65", "planes manual")
     fly(boat, 900.0)
     assert boat.state.z == pytest.approx(65.0, abs=0.5)
+
+
+def test_a_compressor_without_air_says_where_it_has_some(boat: Boat) -> None:
+    boat.state.z = 60.0
+    assert obey_order(boat, read_order("compressor on")) == (
+        "compressor on; it has air at 17.5 m or less"
+    )
+    frame = frame_of(boat)
+    assert compressor(frame) == "no air"
+    boat.state.z = 17.5
+    assert compressor(frame_of(boat)) == "on"
+    assert obey_order(boat, read_order("compressor on")) == "compressor on"
 
 
 def test_status_tells_of_tanks_air_and_sea_in_79_columns(boat: Boat) -> None:

@@ -350,7 +350,10 @@ def test_the_compressor_charges_the_banks_and_not_beyond_full(tanks: Tanks) -> N
     s.bank[:] = tanks.b.bank_full - [30.0, 15.0]
     tanks.run(60.0)
     assert s.bank_main == tanks.b.bank_full[0] - 30.0
-    s.compressor = 1.0
+    s.compressor, s.z = 1.0, tanks.b.intake_depth + 0.1
+    tanks.run(400.0)
+    assert s.air_taken == 0.0  # there is no air from above
+    s.z = tanks.b.intake_depth
 
     tanks.run(100.0)
     assert s.bank.sum() == pytest.approx(tanks.b.bank_full.sum() - 45.0 + 15.0)

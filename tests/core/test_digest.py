@@ -33,7 +33,7 @@ def deepen(z: float) -> float:  # noqa: D103
 
 def lines_that_compute(source: str) -> list[str]:
     """Return a source's lines without words, as Python itself tells what are words."""
-    lines, gone = source.splitlines(), set()
+    lines, gone = source.splitlines(), set[int]()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and node.body:
             first = node.body[0]

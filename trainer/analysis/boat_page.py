@@ -111,7 +111,7 @@ def fittings(boat: Boat) -> dict[str, Any]:
         "compartments": COMPARTMENTS,
         "banks": BANKS,
         "valves": VALVES,
-        "compressor": bool(boat.vessel.compressor_rate),
+        "intake": float(boat.vessel.intake_depth) if boat.vessel.compressor_rate else None,
         "kinds": KINDS,
         "slots": MAX_CASUALTIES,
         "axes": CREW_AXES,

@@ -91,6 +91,9 @@ def _write_air(ballast: Ballast, record: Record) -> None:
         math.sqrt(ADIABATIC_INDEX / gas) * (2.0 / (ADIABATIC_INDEX + 1.0)) ** exponent
     )
     record["compressor_rate"] = ballast.air.compressor_kg_s
+    awash = 0.5 * record["hull_diameter"] - record["hull_axis"]
+    mast = ballast.air.intake_depth_m
+    record["intake_depth"] = awash if mast is None else mast
     for row in ballast.banks:
         index = BANKS.index(row.name)
         record["bank_volume"][0, index] = row.volume_m3

@@ -151,6 +151,9 @@ def _drain(boat: Boat, order: Order) -> Reply:
 
 def _compressor(boat: Boat, order: Order) -> Reply:
     boat.state.compressor = float(order.word == "on")
+    reach = float(boat.vessel.intake_depth)
+    if order.word == "on" and float(boat.state.z) > reach:
+        return f"compressor on; it has air at {reach:.3g} m or less"
     return f"compressor {order.word}"
 
 

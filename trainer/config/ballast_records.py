@@ -14,6 +14,7 @@ from trainer.config.schema import (
     Quantity,
     Rows,
     Table,
+    optional,
     required,
     within,
 )
@@ -98,6 +99,9 @@ class Air:
 
     temperature_c: float = required("degC", within(-5, 40), "of the air throughout")
     compressor_kg_s: float = required("kg/s", within(0, 100), "charging rate; 0: none")
+    intake_depth_m: float | None = optional(
+        Quantity("m", within(-100, 100), "deepest origin with air; left out: hull awash")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

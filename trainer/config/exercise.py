@@ -379,7 +379,7 @@ def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
 
 
 def controls_manning(axis: str) -> tuple[str, ...]:
-    """Return the hands and orders of which one must be there for an order to the crew."""
+    """Return the hands and orders that can carry out an order to the crew."""
     hands = HANDS_BY_CREW_AXIS[axis]
     orders = (each for hand in hands for each in AUTOMATIC_ORDERS_BY_AXIS[hand])
     kept = (each for each in orders if axis in KEPT_AXES and " " not in each)

@@ -121,6 +121,7 @@ BALLAST_SOURCES: Final = {
     **_sources("s/m", choked="= ballast.air.temperature_c"),
     **_sources("kg/s", compressor_rate="ballast.air.compressor_kg_s", pump_rate="ballast.pumps"),
     **_sources("m", shutoff_depth="ballast.pumps.shutoff_depth_m"),
+    **_sources("m", intake_depth="= ballast.air.intake_depth_m, vessel"),
     **_sources("rad/s", hover_frequency="ballast.hover.frequency_rad_s"),
     **_sources("m/s", hover_rate="ballast.hover.depth_rate_m_s"),
     **_sources("kg/m", compressibility="ballast.sea.compressibility_kg_m"),

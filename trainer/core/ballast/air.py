@@ -214,9 +214,14 @@ def fill_with_air(vessel: Record, tank: int, depth: float, state: Record) -> Non
 
 @part
 def compress(ballast: Record, h: float, state: Record) -> None:
-    """Charge the banks for ``h`` [s], the first that is not full before the other."""
+    """Charge the banks for ``h`` [s], the first that is not full before the other.
+
+    The air comes from above: what the hull holds at the pressure of its crew fills no bank.
+    """
     b = ballast[0]
     s = state[0]
+    if s.z > b.intake_depth:
+        return
     left = b.compressor_rate * h
     for i in range(2):
         before = s.bank[i]

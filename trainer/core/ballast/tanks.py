@@ -56,6 +56,7 @@ BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     "gas",  # [J/kg] gas constant times temperature
     "choked",  # [s/m] mass flow of a sonic nozzle per area and pressure
     "compressor_rate",  # [kg/s]
+    "intake_depth",  # [m] of the origin, down to which the compressor has air from above
     ("pump_rate", (len(PUMPS),)),  # [kg/s]
     "shutoff_depth",  # [m] where the pumps no longer deliver to the sea
     "hover_frequency",  # [rad/s]

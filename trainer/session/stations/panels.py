@@ -204,10 +204,12 @@ def is_working(name: str) -> Field:
 
 
 def compressor(frame: Frame) -> Value:
-    """Return whether the compressor works, where the boat has one."""
-    if not frame.boat.vessel.compressor_rate:
+    """Return whether the compressor works, where the boat has one, and has air."""
+    vessel = frame.boat.vessel
+    if not vessel.compressor_rate:
         return None
-    return "on" if frame["compressor"] else "off"
+    running = "on" if frame["z"] <= vessel.intake_depth else "no air"
+    return running if frame["compressor"] else "off"
 
 
 def trim_mode(frame: Frame) -> Value:

@@ -8,7 +8,7 @@ import { remainder } from "./rows.js";
  * @typedef {{ channels: Record<string, [string, string, number][]>, toward: Record<string, number>,
  *   rps: number, bells: [string, number][], tanks: string[], compartments: string[], banks: string[],
  *   valves: string[], capacity: number[], bank_volume: number[], bank_full: number[], gas: number,
- *   buoyancy: number, g: number, sail: [number, number], compressor: boolean, kinds: string[],
+ *   buoyancy: number, g: number, sail: [number, number], intake: number | null, kinds: string[],
  *   slots: number, axes: string[], sides: Record<string, [string, string]>,
  *   gauge_units: Record<string, [string, number]>, shares: Record<string, string>, knot: number }} Fittings
  */
@@ -194,7 +194,11 @@ function ballast(r) {
     draining: drained,
     hover: () => (r.get("hover") ? "on" : "off"),
     trim_mode: () => (trims ? (r.get("trim_by_hand") ? "hand" : "auto") : null),
-    compressor: () => (fittings.compressor ? (r.get("compressor") ? "on" : "off") : null),
+    compressor: () => {
+      if (fittings.intake === null) return null;
+      const running = r.get("z") <= fittings.intake ? "on" : "no air";
+      return r.get("compressor") ? running : "off";
+    },
     negative_flood: () => (r.get("negative_flood") ? "open" : "shut"),
   };
 }

@@ -147,7 +147,8 @@ export class TankPanel {
       /** @type {PositionSwitch} */ (node).show(position(valves ?? {}, group), wanted[group]),
     );
     this.each("[data-switch]", (node, name) => {
-      const stands = session.word(SWITCHES[name][0]) || "stop";
+      const told = session.word(SWITCHES[name][0]) || "stop";
+      const stands = told === "no air" ? "on" : told;
       const ordered = this.pending.resolve(`switch ${name}`, stands);
       /** @type {PositionSwitch} */ (node).show(stands, ordered);
     });
