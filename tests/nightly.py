@@ -48,6 +48,9 @@ PARTS: Final = {
         (*PYTEST, "-m", "slow"),
         {"CI_APT": "1"},
     ),
+    "lowest": Part(
+        "the lowest version of every library that is allowed will do", ("tests.lowest",)
+    ),
     "site": Part(
         "the documents as a site: every link leads somewhere, nothing comes from another host",
         ("mkdocs", "build", "--strict"),

@@ -1,8 +1,10 @@
 """The Python face: the same bits and the same words as the command line, and next to no cost."""
 
 import ast
+import copy
 import json
 import math
+import pickle
 import sys
 import threading
 from collections.abc import Callable
@@ -467,3 +469,39 @@ def test_what_is_shipped_is_listed_by_name() -> None:
     assert trainer.seas()["sea-state-4"] == "Sea state 4, moderate"
     listed = json.loads(CliRunner().invoke(cli, ["exercises", "--json"]).stdout)
     assert list(trainer.exercises().items()) == list(listed.items())
+
+
+COPIES = {
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda boat: pickle.loads(pickle.dumps(boat)),  # noqa: S301  our own
+}
+
+
+@pytest.mark.parametrize("way", COPIES.values(), ids=COPIES)
+@pytest.mark.parametrize("exercise", ["crossing-traffic", "heavy-boat", "stern-plane-jam"])
+def test_a_copy_flies_on_as_its_boat_and_neither_moves_the_other(
+    exercise: str, way: Callable[[trainer.Boat], trainer.Boat], tmp_path: Path
+) -> None:
+    boat = trainer.Boat(exercise=exercise, sea="sea-state-4", record=tmp_path / "it.trainer")
+    boat.run(20)
+    boat.order("stern planes dive 4")
+    boat.run(40)
+    boat.order("order depth 70")
+    boat.order("rudder left 5")
+    here = boat.state
+    twin = way(boat)
+    assert (twin.state, twin.time, twin.events) == (here, boat.time, boat.events)
+    for each in (twin, boat):
+        each.run(30)
+        each.order("rudder right 10")
+        each.run(60)
+    assert (twin.state, twin.lost) == (boat.state, boat.lost)
+    assert all((twin.columns[name] == boat.columns[name]).all() for name in boat.columns)
+    assert [each["text"] for each in twin.orders] == [each["text"] for each in boat.orders]
+    there = boat.state
+    twin.run(10)
+    assert boat.state == there
+    boat.close()
+    with pytest.raises(trainer.TrainerError, match="closed"):
+        way(boat)

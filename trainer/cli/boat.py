@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypedDict, Unpack
 
 import numpy as np
 
@@ -85,6 +85,15 @@ class Snapshot:
     _of: object = field(repr=False)
 
 
+class Flown(NamedTuple):
+    """What a boat has flown, as its copy takes it over."""
+
+    moment: Moment  # its last
+    orders: tuple[RecordedOrder, ...]
+    rows: "array[float]"
+    events: "tuple[News, ...]"
+
+
 class Boat:
     """A boat that is ordered and run by calls, as fast as it goes.
 
@@ -103,6 +112,10 @@ class Boat:
     - ``record``: path of a recording to write. ``close`` ends it, and so does the end of a ``with``
       statement.
 
+    ``copy.copy`` and ``copy.deepcopy`` give another boat at the same moment, to the bit, with what
+    was flown. So does pickle, where the vessel file and the exercise are the same. No copy is
+    recorded, and snapshots are of their own boat.
+
     TrainerError with the command line's words if something is wrong, and for a call that comes
     while another thread's is under way: give each thread a boat of its own.
     """
@@ -118,6 +131,7 @@ class Boat:
                 "record=: a recorded run begins as its exercise or vessel file says, so that it "
                 "can be replayed; leave out speed, depth and course, or write an exercise"
             )
+        self._given = {"vessel": vessel, **options, "record": None}
         self._boat = ready_boat(self._plan, chosen)
         state = self._boat.records.state.tobytes()
         keeper: Recording | OrderMemory = OrderMemory()
@@ -317,6 +331,21 @@ class Boat:
         finally:
             self._lock.release()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        with self._alone():
+            self._refuse_closed()
+            moment = replace(self._session.history.now(), branch=1)
+            flown = Flown(moment, (*self._journal(),), self._rows.numbers[:], (*self._events,))
+        return _another_boat, (self._given, flown)
+
+    def _take_over(self, flown: Flown) -> None:
+        """Be where another boat of this plan is."""
+        self._keeper = self._session.history.recording = OrderMemory(flown.orders)
+        with np.errstate(all="ignore"):
+            jump_to(self._session, flown.moment, "copied")
+        self._rows.numbers[:] = flown.rows
+        self._events[:] = flown.events
+
     def _refuse_closed(self) -> None:
         """Raise ConfigError if the boat is closed."""
         if self._closing is not None:
@@ -334,26 +363,33 @@ class Boat:
         return f"{self._boat.file.name}: {self.time:g} s, {where}"
 
 
+def _another_boat(given: BoatOptions, flown: Flown) -> Boat:
+    """Return a boat that was begun as another, and is where that is."""
+    boat = Boat(**given)
+    boat._take_over(flown)  # noqa: SLF001  its own kind
+    return boat
+
+
 class _TickRows:
     """The columns of each tick, in memory; the place of a row is its tick."""
 
     trouble = ""
 
     def __init__(self) -> None:
-        self._numbers = array("d")
+        self.numbers = array("d")
 
     def row(self, values: Sequence[float]) -> None:
         """Take the columns of one tick, unless they are here."""
-        if len(self._numbers) == int(values[0]) * ROW_WIDTH:
-            self._numbers.extend(values)
+        if len(self.numbers) == int(values[0]) * ROW_WIDTH:
+            self.numbers.extend(values)
 
     def cut(self, tick: int) -> None:
         """Drop the rows after a tick."""
-        del self._numbers[(tick + 1) * ROW_WIDTH :]
+        del self.numbers[(tick + 1) * ROW_WIDTH :]
 
     def columns(self) -> dict[str, Numbers]:
         """Return copies of the columns, by name."""
-        table = np.array(self._numbers).reshape(-1, ROW_WIDTH)
+        table = np.array(self.numbers).reshape(-1, ROW_WIDTH)
         return {name: table[:, i].copy() for i, name in enumerate(MOTION_COLUMNS)}
 
 

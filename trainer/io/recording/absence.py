@@ -4,7 +4,7 @@ They have the methods of ``recording.Recording``. ``NoRecording`` drops everythi
 remembers the orders alone, for the Python face, which lists them.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
@@ -97,9 +97,11 @@ class NoRecording:
 class OrderMemory(NoRecording):
     """A recording in memory: only the orders of the present branch."""
 
-    def __init__(self) -> None:
+    def __init__(self, orders: Iterable[RecordedOrder] = ()) -> None:
+        """Remember orders that were given before."""
         super().__init__()
-        self._orders: list[RecordedOrder] = []
+        self._orders = [*orders]
+        self._order = max((each.id for each in self._orders), default=0)
 
     def order(self, tick: int, giver: Giver, text: str, entry: int | None = None) -> int:
         """Keep an order; return its number."""
