@@ -23,9 +23,8 @@ from typing import Any, Final, NamedTuple, NoReturn
 from trainer.io.outputs import note_input, open_new, renew_whole, write_whole
 
 MAX_FILE_BYTES = 1_000_000  # [byte]
-# tomllib takes minutes over one dotted key of a hundred thousand parts.
-MAX_LINE_LETTERS = 10_000  # [characters]
-MIN_NONZERO_SIZE: Final = 1e-12  # of a number that is not 0, in any unit; less is a slip
+MAX_LINE_LETTERS = 10_000  # [characters]; tomllib takes minutes over 100,000 dotted parts
+MIN_NONZERO_SIZE: Final = 1e-12  # of a number that is not 0, in any unit
 MAX_QUOTED_LETTERS = 60  # [characters] of a value, a key or a table in a message
 MAX_NESTED_TABLES: Final = 20  # tables and lists within one another; ours have 5
 MAX_WHOLE_NUMBER: Final = 2**63  # as TOML has it; Python takes any length, and float() does not
@@ -488,10 +487,7 @@ def _value_hint(line: str) -> str:
 
 
 def toml_value(value: Any, form: str = "") -> str:
-    """Return a value as TOML writes it, on one line; what is too small to be read is 0.
-
-    ``form`` is that of a float, else all its digits.
-    """
+    """Return a value as TOML writes it; a float too small to read is 0."""
     if isinstance(value, Mapping):
         inside = (f"{format_key(key)} = {toml_value(each, form)}" for key, each in value.items())
         return f"{{ {', '.join(inside)} }}"

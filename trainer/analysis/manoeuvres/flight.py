@@ -225,7 +225,7 @@ class Flight:
         return replace(self, series=series)
 
     def along(self, mark: str) -> "Flight":
-        """Return the flight with x and y along and across the heading at an event of that name."""
+        """Return the flight with x and y along and across the heading at a mark."""
         heading = self.at(self.time_of(mark) or 0.0, "psi") or 0.0
         x, y = self.column("x"), self.column("y")
         cosine, sine = math.cos(heading), math.sin(heading)
