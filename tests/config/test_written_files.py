@@ -42,7 +42,7 @@ from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.config.vessel_template import write_new as write_vessel
 from trainer.core.terms import EXTRA_TERMS
 from trainer.debrief.changes import Change, read_changes, write_changes
-from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
+from trainer.debrief.forms import EvaluationForm, FormHeading, read_forms, write_forms
 from trainer.identify.experiment import exercise_text
 from trainer.identify.pages.ship_files import rewrite_coefficients
 from trainer.identify.record.proposal import write_proposal
@@ -88,7 +88,7 @@ def records(record: Any) -> st.SearchStrategy[Any]:
 
 def same(read: Any, written: Any, digits: int = 15) -> None:
     """Assert that what was read is what was written, to so many digits, and 0 what was tiny."""
-    if isinstance(written, float | np.floating):
+    if isinstance(written, float):
         wanted = 0.0 if abs(written) < MIN_NONZERO_SIZE else written
         assert read == pytest.approx(wanted, rel=10.0**-digits, abs=0.0)
     elif isinstance(written, Mapping):
@@ -271,7 +271,7 @@ def test_changes_are_read_as_they_were_written(changes: list[Change]) -> None:
 @MANY
 @given(st.data())
 def test_forms_are_read_as_they_were_written(data: st.DataObject) -> None:
-    heading = {name: values_of(kind) for name, kind in kinds_of(EvaluationForm.__base__).items()}
+    heading = {name: values_of(kind) for name, kind in kinds_of(FormHeading).items()}
     marks = st.dictionaries(PRINTED, numbers(0.0, 100.0), min_size=1, max_size=3)
     forms = data.draw(st.lists(st.builds(EvaluationForm, **heading, marks=marks), min_size=1))
     with TemporaryDirectory() as folder:
