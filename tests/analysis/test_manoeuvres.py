@@ -15,7 +15,7 @@ from helpers.places import DATA
 
 from trainer.analysis import manoeuvres
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust_manoeuvre, find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Manoeuvre, fly_manoeuvre
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions, fly_boat
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
@@ -83,7 +83,6 @@ def expected(run: dict[str, Any]) -> dict[str, float | None]:
         "t180": "time to 180 degrees",
         "tactical_diameter": "tactical diameter",
         "steady_diameter": "steady diameter",
-        "u_end": "steady speed",
         "phi_end": "steady roll",
         "phi_max": "largest roll",
         "z_max": "largest depth change",
@@ -120,6 +119,8 @@ def test_measures_are_those_of_an_independent_implementation(run: dict[str, Any]
 
     ours = {one.name: one for one in manoeuvre.measures(flight)}
     assert not flight.lost
+    if "u_end" in run:
+        assert flight.column("u")[-1] / FOOT == pytest.approx(run["u_end"], rel=2e-4)
     for name, value in expected(run).items():
         if value is None:
             assert ours[name].value is None, name
@@ -544,3 +545,33 @@ def test_a_track_is_plotted_with_one_scale() -> None:
     curve = plots.Curve("way", np.array([0.0, 1.0]), np.array([60.0, 80.0]))
     assert axes_of(plots.Panel(plots.TRACK_TITLE, "x", "y", (curve,))).get_aspect() == 1.0
     assert axes_of(plots.Panel("roll", "x", "y", (curve,))).get_aspect() != 1.0
+
+
+# --- what a heading at the order other than 0 changes
+
+
+def turned_about(flight: Flight, angle: float) -> Flight:
+    """Return the same motion seen with north an angle [rad] further round."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x, y, psi = (flight.column(name) for name in ("x", "y", "psi"))
+    turned = {"x": cosine * x - sine * y, "y": sine * x + cosine * y, "psi": psi + angle}
+    return replace(flight, series=Series(flight.series.path, {**flight.series.columns, **turned}))
+
+
+@pytest.mark.parametrize("name", ["zigzag-20", "turn", "climbing-turn", "turning-circle"])
+def test_a_track_counts_from_the_heading_at_the_order(name: str) -> None:
+    file, wanted = load_vessel("bb2"), find_manoeuvre(name)
+    flight = fly_manoeuvre(Submarine(file, Method("full", "exact", "exact", "rk4", 0.5)), wanted, 5)
+    other = wanted.measures(turned_about(flight, math.radians(1.1)))
+    for one, seen in zip(wanted.measures(flight), other, strict=True):
+        assert seen.value == pytest.approx(one.value, rel=1e-6, abs=1e-9), one.name
+
+
+def test_the_speed_of_a_turn_is_the_ship_s_and_not_its_part_ahead() -> None:
+    file = load_vessel("bb2")
+    flight = fly_manoeuvre(Submarine(file, Method("full", "exact", "exact", "rk4", 0.5)), Turn(), 5)
+    u, v, w = (float(flight.column(name)[-1]) for name in ("u", "v", "w"))
+    found = {one.name: one.value for one in Turn().measures(flight)}
+    assert abs(v) > 0.1 * u
+    assert found["steady speed"] == pytest.approx(math.sqrt(u * u + v * v + w * w))
+    assert found["steady speed, of the first"] == pytest.approx(math.hypot(u, v, w) / 5.0)

@@ -150,3 +150,16 @@ def test_the_page_has_the_weights_of_table_14_for_a_sum_of_cosines_alone() -> No
         assert done.exit_code == 0
         assert done.output.isascii()
         assert max(map(len, done.output.splitlines())) <= 79
+
+
+def test_the_energy_of_a_band_has_the_standard_error_of_its_series() -> None:
+    x = np.array([1.02, 1.05, 1.08])
+    energies = np.array([1.0, 3.0, 8.0])  # of three series, in the band from 1.0
+    variance = energies[:, None] * np.full((3, 3), 1.0 / 3.0)
+    band = next(
+        one for one in seaway.in_bands(x, variance, 1.0, 0.5) if one.begin == pytest.approx(1.0)
+    )
+    assert band.ratio is not None
+    assert band.error is not None
+    # the mean is 4, the deviations -3, -1, 4: sqrt(26/2)/sqrt(3)
+    assert band.error / band.ratio == pytest.approx(math.sqrt(13.0 / 3.0) / 4.0)

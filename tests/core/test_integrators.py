@@ -61,11 +61,18 @@ def observed_order(integrator: str, rates: str, h: float) -> float:
         ("adams4", "exact", 2.0, 0.05),
         ("heun", "exact", 2.0, 0.05),
         ("abm2", "exact", 2.0, 0.05),
+        ("abm3", "exact", 2.0, 0.05),
+        ("abm4", "exact", 2.0, 0.05),
+        ("hamming4", "exact", 2.0, 0.05),
+        ("o30c31", "exact", 2.0, 0.05),
         ("bdf2", "exact", 2.0, 0.05),
+        ("bdf3", "exact", 2.0, 0.05),
         ("rk2", "exact", 2.0, 0.25),
         ("rk3", "exact", 3.0, 0.25),
         ("rk4", "exact", 4.0, 0.5),
         ("adams2", "lagged", 1.0, 0.0125),  # errata C27: formally first order
+        ("abm4", "lagged", 1.0, 0.0125),
+        ("rk4", "lagged", 1.0, 0.05),
     ],
 )
 def test_each_method_has_its_order(integrator: str, rates: str, order: float, h: float) -> None:

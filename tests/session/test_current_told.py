@@ -58,7 +58,8 @@ def carried(boat: Boat) -> Frame:
     """Return what is seen of a boat that heads 045 at 10 kn, slips to port, in 2 kn towards 090."""
     boat.start(10.0 * KNOT, 60.0, math.radians(45.0))
     s = boat.state
-    s.u, s.v, s.psi = 10.0 * KNOT, -0.3 * KNOT, math.radians(45.0)
+    s.u, s.v, s.w, s.psi = 10.0 * KNOT, -0.3 * KNOT, 0.0, math.radians(45.0)
+    s.phi = s.theta = 0.0  # the trim of a level boat
     s.current[:] = 0.0, 2.0 * KNOT, 0.0, 0.0
     s.xdot = (s.u - s.v) * math.sqrt(0.5)
     s.ydot = (s.u + s.v) * math.sqrt(0.5) + s.water_east

@@ -156,18 +156,29 @@ def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
     assert float(fields["INGGA"][8]) == pytest.approx(-s.z, abs=0.0051)
     assert float(fields["INVHW"][4]) == pytest.approx(s.u / KNOT, abs=0.0051)
     assert float(fields["INVHW"][6]) == pytest.approx(s.u * 3.6, abs=0.0051)
-    assert float(fields["INROT"][0]) == pytest.approx(math.degrees(s.psidot) * 60.0, abs=0.051)
     assert float(fields["PASHR"][3]) == pytest.approx(math.degrees(s.phi), abs=0.0051)
     assert float(fields["INXDR"][1]) == pytest.approx(math.degrees(s.theta), abs=0.0051)
     assert float(fields["INRSA"][0]) == pytest.approx(10.0, abs=0.0051)
     assert float(fields["INXDR2"][1]) == pytest.approx(4.0, abs=0.0051)
     assert fields["INROR"] == ("10.00", "A", "", "V", "B")
     assert fields["INETL"][1:3] == ("O", "04")
-    way = math.hypot(s.xdot, s.ydot) / KNOT
-    assert float(fields["INRMC"][6]) == pytest.approx(way, abs=0.0051)
+    assert fields["PXSCC"][1:3] == ("60", "10.00")
+
+
+@pytest.mark.parametrize("ticks", [4, 12, 60])
+def test_rates_and_velocities_are_of_the_tick_that_is_told(ticks: int) -> None:
+    boat = under_way(course=200.0)
+    obey_all(boat, "rudder right 20")
+    take_ticks(boat, ticks)
+    fields = told(boat)
+    take_ticks(boat, 1)  # the rates that the next tick begins with are those of the motion told
+    s = boat.state
+    rate = math.degrees(s.psidot)
+    assert float(fields["INROT"][0]) == pytest.approx(60.0 * rate, abs=0.051)
+    assert float(fields["PXSCM"][7]) == pytest.approx(rate, abs=0.00051)
+    assert float(fields["INRMC"][6]) == pytest.approx(math.hypot(s.xdot, s.ydot) / KNOT, abs=0.0051)
     track = math.degrees(math.atan2(s.ydot, s.xdot)) % 360.0
     assert float(fields["INVTG"][0]) == pytest.approx(track, abs=0.0051)
-    assert fields["PXSCC"][1:3] == ("60", "10.00")
 
 
 def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:

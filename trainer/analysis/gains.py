@@ -15,7 +15,7 @@ import numpy as np
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.linear import LinearModel, Matrix, linearise_at_speed
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, toml_value
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.vessel import GAINS, PLANE_GAINS
@@ -259,5 +259,5 @@ def design_gains(file: VesselFile) -> dict[str, list[float] | float]:
 
 def design_text(file: VesselFile) -> str:
     """Return the [autopilot] table as text for the vessel file."""
-    lines = [f"{key} = {value}" for key, value in design_gains(file).items()]
+    lines = [f"{key} = {toml_value(value)}" for key, value in design_gains(file).items()]
     return "\n".join(["[autopilot]", *lines])

@@ -91,6 +91,7 @@ class SpectrumBand:
 
     begin: float  # [-] times the peak frequency
     ratio: float | None
+    error: float | None  # standard error of the ratio, by how the series differ
 
 
 @dataclass(frozen=True)
@@ -194,9 +195,9 @@ def make_series(settings: Numbers, g: float, step: float, count: int, hours: flo
 
 
 def band_energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
-    """Return frequency over the peak's [-], and the mean variance of series by frequency [-]."""
+    """Return frequency over the peak's [-], and the variance (series, frequency) [-]."""
     window = np.hanning(found.shape[1])
-    power = np.mean(abs(np.fft.rfft(found * window)) ** 2, axis=0)
+    power = abs(np.fft.rfft(found * window)) ** 2
     frequency = 2.0 * np.pi * np.fft.rfftfreq(found.shape[1], step) / omega
     variance = 2.0 * power / (found.shape[1] * np.sum(window * window))
     return np.asarray(frequency, float), np.asarray(variance, float)
@@ -208,9 +209,11 @@ def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[
     for begin in BAND_EDGES:
         inside = np.linspace(begin, begin + BAND_WIDTH, 201)
         target = float(np.trapezoid(spectrum(inside, gamma), inside))
-        ratio = float(np.sum(variance[(x >= begin) & (x < begin + BAND_WIDTH)])) / target
+        ratios = np.sum(variance[:, (x >= begin) & (x < begin + BAND_WIDTH)], axis=1) / target
+        error = float(np.std(ratios, ddof=1)) / math.sqrt(len(ratios))
         shown = begin + BAND_WIDTH <= math.pi / step
-        bands.append(SpectrumBand(float(begin), ratio if shown else None))
+        found = (float(np.mean(ratios)), error) if shown else (None, None)
+        bands.append(SpectrumBand(float(begin), *found))
     return tuple(bands)
 
 
@@ -273,7 +276,11 @@ def render(report: SeaReport) -> str:
     half = (len(report.bands) + 1) // 2
     for bands in (report.bands[:half], report.bands[half:]):
         heads = ["from", *(f"{band.begin:.1f}" for band in bands)]
-        lines += table(heads, [["energy", *(format_number(band.ratio, ".2f") for band in bands)]])
+        rows = (("energy", [band.ratio for band in bands]), ("+-", [band.error for band in bands]))
+        lines += table(
+            heads, [[name, *(format_number(x, ".2f") for x in row)] for name, row in rows]
+        )
+    lines += wrap("+-: one standard error, by how the series differ among themselves")
     return "\n".join(lines)
 
 

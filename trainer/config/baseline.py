@@ -11,7 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Position, as_table, parse_toml, text_if_there
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    as_table,
+    parse_toml,
+    text_if_there,
+    toml_value,
+)
 from trainer.config.schema import Choice, Quantity, Text, read_record, required, within
 
 BASELINE_SCHEMA: Final = "baseline/1"
@@ -105,14 +112,14 @@ def write_baseline(baseline: Baseline) -> str:
     lines = [
         "# Written by `trainer exercise baseline`: marks [%] with nobody aboard and with the",
         "# reference crew. Not to be changed by hand.",
-        *(f"{key} = {json.dumps(getattr(head, key))}" for key in ("schema", "exercise", "core")),
+        *(f"{key} = {toml_value(getattr(head, key))}" for key in ("schema", "exercise", "core")),
         *(f"{key} = {int(getattr(head, key))}" for key in ("seed", "seeds")),
     ]
     for name, totals in (("nobody", baseline.nobody), ("crew", baseline.crew)):
         if totals is not None:
             lines += ["", f"[{name}]", f"total = {totals.total:.1f}"]
-            lines += [f"outcome = {json.dumps(totals.outcome)}", f"mean = {totals.mean:.1f}"]
+            lines += [f"outcome = {toml_value(totals.outcome)}", f"mean = {totals.mean:.1f}"]
             lines += [f"deviation = {totals.deviation:.1f}", f"least = {totals.least:.1f}"]
     lines += ["", "[marks]  # with nobody aboard"]
-    lines += [f"{json.dumps(name)} = {mark:.2f}" for name, mark in baseline.marks.items()]
+    lines += [f"{toml_value(name)} = {mark:.2f}" for name, mark in baseline.marks.items()]
     return "\n".join(lines) + "\n"

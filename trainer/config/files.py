@@ -23,8 +23,8 @@ from typing import Any, Final, NamedTuple, NoReturn
 from trainer.io.outputs import note_input, open_new, renew_whole, write_whole
 
 MAX_FILE_BYTES = 1_000_000  # [byte]
-# tomllib takes minutes over one dotted key of a hundred thousand parts.
-MAX_LINE_LETTERS = 10_000  # [characters]
+MAX_LINE_LETTERS = 10_000  # [characters]; tomllib takes minutes over 100,000 dotted parts
+MIN_NONZERO_SIZE: Final = 1e-12  # of a number that is not 0, in any unit
 MAX_QUOTED_LETTERS = 60  # [characters] of a value, a key or a table in a message
 MAX_NESTED_TABLES: Final = 20  # tables and lists within one another; ours have 5
 MAX_WHOLE_NUMBER: Final = 2**63  # as TOML has it; Python takes any length, and float() does not
@@ -486,13 +486,15 @@ def _value_hint(line: str) -> str:
     return f"; a text has quotes: {quote(value)}" if re.match(r"[A-Za-z][^\"']*$", value) else ""
 
 
-def toml_value(value: Any) -> str:
-    """Return a value as TOML writes it, on one line."""
+def toml_value(value: Any, form: str = "") -> str:
+    """Return a value as TOML writes it; a float too small to read is 0."""
     if isinstance(value, Mapping):
-        inside = ", ".join(f"{format_key(key)} = {toml_value(each)}" for key, each in value.items())
-        return f"{{ {inside} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(toml_value, value))}]"
-    if isinstance(value, str | bool):
-        return json.dumps(value, ensure_ascii=False)
+        inside = (f"{format_key(key)} = {toml_value(each, form)}" for key, each in value.items())
+        return f"{{ {', '.join(inside)} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(toml_value(each, form) for each in value)}]"
+    if isinstance(value, str | bool):  # JSON leaves the sign of deletion, which TOML does not take
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, float):
+        return format(0.0 if abs(value) < MIN_NONZERO_SIZE else value, form)
     return str(value)

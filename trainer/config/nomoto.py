@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Position, parse_toml, read_text
+from trainer.config.files import ConfigError, Position, parse_toml, read_text, toml_value
 from trainer.config.schema import (
     Choice,
     Text,
@@ -90,8 +90,8 @@ def nomoto_text_of(ship: NomotoFile, source: str, deviations: dict[str, float]) 
     for item in fields(ship):
         value = getattr(ship, item.name)
         if value is not None:
-            text = f'"{value}"' if isinstance(value, str) else f"{value:.9g}"
-            lines.append(f"{item.name} = {text}")
-    lines += [f'source = "{source}"', "", "[deviations]  # standard deviations, by the record"]
-    lines += [f"{name} = {value:.3g}" for name, value in deviations.items()]
+            lines.append(f"{item.name} = {toml_value(value, '.9g')}")
+    lines.append(f"source = {toml_value(source)}")
+    lines += ["", "[deviations]  # standard deviations, by the record"]
+    lines += [f"{name} = {toml_value(value, '.3g')}" for name, value in deviations.items()]
     return "\n".join(lines) + "\n"

@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from trainer.config.files import (
+    MIN_NONZERO_SIZE,
     ConfigError,
     Position,
     as_table,
@@ -23,7 +24,6 @@ from trainer.config.files import (
 )
 
 Record = TypeVar("Record")
-MIN_NONZERO_SIZE = 1e-12  # of a number that is not 0, in any unit
 MAX_TABLE_DEPTH = 20  # of tables within tables that nobody reads
 JSON_SCHEMA_DRAFT = "https://json-schema.org/draft/2020-12/schema"
 

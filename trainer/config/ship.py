@@ -279,18 +279,20 @@ def ship_text(ship: ShipFile, source: str) -> str:
     if ship.roll is not None:
         lines += _table_lines("roll", ship.roll)
     lines += _table_lines("records", ship.records)
+    if ship.sensors is not None:
+        lines += _table_lines("sensors", ship.sensors)
     for column in ship.columns:
         lines += _table_lines("[columns]", column)
     if ship.result is not None:
         lines += _table_lines("result", ship.result)
         lines += ["", "[coefficients]  # accelerations in prime units"]
-        lines += [f"{name} = {value!r}" for name, value in ship.coefficients.items()]
+        lines += [f"{name} = {toml_value(value)}" for name, value in ship.coefficients.items()]
         lines += ["", "[ranges]  # of the records: v', r' [-], rudder, roll [rad], speed [m/s]"]
-        lines += [f"{name} = [{low:.6g}, {high:.6g}]" for name, (low, high) in ship.ranges.items()]
+        lines += [f"{name} = {toml_value(ends, '.6g')}" for name, ends in ship.ranges.items()]
     if ship.covariance is not None:
         lines += ["", "[covariance]  # rows in the order of the names"]
         for name, row in zip(ship.uncertain, ship.covariance, strict=True):
-            lines.append(f"{name} = [{', '.join(f'{x:.9g}' for x in row)}]")
+            lines.append(f"{name} = {toml_value(row, '.9g')}")
     return "\n".join(lines) + "\n"
 
 
@@ -301,7 +303,7 @@ def _table_lines(name: str, record: Any) -> list[str]:
         value = getattr(record, item.name)
         if value is None or value == ():
             continue
-        lines.append(f"{item.name} = {toml_value([*value] if isinstance(value, tuple) else value)}")
+        lines.append(f"{item.name} = {toml_value(value)}")
     return lines if len(lines) > 2 else []
 
 

@@ -4,14 +4,21 @@
 the recording: drill.changes.toml beside drill.trainer. The recording itself stays as it was flown.
 """
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, Position, nearest, parse_toml, quote, text_if_there
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    nearest,
+    parse_toml,
+    quote,
+    text_if_there,
+    toml_value,
+)
 from trainer.config.outcome import Outcome
 from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
 from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
@@ -95,7 +102,7 @@ def text_of(changes: Iterable[Change]) -> str:
     for change in changes:
         lines += ["", "[[changes]]", f"branch = {int(change.branch)}"]
         for key in ("name", "what", "reason", "at"):
-            lines.append(f"{key} = {json.dumps(getattr(change, key), ensure_ascii=False)}")
+            lines.append(f"{key} = {toml_value(getattr(change, key))}")
     return "\n".join(lines) + "\n"
 
 

@@ -202,7 +202,7 @@ def write_forms(recording: Path, forms: Sequence[EvaluationForm]) -> None:
             if value is not None and name != "marks":
                 lines.append(f"{name} = {toml_value(value)}")
         lines.append("[forms.marks]")
-        lines += [f"{toml_value(name)} = {mark:g}" for name, mark in form.marks.items()]
+        lines += [f"{toml_value(name)} = {toml_value(mark)}" for name, mark in form.marks.items()]
     renew_file(path, "\n".join([*lines, ""]))
 
 

@@ -20,7 +20,7 @@ from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, toml_value
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -52,17 +52,18 @@ MAX_ORDERS: Final = 499  # that an exercise file takes
 BOAT_EQUATIONS: Final = "full"
 BOAT_INTEGRATOR: Final = "rk4"
 KEEP_COURSE_ORDER: Final = "rudder auto"
+TIME_FORM: Final = ".12g"  # a day of seconds to the microsecond, without noise of sums
 EXERCISE_TEXT: Final = '''\
 schema = "exercise/1"
-name = "{name}"
-vessel = "{vessel}"
-duration_s = {duration_s:g}
-equations = "{equations}"
-integrator = "{integrator}"
+name = {name}
+vessel = {vessel}
+duration_s = {duration_s}
+equations = {equations}
+integrator = {integrator}
 briefing = """
 An experiment for identification: hands off, the helm is given by schedule and depth is
 kept by the planes. Record it, and give the recording to trainer identify."""'''
-INITIAL_TEXT: Final = "\n[initial]\nspeed_kn = {speed_kn:g}\ndepth_m = {depth_m:g}\ncourse_deg = 0"
+INITIAL_TEXT: Final = "\n[initial]\nspeed_kn = {speed_kn}\ndepth_m = {depth_m}\ncourse_deg = 0"
 FLOWN_COLUMNS: Final = {"t": "t", **TRAINER_COLUMNS}  # columns of the boat, by channel
 
 
@@ -247,16 +248,15 @@ def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
     """
-    lines = [
-        EXERCISE_TEXT.format(
-            **table, name=name, equations=BOAT_EQUATIONS, integrator=BOAT_INTEGRATOR
-        )
-    ]
-    if "sea" in table:
-        lines.append(f'sea = "{table["sea"]}"')
-    lines.append(INITIAL_TEXT.format(**table))
+    run = {**table, "name": name, "equations": BOAT_EQUATIONS, "integrator": BOAT_INTEGRATOR}
+    values = {key: toml_value(value, TIME_FORM) for key, value in run.items()}
+    lines = [EXERCISE_TEXT.format(**values)]
+    if "sea" in values:
+        lines.append(f"sea = {values['sea']}")
+    lines.append(INITIAL_TEXT.format(**values))
     for seconds, order in orders:
-        lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
+        at = toml_value(seconds, TIME_FORM)
+        lines += ["", "[[orders]]", f"at_s = {at}", f"order = {toml_value(order)}"]
     return "\n".join(lines) + "\n"
 
 

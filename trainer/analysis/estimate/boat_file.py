@@ -401,7 +401,7 @@ def _coefficient_lines(made: Estimate, values: Mapping[str, float]) -> Iterator[
             if term.equation == axis:
                 sd = f"sd {made.sd[term.key]:.2g}"
                 note = f"# L^{term.power}, {sd}; {coefficient_origins()[term.key]}"
-                yield f"{term.key} = {values[term.key]!r}   {note}"
+                yield f"{term.key} = {toml_value(values[term.key])}   {note}"
 
 
 def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:

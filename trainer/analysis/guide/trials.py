@@ -55,11 +55,16 @@ FILE_UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
 }
 SI_UNITS: Final = {"deg": "rad", "deg/s": "rad/s"}  # of those that have another
+# [-] of a computed figure that nobody has measured: the root of the mean square of how far RANS is
+# from the free-running model in the 16 figures of BB2's 20/20 (configs/trials/bb2.toml)
+COMPUTED_SHARE: Final = 0.13
 DATA_KINDS: Final = {
     "sea": "measured on the vessel",
     "model": "measured on a free-running model",
-    "computed": "computed by others",
+    "computed": f"computed by others: u_D is at least how far that is from a measurement, or "
+    f"{COMPUTED_SHARE:.0%} where there is none",
 }
+MEASURED_KINDS: Final = ("sea", "model")
 FITTED, HELD_OUT = "fitted", "held out"
 INPUT_FIELD: Final = Text(20, "coefficient, or mass, Ix, Iy, Iz, BG")
 NOTE_FIELD: Final = Text(500, "what it is, and whose")
@@ -286,7 +291,35 @@ def load_published(path: Path) -> Published:
     with collecting(problems):
         provenance = read_record(Provenance, boat, position.inside("boat"), ())
     raise_problems(number_problems(problems, text, path.name))
-    return Published(path, text, provenance, *rows)
+    return _doubt_computed(Published(path, text, provenance, *rows))
+
+
+def _doubt_computed(published: Published) -> Published:
+    """Return figures, each computed one with the uncertainty that its computation has at least."""
+    measured = {
+        (*_flown(trial), one.quantity, one.unit): one.value
+        for trial in published.trials
+        if trial.heading.data in MEASURED_KINDS
+        for one in trial.results
+    }
+
+    def doubted(compared: Any) -> Any:
+        if compared.heading.data in MEASURED_KINDS:
+            return compared
+        figures = []
+        for one in compared.results:
+            nothing = (1.0 - COMPUTED_SHARE) * one.value
+            apart = one.value - measured.get((*_flown(compared), one.quantity, one.unit), nothing)
+            figures.append(replace(one, u=max(one.u, abs(apart))))
+        return replace(compared, results=tuple(figures))
+
+    trials, waves = map(doubted, published.trials), map(doubted, published.waves)
+    return replace(published, trials=tuple(trials), waves=tuple(waves))
+
+
+def _flown(compared: Trial | HeadWaves) -> tuple[float, Manoeuvre | None]:
+    """Return by what a computed figure and a measured one are of the same."""
+    return compared.heading.speed_m_s, getattr(compared, "manoeuvre", None)
 
 
 def _row_lines(text: str) -> dict[int, list[int]]:

@@ -9,6 +9,7 @@ flown; motion in regular waves is that of the linear equations, which have no st
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 from trainer.analysis.guide.programme import FlightTable, Task
@@ -16,6 +17,7 @@ from trainer.analysis.guide.trials import (
     DATA_KINDS,
     FITTED,
     HELD_OUT,
+    MEASURED_KINDS,
     Figure,
     HeadWaves,
     Published,
@@ -39,6 +41,12 @@ WAVES_WORDS: Final = (
 COUNTED_VERDICTS: Final = {
     "model error": MODEL_ERRORS,
     **{one.value: (one,) for one in (Validity.UNCERTAIN, Validity.NOISE, Validity.NOT_JUDGED)},
+}
+COUNTED_USES: Final = {  # by name: use, and whether it was measured
+    f"{HELD_OUT} and measured": [(HELD_OUT, True)],
+    f"{HELD_OUT}, computed by others": [(HELD_OUT, False)],
+    FITTED: [(FITTED, True), (FITTED, False)],
+    "all": [*product((HELD_OUT, FITTED), (True, False))],
 }
 GUIDE_ALONE_KEYS: Final = ("keep", "share")
 GUIDE_COMMAND: Final = "trainer boat guide {boat} --json"
@@ -91,6 +99,7 @@ class TrialComparison:
     title: str
     source: str  # what was done, where it is, how it was read, and what differs
     command: str  # that flies ours
+    measured: bool  # not computed
     rows: tuple[FigureRow, ...]
 
 
@@ -147,7 +156,8 @@ def compare_readings(
     read = f"{heading.read[:1].upper()}{heading.read[1:]}"
     source = (heading.source, f"Figure: {heading.figure}", read, heading.note, remark)
     told = ". ".join(filter(None, (DATA_KINDS[heading.data].capitalize(), *source)))
-    return TrialComparison(heading.title, told, command, tuple(rows))
+    measured = heading.data in MEASURED_KINDS
+    return TrialComparison(heading.title, told, command, measured, tuple(rows))
 
 
 def _by_step(steps: Sequence[float]) -> tuple[float, float | None]:
@@ -210,11 +220,14 @@ def ranked_rows(
 
 
 def count_rows(comparisons: Sequence[TrialComparison]) -> list[tuple[str, ...]]:
-    """Return how many figures have each verdict, by use and in all."""
-    rows = [row for one in comparisons for row in one.rows]
+    """Return how many figures have each verdict, by use and in all.
+
+    What is held out and was measured stands apart, because that alone is evidence.
+    """
+    rows = [(row.figure.use, one.measured, row.verdict) for one in comparisons for row in one.rows]
     counts = []
-    for name, uses in {HELD_OUT: (HELD_OUT,), FITTED: (FITTED,), "all": (HELD_OUT, FITTED)}.items():
-        verdicts = [row.verdict for row in rows if row.figure.use in uses]
+    for name, uses in COUNTED_USES.items():
+        verdicts = [verdict for *use, verdict in rows if tuple(use) in uses]
         numbers = (sum(map(verdicts.count, each)) for each in COUNTED_VERDICTS.values())
         counts.append((name, str(len(verdicts)), *map(str, numbers)))
     return counts

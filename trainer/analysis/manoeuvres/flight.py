@@ -224,6 +224,24 @@ class Flight:
         series = Series(self.series.path, {**self.series.columns, **turned})
         return replace(self, series=series)
 
+    def along(self, mark: str) -> "Flight":
+        """Return the flight with x and y along and across the heading at a mark."""
+        heading = self.at(self.time_of(mark) or 0.0, "psi") or 0.0
+        x, y = self.column("x"), self.column("y")
+        cosine, sine = math.cos(heading), math.sin(heading)
+        laid = {"x": cosine * x + sine * y, "y": cosine * y - sine * x}
+        return replace(self, series=Series(self.series.path, {**self.series.columns, **laid}))
+
+    @property
+    def last_speed(self) -> float:
+        """Return the speed [m/s] at the end, whichever way the hull points."""
+        return math.hypot(*(self.column(name)[-1] for name in ("u", "v", "w") if self.has(name)))
+
+    @property
+    def speed_left(self) -> float | None:
+        """Return ``last_speed`` as a share [-] of the first; None from rest."""
+        return self.last_speed / abs(self.speed) if self.speed else None
+
     def since(self, time: float) -> slice:
         """Return the place of all rows from ``time`` [s] on."""
         return slice(int(np.searchsorted(self.t, time - TIME_ROUNDING_S)), None)

@@ -125,13 +125,15 @@ class ClimbingTurn(Manoeuvre):
 def circle(flight: Flight) -> list[Measure]:
     """Return advance, transfer, tactical diameter and the times to get there.
 
-    The track is the origin's, from where it was when the rudder was ordered.
+    The track is the origin's, from where it was when the rudder was ordered, along and across the
+    heading of then.
     """
-    begin = flight.time_of("rudder") or 0.0
-    turned = abs(flight.change("psi"))
+    flight, begin = flight.along("rudder"), flight.time_of("rudder") or 0.0
+    course = flight.at(begin, "psi") or 0.0
+    turned = abs(flight.column("psi") - course)
     quarter, half = (first_time(flight.t, turned, angle) for angle in (math.pi / 2, math.pi))
     heading = flight.at(begin + HEADING_READ_TIME_S, "psi")
-    change = None if heading is None else heading - float(flight.column("psi")[0])
+    change = None if heading is None else heading - course
     return [
         share_measure("advance", "m", _run_since(flight, "x", begin, quarter)),
         share_measure("transfer", "m", _run_since(flight, "y", begin, quarter)),
@@ -165,10 +167,8 @@ def steady(flight: Flight) -> list[Measure]:
     diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
     return [
         share_measure("steady diameter", "m", diameter),
-        share_measure("steady speed", "m/s", u),
-        share_measure(
-            "steady speed, of the first", "-", u / flight.speed if flight.speed else None
-        ),
+        share_measure("steady speed", "m/s", flight.last_speed),
+        share_measure("steady speed, of the first", "-", flight.speed_left),
         share_measure("steady yaw rate", "rad/s", yaw),
         share_measure("steady drift angle", "rad", math.atan2(-v, u)),
     ]

@@ -78,9 +78,7 @@ class ThrowOver(Manoeuvre):
         measures += [
             share_measure("largest rate", "rad/s", float(rates.max())),
             share_measure("smallest rate", "rad/s", float(rates.min())),
-            share_measure(
-                "last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed
-            ),
+            share_measure("last speed, of the first", "-", flight.speed_left),
         ]
         if len(executes) > 1:
             measures.insert(0, share_measure("time of execute 2", "s", executes[1] - executes[0]))
@@ -123,12 +121,12 @@ class ZigZag(ThrowOver):
     side: Side = STARBOARD  # first
 
     def track(self, flight: Flight) -> list[Measure]:
-        """Return the sideways track and the roll.
+        """Return the track across the heading at the first order, and the roll.
 
         The first run to the side is judged. The largest of many runs is not, because it contains
         the mean heading, which depends on the cycle in which each execute was seen.
         """
-        flight = flight.counted_to(self.side)
+        flight = flight.counted_to(self.side).along("execute")
         aside = flight.change("y")
         most = float(aside.max())
         runs = [y for _, y in peaks_of(flight.t, aside) if y > 0.5 * most]

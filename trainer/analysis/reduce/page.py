@@ -15,6 +15,7 @@ from trainer.analysis.guide.reasons import DropEffect
 from trainer.analysis.guide.verdicts import verdict_account
 from trainer.analysis.reduce.reduction import PART_TOLERANCES, LegVerdict, Reduction
 from trainer.analysis.reduce.search import TermNeed
+from trainer.config.files import toml_value
 from trainer.core.terms import EXTRA_TERMS, SLIP_TERMS
 from trainer.report.text import ascii_text, format_number, table, wrap
 
@@ -171,20 +172,20 @@ def factor_tables(
     lines = ["[compact]", "extra_terms = [", *rows, "]", ""]
     for name, of_set in factors.items():
         listed = (
-            f"{key} = {value:.4g}"
+            f"{key} = {toml_value(value, '.4g')}"
             for key, value in of_set.items()
             if value != 1.0 and (key not in EXTRA_TERMS or (value and key in extra))
         )
         lines += [f"[compensation.{name}]   # 0: dropped", *listed, ""]
     lines += ["[reduction]   # evidence; the program reads none of it"]
     lines.append(f'by = "trainer boat reduce, version {__version__}"')
-    lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
+    lines += [f"{key} = {toml_value(value, '.4g')}" for key, value in notes.items()]
     why = {need.term: need for need in needs}
     for name in extra:
         if name in why:
             need = why[name]
             words = f"without it {need.quantity} in {need.leg}: {need.worst:.3g} of the allowed"
-            lines.append(f'{name} = "{words}"')
+            lines.append(f"{name} = {toml_value(words)}")
         elif name in SLIP_TERMS:
             lines.append(f'{name} = "the propeller\'s, always kept"')
     return "\n".join(lines) + "\n"

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.programs.characteristic import MeanMotions
-from trainer.config.files import ConfigError
+from trainer.config.files import ConfigError, toml_value
 from trainer.config.nomoto import NOMOTO_SCHEMA, NomotoFile, nomoto_text_of
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.identify.fitting.nonlinear import BendEstimate
@@ -86,7 +86,7 @@ def nomoto_text(fitted: ModelFit, bend: BendEstimate | None) -> str:
         ship = replace(ship, **numbers)
         deviations |= bend.deviations
     source = f"model {fitted.problem.plant.model.name} fitted to {fitted.record.source}"
-    return nomoto_text_of(ship, source.replace("\\", "/").replace('"', "'"), deviations)
+    return nomoto_text_of(ship, source, deviations)
 
 
 def vessel_text(fitted: ModelFit) -> str:
@@ -160,5 +160,5 @@ def rewrite_coefficients(text: str, values: dict[str, float], remark: str) -> st
         if match is None:
             message = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
             raise ConfigError(message)
-        rows[match[0]] = f"{match[1][1]}{value:.6g}  # {remark}"
+        rows[match[0]] = f"{match[1][1]}{toml_value(value, '.6g')}  # {remark}"
     return "\n".join(rows)

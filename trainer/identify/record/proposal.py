@@ -4,14 +4,13 @@ Columns are guessed by their names, units and numbers. ``trainer identify new`` 
 nobody knows the keys of a study by heart.
 """
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, as_typed, write_once
+from trainer.config.files import ConfigError, as_typed, toml_value, write_once
 from trainer.config.tables import read_table
 from trainer.identify.record.columns import CHANNEL_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine_record, positive_turns
@@ -86,18 +85,18 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     text = STUDY_TEXT.format(
         record=data.name,
         path=as_typed(path),
-        name=quote_toml(data.stem[:79]),
-        data=quote_toml(os.path.relpath(data, path.parent)),
+        name=toml_value(data.stem[:79]),
+        data=toml_value(os.path.relpath(data, path.parent)),
         sign=sign,
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
         columns=SENSORS_TEXT if is_recording else columns_text(guess),
-        length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
-        speed=f"speed_kn = {speed:g}" if speed else f"# speed_kn = 12  # {lacking}",
+        length=f"length_m = {length:.12g}" if length else "# length_m = 100  # fill in",
+        speed=f"speed_kn = {speed:.12g}" if speed else f"# speed_kn = 12  # {lacking}",
         kind=kind,
         others=others,
-        outputs=json.dumps(turning or ["sway"]),
+        outputs=toml_value(turning or ["sway"]),
     )
     write_once(path, text)
     return Proposal(text, len(record.t), record.interval, columns, remarks)
@@ -126,15 +125,10 @@ def turn_rudder(record: Record) -> tuple[Record, str]:
     return replace(record, rudder=-record.column("rudder")), line
 
 
-def quote_toml(text: str) -> str:
-    """Return a text as TOML writes it."""
-    return json.dumps(text, ensure_ascii=False)
-
-
 def columns_text(found: GuessedColumns) -> str:
     """Return the tables of the columns; a unit that was guessed is marked."""
     return "".join(
-        f'[[columns]]\nchannel = "{channel}"\ncolumn = {quote_toml(one.name)}\n'
+        f'[[columns]]\nchannel = "{channel}"\ncolumn = {toml_value(one.name)}\n'
         f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n'
         + (f"missing = {list(one.missing)}  # guessed\n\n" if one.missing else "\n")
         for channel, one in found.columns.items()

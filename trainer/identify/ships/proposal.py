@@ -9,11 +9,11 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import ConfigError, write_once
+from trainer.config.files import ConfigError, toml_value, write_once
 from trainer.config.tables import CsvTable, read_table
 from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine_record
-from trainer.identify.record.proposal import Proposal, columns_text, quote_toml, turn_rudder
+from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
     FURTHER_COLUMNS,
@@ -85,8 +85,8 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
     text = SHIP_FILE_TEXT.format(
         record=data.name,
         command=fit_command(data, path),
-        name=quote_toml(data.stem[:79]),
-        length=f"length_m = {length:g}  #" if length else "# length_m = 320.0  # fill in:",
+        name=toml_value(data.stem[:79]),
+        length=f"length_m = {length:.12g}  #" if length else "# length_m = 320.0  # fill in:",
         records=sign + "".join(lines),
         columns=("" if trainer_columns else columns_text(columns))
         + "".join(

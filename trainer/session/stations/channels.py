@@ -63,7 +63,11 @@ def way_over_ground(frame: Frame) -> tuple[float, float]:
 
 def way_made(frame: Frame) -> tuple[float, float]:
     """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
-    north, east = way_over_ground(frame)
+    return track_and_speed(frame, *way_over_ground(frame))
+
+
+def track_and_speed(frame: Frame, north: float, east: float) -> tuple[float, float]:
+    """Return ``way_made`` at speeds [m/s] north and east."""
     speed = math.hypot(north, east) / KNOT
     angle = math.atan2(east, north) if speed >= MIN_SHOWN_SPEED_KN else frame["psi"]
     return compass(angle, 2), speed
