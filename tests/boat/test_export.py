@@ -1,6 +1,7 @@
 """The exported core: a C library of one boat."""
 
 import ctypes
+import errno
 import json
 import math
 import os
@@ -36,6 +37,7 @@ from trainer.boat.export.library import (
     LIBRARY_FILE,
     OBJECT_FILE,
     add_library,
+    name_trouble,
     write_core,
 )
 from trainer.boat.export.lowering import FREESTANDING_PATH, freestanding_text
@@ -481,3 +483,9 @@ def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(tmp_path: 
 
     with pytest.raises(ConfigError, match="core: File exists"):
         write_core(make_boat("bb2"), tmp_path / "core", "x86-64-v2")
+
+
+def test_a_full_disk_names_the_folder_where_the_system_names_no_file(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=rf"{tmp_path}: No space left on device"):
+        with name_trouble(tmp_path):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -30,7 +30,7 @@ from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import MARK_ORDER, Crew
 from trainer.core.kernel import Numbers, Record
 from trainer.debrief.ships_met import LOOKOUT_ROLE
-from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
+from trainer.debrief.trajectory import PASSAGE_COLUMNS, FlownRows, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.facts import (
@@ -173,7 +173,8 @@ class Flight:
         self.journal, self.first, self.lost = Journal(boat), boat.ticks, ""
         self.struck = ""  # the ship that the boat ran into
         self.stride = 1  # [ticks] flown at once, while nothing has somebody look sooner
-        self.rows = [boat.records.state.view(np.float64)[None, self.offsets]]
+        self.rows = FlownRows(self.names)
+        self.rows.append(boat.records.state.view(np.float64)[None, self.offsets])
         contacts = contacts_in(boat)
         ends = contacts is not None and contacts.encounters.collision == "end"
         self.contacts = contacts if ends else None  # those whose touch ends the flight
@@ -239,7 +240,7 @@ class Flight:
         failure = boat.failure(status) if status else ""
         hit = self.struck and f"collision with {self.struck}"
         self.lost = collapse_of(boat) or hit or failure
-        self.rows.append(rows[:, :width])
+        self.rows.append(rows)
         self.aboard.pass_over(begun, rows[:, width:])
 
     def _keep(self, begun: int, rows: Numbers) -> int:
@@ -267,7 +268,7 @@ class Flight:
         contacts, hull = self.contacts, self.hull
         if contacts is None or not count or self._is_clear(contacts, hull, begun, rows[:count]):
             return count, ""
-        poses = np.vstack([self.rows[-1][-1:, self.poses], rows[:count, self.poses]])
+        poses = np.vstack([self.rows.last[self.poses], rows[:count, self.poses]])
         ticks = np.arange(begun, begun + len(poses), dtype=np.int64)
         passed = passed_ships(contacts, ticks, poses.T)
         struck = collisions_in(passed, hull, poses.T)
@@ -278,7 +279,7 @@ class Flight:
 
         A ship that the water carries, or that has a rudder, may go faster than its kind.
         """
-        here, there = self.rows[-1][-1, self.poses[:2]], rows[:, self.poses[:2]]
+        here, there = self.rows.last[self.poses[:2]], rows[:, self.poses[:2]]
         own = float(np.abs(there - here).max(axis=0).sum())  # [m] at most
         seconds, (north, east) = len(rows) * self.plan.method.step, here.tolist()
         fleet = contacts.fleet(begun)
@@ -289,13 +290,9 @@ class Flight:
                 return False
         return True
 
-    def columns(self) -> dict[str, Numbers]:
-        """Return what was kept so far, each column from the begin on."""
-        return dict(zip(self.names, np.concatenate(self.rows).T, strict=True))
-
     def rehearsal(self) -> Rehearsal:
         """Return what was flown so far."""
-        columns = self.columns()
+        columns = self.rows.columns()
         count = len(columns["z"])
         trajectory = Trajectory(
             boat=self.boat,

@@ -40,6 +40,7 @@ from trainer.session.layout import numbers_of
 RowMask = NDArray[np.bool_]  # which ticks of a passage
 
 BATCH_TICKS: Final = 2000  # [ticks] read at once
+BLOCK_ROWS: Final = 16_000  # [rows] after which fields that stand still are let go
 NEVER_S: Final = 1e18  # [s]
 CASUALTY_SLOTS: Final = tuple(f"casualty[{i}]" for i in range(MAX_CASUALTIES))
 CASUALTY_AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(MAX_CASUALTIES))
@@ -226,6 +227,65 @@ def missing_quantities(boat: Boat, rule: ScoreRule) -> list[str]:
     return [name for name in names if not has_quantity(boat, name)]
 
 
+class FlownRows:
+    """Rows of fields of the state, tick by tick, which end as columns.
+
+    A field that stands still takes no memory: two thirds of a usual run's, whose day would else
+    take 126 MB. So columns are read only.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = names
+        self._rows: list[Numbers] = []  # of the block that grows
+        self._count = 0
+        self._blocks: list[list[Numbers]] = []  # the columns of each
+
+    def append(self, rows: Numbers) -> None:
+        """Take rows, a number for each name and perhaps more behind them."""
+        self._rows.append(rows[:, : len(self.names)])
+        self._count += len(rows)
+        if self._count >= BLOCK_ROWS:
+            self._close_block()
+
+    @property
+    def last(self) -> Numbers:
+        """Return the latest row, of one at least."""
+        return (
+            self._rows[-1][-1] if self._rows else np.array([each[-1] for each in self._blocks[-1]])
+        )
+
+    def columns(self) -> dict[str, Numbers]:
+        """Return the columns so far, by name."""
+        self._close_block()
+        parts = zip(*self._blocks, strict=True)
+        return {name: _join(part) for name, part in zip(self.names, parts, strict=True)}
+
+    def _close_block(self) -> None:
+        if self._rows:
+            rows = np.concatenate(self._rows)
+            still = (rows.view(np.int64) == rows[:1].view(np.int64)).all(axis=0).tolist()
+            columns = zip(rows.T, still, strict=True)
+            self._blocks.append(
+                [_standing(each) if same else each.copy() for each, same in columns]
+            )
+        self._rows, self._count = [], 0
+
+
+def _standing(column: Numbers) -> Numbers:
+    """Return a column of one value, as one number."""
+    return np.broadcast_to(column[:1].copy(), column.shape)
+
+
+def _join(parts: Sequence[Numbers]) -> Numbers:
+    """Return the column that blocks have parts of."""
+    if len(parts) == 1:
+        return parts[0]
+    firsts = {part[:1].tobytes() for part in parts}
+    if len(firsts) == 1 and not any(map(any, (part.strides for part in parts))):
+        return np.broadcast_to(parts[0][:1], (sum(map(len, parts)),))
+    return np.concatenate(parts)
+
+
 def read_passage(
     recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: ExerciseLimits
 ) -> Trajectory:
@@ -241,19 +301,20 @@ def read_passage(
         )
     present = [name for name in PASSAGE_COLUMNS if name in layout]
     indices = [layout.index(name) for name in present]
-    states, times = [np.empty((0, len(present)))], [np.empty((0, 3))]
+    rows, times = FlownRows(present), [np.empty((0, 3))]
+    rows.append(np.empty((0, len(present))))
     flown = recording.flown(branch)
     while batch := list(islice(flown, BATCH_TICKS)):
-        states.append(np.array([numbers_of(each.state, layout)[indices] for each in batch]))
+        rows.append(np.array([numbers_of(each.state, layout)[indices] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
-    columns, timings = np.concatenate(states).T, np.concatenate(times).T
+    timings = np.concatenate(times).T
     none = dict.fromkeys(NEWER_COLUMNS, np.zeros(timings.shape[1]))
     return Trajectory(
         boat=boat,
         limits=limits,
         orders=tuple(recording.orders(branch)),
         ticks=timings[0].astype(np.int64),
-        columns={**none, **dict(zip(present, columns, strict=True))},
+        columns={**none, **rows.columns()},
         lateness=timings[1],
         work=timings[2],
     )

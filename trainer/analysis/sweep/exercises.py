@@ -84,7 +84,7 @@ def go_out(plan: Plan) -> Outing:
     under_way = UnderWay(plan, plan.launch_boat(), ByReference(), STATE_COLUMNS)
     under_way.fly_schedule()
     refused = [each for each in under_way.journal.entries if each.accepted is False]
-    columns, step = under_way.columns(), plan.method.step
+    columns, step = under_way.rows.columns(), plan.method.step
     motion = {
         name: columns[kept].copy() for name, kept in zip(MOTION_COLUMNS, STATE_COLUMNS, strict=True)
     }

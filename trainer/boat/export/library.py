@@ -112,7 +112,7 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
         HEADER_FILE: header_text(boat, target.name).encode(),
         **{name: Path(__file__).with_name(name).read_bytes() for name in sources},
     }
-    with name_trouble():
+    with name_trouble(folder):
         for name, data in files.items():
             with replacing(folder / name) as made:
                 made.write_bytes(data)
@@ -122,22 +122,22 @@ def write_core(boat: Boat, folder: Path, cpu: str) -> CoreExport:
 
 def make_folder(folder: Path, *names: str) -> None:
     """Make an export's folder; ConfigError if one of these names is an input."""
-    with name_trouble():
+    with name_trouble(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for name in names:
             refuse_input(folder / name)
 
 
 @contextmanager
-def name_trouble() -> Iterator[None]:
-    """Raise ConfigError for an OSError in the block, with the file's name.
+def name_trouble(folder: Path) -> Iterator[None]:
+    """Raise ConfigError for an OSError in the block, with the file's name, else the folder's.
 
     The user then reads which file could not be written, and no traceback.
     """
     try:
         yield
     except OSError as error:
-        raise ConfigError(f"{error.filename}: {error.strerror}") from None
+        raise ConfigError(f"{error.filename or folder}: {error.strerror}") from None
 
 
 def boat_sizes(code: bytes) -> BoatSizes:
@@ -186,7 +186,7 @@ def export_wasm(boat: Boat, folder: Path) -> WasmExport:
 
     make_folder(folder, wasm.MODULE_FILE, wasm.CARD_FILE, wasm.NUMBERS_FILE, wasm.HOST_FILE)
     files = wasm.files_of(boat)
-    with name_trouble():
+    with name_trouble(folder):
         for name, data in files.items():
             with replacing(folder / name) as made:
                 made.write_bytes(data)
