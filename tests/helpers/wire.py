@@ -62,12 +62,17 @@ def request(
 
 @contextlib.contextmanager
 def dialled(
-    port: int, version: str = __version__, cookies: str = "", scheme: str = "ws", **how: Any
+    port: int,
+    version: str = __version__,
+    cookies: str = "",
+    scheme: str = "ws",
+    root: str = "",
+    **how: Any,
 ) -> Iterator[ClientConnection]:
-    """Yield a page's line, as its script opens it."""
+    """Yield a page's line, as the script of a page below ``root`` opens it."""
     origin = f"{scheme.replace('ws', 'http')}://127.0.0.1:{port}"
     with connect(
-        f"{scheme}://127.0.0.1:{port}/line?version={version}",
+        f"{scheme}://127.0.0.1:{port}{root}/line?version={version}",
         origin=how.pop("origin", origin),
         additional_headers=how.pop("headers", {}) | ({"Cookie": cookies} if cookies else {}),
         open_timeout=PATIENCE,

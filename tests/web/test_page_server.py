@@ -206,6 +206,7 @@ def test_a_server_for_all_addresses_answers_to_numbers_and_to_its_own_name_alone
     assert door.admits("192.168.1.10:8080")
     assert door.admits(f"{socket.gethostname()}.local:8080")
     assert not door.admits("evil.example:8080")
+    assert not door.admits("192.168.1.10%evil:8080")
     assert not ServerNames.at("192.168.1.10").admits("192.168.1.11")
 
 

@@ -10,7 +10,6 @@ headers that forbid the browser to load anything from elsewhere (SECURITY_HEADER
 import asyncio
 import base64
 import hashlib
-import ipaddress
 import re
 import socket
 import time
@@ -24,6 +23,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.lines import plain
+from trainer.io.machine import address_of
 from trainer.io.noise_log import ENTRY_PERIOD_S, NoiseLog
 from trainer.io.orders.grammar import Refused
 from trainer.web.front import Front
@@ -46,7 +46,7 @@ SECURITY_HEADERS: Final[Mapping[str, str]] = {
     "Cache-Control": "no-cache",
 }
 HOST_AND_PORT: Final = re.compile(
-    r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/ ]*))(?::[0-9]{1,5})?"
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/% ]*))(?::[0-9]{1,5})?"
 )
 SAFE_METHODS: Final = frozenset({"GET", "HEAD"})  # methods that change nothing
 
@@ -75,22 +75,13 @@ class ServerNames:
         name = hostname(given)
         if name in self.names:
             return True
-        return self.any_address and is_address(name)
+        return self.any_address and address_of(name) is not None  # which no DNS server can redirect
 
 
 def hostname(given: str) -> str:
     """Return the name or address in ``HOST[:PORT]``, "" if it is not of that form."""
     match = HOST_AND_PORT.fullmatch(given)
     return (match["six"] or match["name"]).casefold() if match else ""
-
-
-def is_address(name: str) -> bool:
-    """Return whether a name is an IP address, which no DNS server can redirect."""
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
 
 
 class Refusals:
