@@ -243,6 +243,7 @@ WRONG = {
     "--public-url https://x/ --proxy 10.0.0.1/24": "--proxy 10.0.0.1/24: say the proxy's address",
     "--public-url https://x/ --proxy 0.0.0.0/0": "--proxy 0.0.0.0/0: say the proxy's address",
 }
+BRIEF = ("serve", "--duration", "1", "--no-record", "--socket", "none")  # if it were not refused
 COMMANDS = ("serve --web 127.0.0.1:0", "run --web", "web --web 127.0.0.1:0")
 
 
@@ -268,11 +269,11 @@ def test_a_public_address_without_encryption_is_refused_beside_a_certificate() -
 def test_options_of_a_proxy_without_pages_are_refused() -> None:
     for words in (["--public-url", EXAMPLE_URL], ["--proxy", HERE]):
         with pytest.raises(ConfigError, match="of pages: add --web HOST:PORT"):
-            cli(["serve", *words], standalone_mode=False)
+            cli([*BRIEF, *words], standalone_mode=False)
 
 
 def test_who_lets_browsers_in_by_a_proxy_has_to_give_a_word() -> None:
-    words = ["serve", "--web", "127.0.0.1:0", "--public-url", EXAMPLE_URL]
+    words = [*BRIEF, "--web", "127.0.0.1:0", "--public-url", EXAMPLE_URL]
     with pytest.raises(ConfigError, match="beyond this machine only with --token WORD"):
         cli(words, standalone_mode=False)
 

@@ -48,9 +48,9 @@ class Front:
         return address is not None and any(address in network for network in self.proxies)
 
     def restore_request(self, scope: Scope) -> Scope:
-        """Return a request as the browser sent it; its client is None if the proxy names none.
+        """Return a request as the browser sent it to the public address.
 
-        The proxy may have taken the path of the public address away, or not.
+        The proxy may have taken that path away, or not. The client is None if it names none.
         """
         scheme, _, place = self.origin.partition("://")
         path, peer = scope["path"], scope["client"]

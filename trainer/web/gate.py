@@ -60,7 +60,7 @@ class ServerNames:
 
     @classmethod
     def at(cls, host: str, front: Front | None = None) -> "ServerNames":
-        """Return the names of a server that listens at ``host``, and of what stands before it."""
+        """Return the names of a server at ``host``, and of what stands before it."""
         own_names = {socket.gethostname().casefold()}
         beyond = (
             {f"{name}.local" for name in own_names} | own_names
