@@ -4,7 +4,7 @@ import contextlib
 import re
 import ssl
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -301,6 +301,7 @@ class Proxied:
     """A session behind a reverse proxy."""
 
     port: int  # of the proxy
+    pages_port: int
     context: ssl.SSLContext
 
     @property
@@ -313,8 +314,9 @@ class Proxied:
         return request(self.port, path, method, body, self.context, **headers)
 
 
-def settings_of(program: str, places: dict[str, object]) -> str:
+def settings_of(program: str, places: Mapping[str, object]) -> str:
     """Return a proxy's settings as the page has them, with this test's own places."""
+    text: str
     (text,) = re.findall(rf"```{program}\n(.*?)```", PAGE, re.DOTALL)
     for written, here in places.items():
         assert written in text, written
@@ -360,7 +362,7 @@ def proxied(
     cert, _ = make_certificate(folder)
     port, pages_port = free_port(), free_port()
     words = {"nginx": nginx_words, "caddy": caddy_words}[request.param](folder, port, pages_port)
-    found = Proxied(port, ssl.create_default_context(cafile=str(cert)))
+    found = Proxied(port, pages_port, ssl.create_default_context(cafile=str(cert)))
     given = ("--token", WORD, "--public-url", found.url, "--proxy", HERE)
     said = folder / "said"
     with said.open("w") as heard, served(*given, port=pages_port):
@@ -384,6 +386,7 @@ def answers(found: Proxied) -> bool:
 @pytest.mark.process
 def test_by_tls_and_under_a_path_pages_words_and_lines_are_there(proxied: Proxied) -> None:
     assert proxied.request("/trainer/helm").status == 200
+    assert request(proxied.pages_port, "/helm").status == 403  # it is asked whom it speaks for
     led = proxied.request("/trainer")
     assert led.status in {301, 302, 307, 308}
     assert led.headers["location"] in {proxied.url, "/trainer/"}
