@@ -184,7 +184,7 @@ def test_a_trusted_proxy_that_names_no_client_is_refused_and_told_what_it_lacks(
     named: dict[str, str],
 ) -> None:
     with behind(HERE) as stub:
-        got = request(stub.port, "/helm", **named)
+        got = request(stub.port, "/helm", context=None, **named)
     assert got.status == 403
     assert got.body == b"the proxy names no client: let it set X-Forwarded-For\n"
 
@@ -193,7 +193,7 @@ def test_no_header_but_the_clients_is_believed() -> None:
     headers = {"X_Forwarded_For": CLIENT, "X_Forwarded_Host": "evil.example"}
     headers |= {"X_Forwarded_Proto": "http", "X_Forwarded_Prefix": "/evil"}
     with behind(HERE) as stub:
-        got = request(stub.port, "/trainer", **headers)
+        got = request(stub.port, "/trainer", context=None, **headers)
     assert got.headers["location"] == EXAMPLE_URL
 
 
