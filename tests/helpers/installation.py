@@ -16,11 +16,13 @@ INSTALLING_S: Final = 600.0  # [s] for all of them
 OUTAGE_S: Final = 240.0  # [s] that the network may be away
 AGAIN_AFTER_S: Final = 10.0  # [s] between two tries
 PACKAGES: Final = {  # one or more, by program
+    "caddy": "caddy",
     "chromium": "chromium",
     "chromium-headless-shell": "chromium-headless-shell",
     "faketime": "faketime",
     "gpsd": "gpsd",
     "gpsdecode": "gpsd-clients",
+    "nginx": "nginx",
     "node": "nodejs",
     "npm": "npm",
     "tmux": "tmux",

@@ -78,10 +78,10 @@ class Served:
 
 
 @contextlib.contextmanager
-def served(*words: str, frozen: bool = True) -> Iterator[Served]:
+def served(*words: str, frozen: bool = True, port: int = 0) -> Iterator[Served]:
     """Serve a session with pages while the block lasts: ``trainer serve WORDS --web ...``."""
     with tempfile.TemporaryDirectory(prefix="web") as name:
-        folder, port = Path(name), free_port()
+        folder, port = Path(name), port or free_port()
         own = {"XDG_RUNTIME_DIR": str(folder), "XDG_STATE_HOME": str(folder)}
         line = [*words, "--verbose", "--listen", "none", "--socket", str(folder / "s.sock")]
         line += ["--web", f"127.0.0.1:{port}", *(["--frozen"] if frozen else [])]
@@ -103,7 +103,7 @@ def await_pages(process: subprocess.Popen[str], port: int, said: Path) -> None:
     """Wait until the pages are served."""
 
     def are_served() -> bool:
-        if f"://127.0.0.1:{port}/" in said.read_text():
+        if "pages at http" in said.read_text():
             with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
                 return True
         return False

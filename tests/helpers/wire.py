@@ -21,6 +21,7 @@ from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.io.server import LISTEN_BACKLOG
 from trainer.web.admission import Admission, ConnectionRoom
 from trainer.web.bridge import Reach
+from trainer.web.front import Front
 from trainer.web.gate import Refusals
 from trainer.web.server import Certificate, PageServer, application, configuration
 
@@ -61,12 +62,17 @@ def request(
 
 @contextlib.contextmanager
 def dialled(
-    port: int, version: str = __version__, cookies: str = "", scheme: str = "ws", **how: Any
+    port: int,
+    version: str = __version__,
+    cookies: str = "",
+    scheme: str = "ws",
+    root: str = "",
+    **how: Any,
 ) -> Iterator[ClientConnection]:
-    """Yield a page's line, as its script opens it."""
+    """Yield a page's line, as the script of a page below ``root`` opens it."""
     origin = f"{scheme.replace('ws', 'http')}://127.0.0.1:{port}"
     with connect(
-        f"{scheme}://127.0.0.1:{port}/line?version={version}",
+        f"{scheme}://127.0.0.1:{port}{root}/line?version={version}",
         origin=how.pop("origin", origin),
         additional_headers=how.pop("headers", {}) | ({"Cookie": cookies} if cookies else {}),
         open_timeout=PATIENCE,
@@ -135,16 +141,18 @@ def pages(
     room: ConnectionRoom = ConnectionRoom(),  # noqa: B008  never changed
     certificate: Certificate | None = None,
     reach: Reach | None = None,
+    front: Front | None = None,
     **settings: object,
 ) -> Iterator[Pages]:
     """Serve the pages of a stub, or of what ``reach`` does; ``settings`` are uvicorn's own."""
     with socket.create_server(("127.0.0.1", 0), backlog=LISTEN_BACKLOG) as listener:
         served = Pages(listener.getsockname()[1])
         refusals = Refusals(served.told.append)
-        config = configuration(application(reach or served.reach, host, refusals), certificate)
+        app = application(reach or served.reach, host, refusals, front)
+        config = configuration(app, certificate)
         for name, value in settings.items():
             setattr(config, name, value)
-        admission = Admission(room, refusals)
+        admission = Admission(room, refusals, front)
         served.machines = admission.machines
         server = PageServer(config, listener, admission, served.count_beat)
         thread = threading.Thread(target=server.run)

@@ -406,7 +406,7 @@ class LeavingPage:
 
 def test_a_page_that_closes_its_line_as_the_server_ends_does_not_hold_it() -> None:
     with socket.socket() as listener:
-        entrance = admission.Admission(FEW, Refusals(lambda _: None))
+        entrance = admission.Admission(FEW, Refusals(lambda _: None), None)
         server = PageServer(uvicorn.Config(lambda: None), listener, entrance, lambda: None)
         server.servers, server.force_exit = [], True
         page = LeavingPage(server)

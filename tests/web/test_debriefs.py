@@ -10,7 +10,7 @@ from helpers.wire import Pages, dialled, hear, pages, request
 from websockets.sync.client import ClientConnection
 
 from trainer.io.orders.sentences import fact
-from trainer.web.bridge import MAX_DEBRIEFS, DebriefShelf, is_here
+from trainer.web.bridge import MAX_DEBRIEFS, DebriefShelf, leads_here
 from trainer.web.gate import hash_of, policy_of
 
 PAGE = '<h1>Debrief</h1><style>i{display:block}</style><i style="width:30%"></i><script>1</script>'
@@ -53,9 +53,10 @@ def tell(served: Pages, line: ClientConnection, *sentences: str) -> list[str]:
 
 
 def address_of(served: Pages, line: ClientConnection, path: Path) -> str:
-    """Return where a debrief is served."""
+    """Return where a debrief is served, which is told to a page beside it."""
     (address,) = tell(served, line, fact(1, 0.5, "debrief", str(path)))
-    return address
+    assert address.startswith("./")
+    return address[1:]
 
 
 def test_a_debrief_is_served_with_its_own_styles_and_no_script(
@@ -164,4 +165,4 @@ class Far:
     ],
 )
 def test_a_session_on_another_machine_has_its_debriefs_there(peer: object, *, here: bool) -> None:
-    assert is_here(Far(peer)) is here  # type: ignore[arg-type]
+    assert leads_here(Far(peer)) is here  # type: ignore[arg-type]

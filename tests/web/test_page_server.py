@@ -150,7 +150,7 @@ def asset_of(session: Served, name: str) -> str:
     """Return the address of a file that the helm asks for, "" for what is none."""
     stem, _, kind = name.partition(".")
     html = request(session.port, "/helm").body.decode()
-    return next(iter(re.findall(rf'"(/assets/{stem}\.[0-9a-f]{{16}}\.{kind})"', html)), "")
+    return next(iter(re.findall(rf'"\.(/assets/{stem}\.[0-9a-f]{{16}}\.{kind})"', html)), "")
 
 
 # Data for scripts is no script.
@@ -206,6 +206,7 @@ def test_a_server_for_all_addresses_answers_to_numbers_and_to_its_own_name_alone
     assert door.admits("192.168.1.10:8080")
     assert door.admits(f"{socket.gethostname()}.local:8080")
     assert not door.admits("evil.example:8080")
+    assert not door.admits("192.168.1.10%evil:8080")
     assert not ServerNames.at("192.168.1.10").admits("192.168.1.11")
 
 
@@ -802,7 +803,7 @@ WRONG = {
     "web --key k.pem": "--key k.pem: a key needs its certificate: add --cert FILE",
     "web --cert c.pem --key k.pem": "--cert c.pem: No such file",
     "web --cert {file} --key {file}": "not a certificate and its own key, both PEM",
-    "run --cert c.pem --key k.pem": "--cert and --key are of pages: add --web",
+    "run --cert c.pem --key k.pem": "--public-url and --proxy are of pages: add --web",
     "run --web --speed max": "--web: pages show a boat in its own time: leave out --speed max",
     "run --web --headless": "trainer serve --web 127.0.0.1:17880 serves pages and opens none",
     "run --web --serial loop://": "--web: add --line instructor=loop:// in place of --serial",

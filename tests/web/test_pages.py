@@ -31,11 +31,11 @@ def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look
     counts = {"wall": 1, "helm": 2, "instructor": 1}
     for name in ("instructor", "helm", "planes", "observer", "wall", "kiosk"):
         told = re.compile(f"^{counts[name]} aboard: local") if name in counts else "free"
-        expect(page.locator(f"[href='/{name}'] small")).to_have_text(told)
+        expect(page.locator(f"[href='./{name}'] small")).to_have_text(told)
     wall.close()
     helm.hang_up()
-    expect(page.locator("[href='/wall'] small")).to_have_text("free")
-    expect(page.locator("[href='/helm'] small")).to_have_text(re.compile("^1 aboard: local"))
+    expect(page.locator("[href='./wall'] small")).to_have_text("free")
+    expect(page.locator("[href='./helm'] small")).to_have_text(re.compile("^1 aboard: local"))
 
     assert instructor.ask("run")[0]
     expect(page.locator("#says")).to_have_text("Time runs.")
@@ -113,7 +113,7 @@ def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
 
     expect(page.locator("#title")).to_have_text("A session that asks for a word")
     expect(page.locator("body")).not_to_contain_text("Passage")
-    page.locator("[href='/helm']").click()
+    page.locator("[href='./helm']").click()
     expect(page.locator("#word-title")).to_contain_text("asks for a word")
     expect(page.locator("#refusal")).to_have_text("this session needs a token")
 
@@ -124,7 +124,7 @@ def test_a_session_with_a_word_tells_nothing_before_and_takes_it_by_every_hand(
     expect(page.locator("#refusal")).to_contain_text("wrong token")
     work(page, page.locator("#word a"), way)
     expect(page.locator("#state")).to_have_text("CONNECTED")
-    work(page, page.locator("[href='/helm']"), way)
+    work(page, page.locator("[href='./helm']"), way)
     field.fill("mast")
     work(page, enter, way)
     expect(page.locator("#state")).to_have_text("FROZEN")

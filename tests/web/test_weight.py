@@ -62,14 +62,14 @@ def test_the_import_map_leads_every_module_of_a_page_to_a_file_that_is_there(pag
     assets = Assets()
     linked, inline = assets.link(html)
     places = json.loads(inline)["imports"]
-    (script,) = re.findall(r'<script type="module" src="/assets/(\S+)">', linked)
+    (script,) = re.findall(r'<script type="module" src="\./assets/(\S+)">', linked)
 
     entry = SCRIPT_TAG.findall(html)[0]
     text = (assets.files[script].body).decode()
     for module in collect_modules(entry, {}):
         own = f"M[{json.dumps(module)}] = (() =>" in text
-        assert own or places[f"/assets/{module}"].removeprefix("/assets/") in assets.files
-    for name in re.findall(r'"/assets/([^"]+)"', re.sub(r'"imports":\{[^}]*\}', "", linked)):
+        assert own or places[f"./assets/{module}"].removeprefix("./assets/") in assets.files
+    for name in re.findall(r'"\./assets/([^"]+)"', re.sub(r'"imports":\{[^}]*\}', "", linked)):
         assert name in assets.files
     assert linked.index("importmap") < linked.index("modulepreload") < linked.index(script)
     assert hash_of(inline) in page_policy(inline)
@@ -100,7 +100,7 @@ def test_a_second_visit_asks_for_nothing_but_the_page(
 @pytest.mark.process
 def test_a_file_is_packed_for_who_can_unpack_it_and_never_asked_for_again(shared: Served) -> None:
     html = request(shared.port, "/helm").body.decode()
-    (script,) = re.findall(r'<script type="module" src="(\S+)">', html)
+    (script,) = re.findall(r'<script type="module" src="\.(\S+)">', html)
     packed = request(shared.port, script, Accept_Encoding="gzip, br")
     plain = request(shared.port, script)
 

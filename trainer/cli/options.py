@@ -317,11 +317,24 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     )
 
 
-certificate_options = combine_options(
+page_options = combine_options(
     click.option(
         "--cert", "--web-cert", "cert", type=ANY_FILE, help="Certificate of the pages, for https."
     ),
     click.option("--key", "--web-key", "key", type=ANY_FILE, help="Its key."),
+    click.option(
+        "--public-url",
+        metavar="URL",
+        help="Where browsers find the pages, behind a reverse proxy.",
+    ),
+    click.option(
+        "--proxy",
+        multiple=True,
+        default=(),
+        metavar="ADDRESS",
+        help="Trust this proxy, or network of proxies, to name clients (X-Forwarded-For); may be "
+        "given again.",
+    ),
 )
 
 web_run_options = combine_options(
@@ -332,7 +345,7 @@ web_run_options = combine_options(
         metavar="HOST:PORT",
         help=f"Where these pages are. [default: {WEB_ADDRESS}, or any free port]",
     ),
-    certificate_options,
+    page_options,
 )
 
 web_serve_options = combine_options(
@@ -341,7 +354,7 @@ web_serve_options = combine_options(
         metavar="HOST:PORT",
         help=f"Serve stations for browsers there, such as {WEB_ADDRESS}.",
     ),
-    certificate_options,
+    page_options,
 )
 
 

@@ -148,13 +148,17 @@ def with_pages(asked: RunOptions) -> RunOptions:
     """Return a session's options, checked for its pages if it has any; ConfigError."""
     option = "--web" if asked.browse else "--web HOST:PORT"
     if not (asked.browse or asked.web):
-        if asked.cert or asked.key:
-            raise ConfigError(f"--cert and --key are of pages: add {option}")
+        if asked.cert or asked.key or asked.public_url or asked.proxy:
+            raise ConfigError(f"--cert, --key, --public-url and --proxy are of pages: add {option}")
         return asked
     require_pages("--web")
+    from trainer.session.stations.roles import read_tokens, refuse_open_door
+    from trainer.web.front import front_of
     from trainer.web.launch import certificate_of
 
     certificate_of(asked.cert, asked.key)
+    if front := front_of(asked.public_url, asked.proxy, asked.cert):
+        refuse_open_door("--public-url", front.url, read_tokens(asked.token))
     if math.isinf(asked.speed):
         raise ConfigError("--web: pages show a boat in its own time: leave out --speed max")
     if not asked.browse or asked.socket or not hasattr(socket, "AF_UNIX"):

@@ -4,12 +4,11 @@
 libraries of the server are an extra, so they are looked for before anything starts.
 """
 
-from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 
-from trainer.cli.options import WEB_ADDRESS, certificate_options, connect_option
+from trainer.cli.options import WEB_ADDRESS, connect_option, page_options
 from trainer.config.extras import require_library
 
 PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries of the extra
@@ -24,7 +23,7 @@ PAGES_NEED: Final = ("starlette", "uvicorn", "websockets", "segno")  # libraries
     metavar="HOST:PORT",
     help="Where the pages are; beyond this machine only for a session with --token.",
 )
-@certificate_options
+@page_options
 @click.option(
     "--open/--no-open",
     "opens",
@@ -38,10 +37,9 @@ def web(
     *,
     url: str | None,
     address: str,
-    cert: Path | None,
-    key: Path | None,
     opens: bool,
     owner: int | None,
+    **options: Any,
 ) -> None:
     """Serve the stations of a running session as pages for browsers.
 
@@ -54,12 +52,15 @@ def web(
     """
     require_pages("trainer web")
     from trainer.web import launch
+    from trainer.web.front import front_of
 
-    certificate = launch.certificate_of(cert, key)
+    certificate = launch.certificate_of(options["cert"], options["key"])
+    front = front_of(options["public_url"], options["proxy"], options["cert"])
+    where = launch.address_of(address, certificate, front)
     if owner is None or url is None:
-        launch.serve_pages(url, address, certificate, opens=opens)
+        launch.serve_pages(url, where, certificate, opens=opens)
     else:
-        launch.serve_owner(url, address, certificate, owner, opens=opens)
+        launch.serve_owner(url, where, certificate, owner, opens=opens)
 
 
 def require_pages(asked: str) -> None:

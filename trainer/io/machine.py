@@ -29,6 +29,12 @@ def machine_of(peer: str, own: str = "") -> str:
     return str(address if here is not None and here in site else site)
 
 
+def is_here(host: str) -> bool:
+    """Return whether a host is an address that only programs of this machine reach."""
+    address = address_of(host)
+    return host == "localhost" or (address is not None and address.is_loopback)
+
+
 def address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     """Return an IP address, as IPv4 where IPv6 carries one; None for none."""
     try:

@@ -60,6 +60,8 @@ class RunOptions:
     web: str | None = None  # where the pages are
     cert: Path | None = None  # of the pages, for https
     key: Path | None = None
+    public_url: str | None = None  # of the pages, where a proxy stands before them
+    proxy: tuple[str, ...] = ()  # those that are trusted
     nmea: tuple[str, ...] = ()
     nmea_baud: int = 38400
     nmea_rate: float = 2.0  # [Hz]

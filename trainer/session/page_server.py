@@ -153,9 +153,11 @@ class PageServer:
         words = ["web", "--connect", self._url, "--web", f"{host}:{self.port}"]
         words += ["--owner", str(self.listener.fileno() if INHERITS_SOCKETS else -1)]
         words += ["--open" if opens else "--no-open"]
-        for name in ("cert", "key"):
-            path = getattr(self.options, name)
-            words += [f"--{name}", str(path)] if path else []
+        for name in ("cert", "key", "public_url"):
+            value = getattr(self.options, name)
+            words += [f"--{name.replace('_', '-')}", str(value)] if value else []
+        for address in self.options.proxy:
+            words += ["--proxy", address]
         return words
 
     def _keep(self) -> None:

@@ -2,11 +2,12 @@
 
 The server is a process of its own, which dies or hangs without the session. Begin with ``server``
 (pages, tokens, files) and ``bridge`` (a page's line, both ways); ``gate`` and ``admission`` say who
-may ask and who may stay. ``pages`` and ``words`` make the HTML, ``packing`` and ``modules`` its
-scripts, which lie in ``assets/js``: ``protocol``, ``model``, ``tab``, elements, ``stations``.
+may ask and who may stay, ``front`` what a proxy before them changes. ``pages`` and ``words`` make
+the HTML, ``packing`` and ``modules`` its scripts, which lie in ``assets/js``: ``protocol``,
+``model``, ``tab``, elements, ``stations``.
 
-Other rooms start the server by ``launch``, or make one page a file by ``single_file``.
+Other rooms start the server by ``launch`` and ``front``, or make a page a file by ``single_file``.
 """
 
 # The modules that other rooms may use.
-__all__ = ["launch", "single_file"]
+__all__ = ["front", "launch", "single_file"]

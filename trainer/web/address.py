@@ -5,14 +5,15 @@
 
 import contextlib
 import io
-import ipaddress
 import os
 import socket
 import webbrowser
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.web.gate import LOOPBACK_HOSTS, WILDCARD_HOSTS
+from trainer.io.machine import is_here
+from trainer.web.front import Front
+from trainer.web.gate import WILDCARD_HOSTS
 
 # An address for documents (RFC 5737). A UDP socket connected to it sends nothing; the system only
 # chooses the own address from which it would.
@@ -26,19 +27,18 @@ class Address:
     host: str
     port: int
     secure: bool = False
+    front: Front | None = None
 
     @property
     def here(self) -> bool:
         """Return whether only this machine's browsers reach it."""
-        if self.host in LOOPBACK_HOSTS:
-            return True
-        with contextlib.suppress(ValueError):
-            return ipaddress.ip_address(self.host).is_loopback
-        return False
+        return self.front is None and is_here(self.host)
 
     @property
     def url(self) -> str:
         """Return the address for a browser; it holds no token."""
+        if self.front:
+            return self.front.url
         host = reachable_address() if self.host in WILDCARD_HOSTS else self.host
         bracketed = f"[{host}]" if ":" in host else host
         return f"{'https' if self.secure else 'http'}://{bracketed}:{self.port}/"

@@ -10,7 +10,8 @@ WebSocket, once it is open, has its own limits (``bridge``).
 
 If there is no room for one more, the one that has been silent for longest is closed to make it. If
 none is silent, the newcomer gets an HTTP answer 503 with the reason. This machine and all others
-are counted apart, so that neither can shut the other out.
+are counted apart, so that neither can shut the other out. All connections of trusted proxies
+(``front``) are counted among the others, with no limit of one machine: many browsers share them.
 """
 
 import asyncio
@@ -28,12 +29,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.machine import THIS_MACHINE, machine_of
 from trainer.io.orders.grammar import Refused
+from trainer.web.front import Front
 from trainer.web.gate import SECURITY_HEADERS, Refusals
 
 # docs/threat-model.md says what these limits are against.
 MAX_CONNECTIONS: Final = 500
 MAX_CONNECTIONS_HERE: Final = 100  # of those; no other machine can take them
 MAX_CONNECTIONS_OF_MACHINE: Final = 32  # of another one: a browser opens six, and a line a page
+PROXY_MACHINES: Final = "proxies"  # all that are trusted
 MAX_FAREWELLS: Final = 8  # newcomers that are being sent the reason; beyond it they are cut off
 REQUEST_TIMEOUT_S: Final = 10.0  # from the first contact, or from an answer, to a whole request
 ANSWER_TIMEOUT_S: Final = 60.0  # for an answer to be made and taken
@@ -254,9 +257,10 @@ Protocols = Callable[[Visit], asyncio.Protocol]
 class Admission:
     """Counts connections, and refuses those that are too many."""
 
-    def __init__(self, room: ConnectionRoom, refusals: Refusals) -> None:
+    def __init__(self, room: ConnectionRoom, refusals: Refusals, front: Front | None) -> None:
         self._room = room
         self._refusals = refusals
+        self._front = front
         self.machines: Counter[str] = Counter()  # connections at once of each
         self._silent: dict[Visit, None] = {}
         self._farewells = 0
@@ -290,7 +294,9 @@ class Admission:
     ) -> None:
         """Count a connection, or send the reason why it is refused."""
         end.settimeout(0.0)
-        visit = Visit(machine_of(peer[0], end.getsockname()[0]), self._silent)
+        proxied = self._front is not None and self._front.trusts(peer[0])
+        machine = PROXY_MACHINES if proxied else machine_of(peer[0], end.getsockname()[0])
+        visit = Visit(machine, self._silent)
         if refused := self._refusal(visit.machine):
             self._refusals.add(peer[:2], f"turned away: {refused.reason}")
             self._part(end, refused.reason, context)
@@ -311,7 +317,7 @@ class Admission:
         if machine == THIS_MACHINE:
             full = here >= self._room.here and not give_way(same)
             why = f"{here} connections of this machine are open: close one of its pages"
-        elif count >= self._room.machine:
+        elif count >= self._room.machine and machine != PROXY_MACHINES:
             full = not give_way(same)
             why = f"{count} connections of your machine are open: close one of its pages"
         else:

@@ -20,7 +20,6 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from glob import escape
-from ipaddress import ip_address
 from pathlib import Path
 from secrets import token_urlsafe
 from socket import socket
@@ -30,7 +29,7 @@ from urllib.parse import quote
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from trainer.io.connection import carried_for
-from trainer.io.machine import THIS_MACHINE, machine_of
+from trainer.io.machine import THIS_MACHINE, is_here, machine_of
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import MAX_LINE_LETTERS, Order
 from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
@@ -82,7 +81,7 @@ class DebriefShelf:
         self.files[key] = path
         if len(self.files) > MAX_DEBRIEFS:
             del self.files[next(iter(self.files))]
-        return f"/debrief/{key}/{quote(path.name)}"
+        return f"./debrief/{key}/{quote(path.name)}"
 
     def find(self, key: str, name: str) -> str:
         """Return the page under a key; KeyError or OSError if there is none."""
@@ -130,7 +129,7 @@ class Bridge:
         try:
             with self.count_page(machine_at(page)):
                 end = await asyncio.to_thread(self.reach)
-                shelf = self.shelf if is_here(end) else None
+                shelf = self.shelf if leads_here(end) else None
                 local = not isinstance(end.getpeername(), tuple)  # a session of this user
                 reader, writer = await asyncio.open_connection(sock=end, limit=MAX_CHUNK_BYTES)
                 if page.client and local:  # the session counts stations by their machine
@@ -255,10 +254,10 @@ def machine_at(page: WebSocket) -> str:
     return machine_of(page.client.host, page.scope["server"][0]) if page.client else ""
 
 
-def is_here(end: socket) -> bool:
+def leads_here(end: socket) -> bool:
     """Return whether the session at the far end of a socket is on this machine."""
     peer = end.getpeername()
-    return not isinstance(peer, tuple) or ip_address(peer[0].partition("%")[0]).is_loopback
+    return not isinstance(peer, tuple) or is_here(peer[0])
 
 
 def facts_in(lines: str, what: str) -> Iterator[tuple[str, str, str]]:

@@ -10,7 +10,6 @@ headers that forbid the browser to load anything from elsewhere (SECURITY_HEADER
 import asyncio
 import base64
 import hashlib
-import ipaddress
 import re
 import socket
 import time
@@ -24,8 +23,10 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.lines import plain
+from trainer.io.machine import address_of
 from trainer.io.noise_log import ENTRY_PERIOD_S, NoiseLog
 from trainer.io.orders.grammar import Refused
+from trainer.web.front import Front
 
 Tell = Callable[[str], None]
 
@@ -45,7 +46,7 @@ SECURITY_HEADERS: Final[Mapping[str, str]] = {
     "Cache-Control": "no-cache",
 }
 HOST_AND_PORT: Final = re.compile(
-    r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/ ]*))(?::[0-9]{1,5})?"
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/% ]*))(?::[0-9]{1,5})?"
 )
 SAFE_METHODS: Final = frozenset({"GET", "HEAD"})  # methods that change nothing
 
@@ -58,14 +59,15 @@ class ServerNames:
     any_address: bool
 
     @classmethod
-    def at(cls, host: str) -> "ServerNames":
-        """Return the names of a server that listens at ``host``."""
+    def at(cls, host: str, front: Front | None = None) -> "ServerNames":
+        """Return the names of a server at ``host``, and of what stands before it."""
         own_names = {socket.gethostname().casefold()}
         beyond = (
             {f"{name}.local" for name in own_names} | own_names
             if host not in LOOPBACK_HOSTS
             else set()
         )
+        beyond |= {front.host} if front else set()
         return cls(frozenset({*LOOPBACK_HOSTS, host.casefold(), *beyond}), host in WILDCARD_HOSTS)
 
     def admits(self, given: str) -> bool:
@@ -73,22 +75,13 @@ class ServerNames:
         name = hostname(given)
         if name in self.names:
             return True
-        return self.any_address and is_address(name)
+        return self.any_address and address_of(name) is not None  # which no DNS server can redirect
 
 
 def hostname(given: str) -> str:
     """Return the name or address in ``HOST[:PORT]``, "" if it is not of that form."""
     match = HOST_AND_PORT.fullmatch(given)
     return (match["six"] or match["name"]).casefold() if match else ""
-
-
-def is_address(name: str) -> bool:
-    """Return whether a name is an IP address, which no DNS server can redirect."""
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
 
 
 class Refusals:
@@ -123,17 +116,21 @@ class Refusals:
 class Gate:
     """The gate: it refuses foreign requests, and adds headers to all answers."""
 
-    def __init__(self, app: ASGIApp, names: ServerNames, refusals: Refusals) -> None:
+    def __init__(self, app: ASGIApp, host: str, refusals: Refusals, front: Front | None) -> None:
         self._app = app
-        self._names = names
+        self._names = ServerNames.at(host, front)
         self._refusals = refusals
+        self._front = front
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or pass it on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        refused = self._refusal(scope)
+        host = Headers(scope=scope).get("host", "")
+        if self._front:
+            scope = self._front.restore_request(scope)
+        refused = self._refusal(scope, host)
         if not refused:
             await self._app(scope, receive, guard_sender(send))
             return
@@ -143,18 +140,21 @@ class Gate:
         else:
             await PlainTextResponse(f"{refused.reason}\n", 403)(scope, receive, guard_sender(send))
 
-    def _refusal(self, scope: Scope) -> Refused | None:
-        """Return why a request is refused, None if it is not."""
+    def _refusal(self, scope: Scope, host: str) -> Refused | None:
+        """Return why a request is refused, None if it is not; ``host`` as it came here."""
         headers = Headers(scope=scope)
-        host, origin = headers.get("host", ""), headers.get("origin", "")
+        origin = headers.get("origin", "")
+        if scope["client"] is None:
+            return Refused("the proxy names no client: let it set X-Forwarded-For")
         if not self._names.admits(host):
             name = host[:80] or "a server without a name"
             return Refused(f"this is not {name}: use the address that the server has told")
         if not origin and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
             return None
         secure = scope["scheme"] in ("https", "wss")
-        if origin != f"{'https' if secure else 'http'}://{host}":
-            return Refused(f"a page of {origin[:80] or 'nobody'} has no business here")
+        own = f"{'https' if secure else 'http'}://{headers.get('host', '')}"
+        if origin != own:
+            return Refused(f"a page of {origin[:80] or 'nobody'} has no business at {own[:80]}")
         return None
 
 

@@ -14,6 +14,7 @@ import ssl
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, NoReturn
 
@@ -28,6 +29,7 @@ from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
 from trainer.web.address import Address, announce_address, open_page
 from trainer.web.bridge import Reach
+from trainer.web.front import Front
 from trainer.web.server import Certificate, serve_at_socket
 
 TOKEN_TIMEOUT_S: Final = 5.0  # [s] for a session to say whether it asks for a token
@@ -41,33 +43,25 @@ class OpenError(LinkError):
 
 
 def serve_pages(
-    url: str | None, where: str, certificate: Certificate | None, *, opens: bool
+    url: str | None, address: Address, certificate: Certificate | None, *, opens: bool
 ) -> None:
     """Serve the pages of the session at ``url``, None for this machine's; ConfigError.
 
     The pages wait for a session that is not there yet. When it ends, they serve the next one there.
     """
     refuse_other_lines(url)
-    host, port = address_of(where)
-    reach = find_session(url, where, beyond=not Address(host, port).here)
+    reach = find_session(url, address)
     try:
         reach().close()
     except OpenError as error:
         raise ConfigError(str(error)) from None
     except LinkError as error:
         click.echo(f"trainer: {error}; the pages wait for one", err=True)
-    run_pages(
-        reach,
-        Address(host, port),
-        listen_for_browsers(host, port),
-        certificate,
-        send_no_pulse,
-        opens=opens,
-    )
+    run_pages(reach, address, listen_for_browsers(address), certificate, send_no_pulse, opens=opens)
 
 
 def serve_owner(
-    url: str, where: str, certificate: Certificate | None, owner: int, *, opens: bool
+    url: str, address: Address, certificate: Certificate | None, owner: int, *, opens: bool
 ) -> None:
     """Serve the pages of the session that has begun this program, and end with it.
 
@@ -75,9 +69,8 @@ def serve_owner(
     inherited. The session itself has checked whether other machines need a token.
     """
     threading.Thread(target=end_with_owner, name="owner", daemon=True).start()
-    host, port = address_of(where)
-    listener = listen_for_browsers(host, port) if owner < 0 else socket.socket(fileno=owner)
-    address, pulse = Address(host, port), pulse_for_owner()
+    listener = listen_for_browsers(address) if owner < 0 else socket.socket(fileno=owner)
+    pulse = pulse_for_owner()
     run_pages(lambda: client.reach(url), address, listener, certificate, pulse, opens=opens)
 
 
@@ -93,7 +86,7 @@ def run_pages(
     """Tell where the pages are, open them, and serve them until a signal."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, leave_program)
-    address = Address(asked.host, listener.getsockname()[1], certificate is not None)
+    address = replace(asked, port=listener.getsockname()[1])
     with listener:
         click.echo(announce_address(address), err=True)
         if opens:
@@ -123,36 +116,37 @@ def refuse_other_lines(url: str | None) -> None:
         raise ConfigError(f"--connect {error}") from None
 
 
-def find_session(url: str | None, where: str, *, beyond: bool) -> Reach:
+def find_session(url: str | None, address: Address) -> Reach:
     """Return a function that connects to the session that is there now.
 
-    For pages ``beyond`` this machine it first checks that the session asks for a token. It checks
-    at every call, because another session may be there by then.
+    For pages beyond this machine it first checks that the session asks for a token. It checks at
+    every call, because another session may be there by then.
     """
+    front = address.front
+    asked = f"--public-url {front.url}" if front else f"--web {address.host}:{address.port}"
 
     def reach() -> socket.socket:
         at = url or paths.nearest_session()
-        if beyond and not asks_token(at):
-            raise OpenError(
-                f"--web {where}: beyond this machine only for a session with --token WORD"
-            )
+        if not address.here and not asks_token(at):
+            raise OpenError(f"{asked}: beyond this machine only for a session with --token WORD")
         return client.reach(at)
 
     return reach
 
 
-def address_of(text: str) -> tuple[str, int]:
-    """Return host and port of ``HOST:PORT``; ConfigError."""
+def address_of(text: str, certificate: Certificate | None, front: Front | None) -> Address:
+    """Return the address of pages at ``HOST:PORT``; ConfigError."""
     try:
-        return parse_address(text, f"{paths.DEFAULT_HOST}:{paths.PAGES_PORT}")
+        host, port = parse_address(text, f"{paths.DEFAULT_HOST}:{paths.PAGES_PORT}")
     except LinkError as error:
         raise ConfigError(f"--web {error}") from None
+    return Address(host, port, certificate is not None, front)
 
 
-def listen_for_browsers(host: str, port: int) -> socket.socket:
+def listen_for_browsers(address: Address) -> socket.socket:
     """Return a socket that listens for browsers; ConfigError."""
     try:
-        return listen_at(host, port)
+        return listen_at(address.host, address.port)
     except LinkError as error:
         raise ConfigError(f"--web {error}") from None
 

@@ -26,8 +26,8 @@ COMMENT_LINES: Final = re.compile(
     r"^[ \t]*(?://[^\n]*|/\*\*(?:(?!\*/).)*\*/[ \t]*)\n", re.MULTILINE | re.DOTALL
 )
 
-STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
-SCRIPT_TAG: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
+STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="\./assets/(\S+)">\n?')
+SCRIPT_TAG: Final = re.compile(r'<script type="module" src="\./assets/(\S+)"></script>\n?')
 
 Sources = dict[str, str]  # of modules, by their paths; what a module imports stands before it
 

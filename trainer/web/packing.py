@@ -23,7 +23,7 @@ from trainer.web.modules import (
     wrap_modules,
 )
 
-ASSETS_ROOT: Final = "/assets/"  # of the plain names too, which no request asks for
+ASSETS_ROOT: Final = "./assets/"  # of the plain names too, which no request asks for
 MEDIA_TYPES: Final = {".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
 HASH_DIGITS: Final = 16
 # What each station has of these, all have: state, alerts, briefing, orders, the line, words.
@@ -98,7 +98,7 @@ def join_shared(sources: Sources) -> str:
 def join_own(sources: Sources, shared: Sources) -> str:
     """Return one module of a page's own modules, which imports what is shared."""
     imports = [
-        f"import * as m{number} from {json.dumps(ASSETS_ROOT + path)};\n"
+        f"import * as m{number} from {json.dumps('./' + path)};\n"
         for number, path in enumerate(shared)
     ]
     table = ", ".join(f"{json.dumps(path)}: m{number}" for number, path in enumerate(shared))

@@ -40,7 +40,8 @@ from trainer.web.admission import (
     allowed_descriptors,
 )
 from trainer.web.bridge import OLDER_PAGE_CODE, Allowance, Bridge, Reach
-from trainer.web.gate import Gate, Refusals, ServerNames, page_policy, policy_of
+from trainer.web.front import Front
+from trainer.web.gate import Gate, Refusals, page_policy, policy_of
 from trainer.web.packing import Assets
 from trainer.web.pages import MISSING_DEBRIEF, MISSING_PAGE, PAGES, Page, render
 
@@ -54,6 +55,7 @@ ROLE_TOKEN_FORM: Final = re.compile(
     rf"(?P<role>[a-z]+) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
 )
 MAX_BODY_BYTES: Final = 200  # [bytes]
+MAX_MISSING_FOLDERS: Final = 8  # of an address without a page, from which its links lead back
 MAX_FRAME_BYTES: Final = 4096  # [bytes] a longer one is not even read
 MAX_LINE_BYTES_PER_S: Final = 65536  # of a page's line; a lever sends a thousand
 MAX_LINE_BYTES_AT_ONCE: Final = 4 * 1024 * 1024
@@ -86,8 +88,8 @@ class ComplaintHandler(logging.Handler):
         self._refusals.note(f"{record.getMessage().splitlines()[0]} {what!r}".rstrip(" '"))
 
 
-def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
-    """Return the pages of a session; ``host`` is where they are served."""
+def application(reach: Reach, host: str, refusals: Refusals, front: Front | None) -> WholeRequests:
+    """Return the pages of a session; ``host`` is where they are served, ``front`` before them."""
     bridge = Bridge(reach, refusals)
 
     async def line(page: WebSocket) -> None:
@@ -102,7 +104,7 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
     show_missing_debrief = answer_page(MISSING_DEBRIEF, assets, 404)
 
     async def show_missing_page(request: Request, _error: Exception) -> Response:
-        if request.url.path.startswith("/assets"):  # no person types those
+        if "/assets/" in request.url.path:  # no person types those
             return PlainTextResponse("not found\n", 404)
         return await show_missing(request)
 
@@ -125,16 +127,22 @@ def application(reach: Reach, host: str, refusals: Refusals) -> WholeRequests:
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
         exception_handlers={404: show_missing_page},
     )
-    return WholeRequests(Gate(pages, ServerNames.at(host), refusals))
+    return WholeRequests(Gate(pages, host, refusals, front))
 
 
 def answer_page(page: Page, assets: Assets, status: int = 200) -> Answer:
-    """Return a function that answers with a page. The page is made once."""
-    html, script_map = assets.link(render(page))
-    headers = {"Content-Security-Policy": page_policy(script_map)}
+    """Return a function that answers with a page. The page is made once.
 
-    async def show(_request: Request) -> Response:
-        return HTMLResponse(html, status, headers)
+    Its links are relative, so at an address within folders they lead up first.
+    """
+    html, script_map = assets.link(render(page))
+
+    async def show(request: Request) -> Response:
+        path, root = request.scope["path"], request.scope["root_path"]
+        up = "../" * min(path.count("/") - root.count("/") - 1, MAX_MISSING_FOLDERS) or "./"
+        policy = page_policy(script_map.replace('"./', f'"{up}'))
+        headers = {"Content-Security-Policy": policy}
+        return HTMLResponse(html.replace('"./', f'"{up}'), status, headers)
 
     return show
 
@@ -165,7 +173,7 @@ async def keep_word(request: Request) -> Response:
         TOKEN_COOKIE_PREFIX + match["role"],
         match["word"],
         max_age=TOKEN_AGE_S if match["word"] else 0,
-        path="/line",  # nothing else needs it
+        path=f"{request.scope['root_path']}/line",  # nothing else needs it
         secure=request.url.scheme == "https",
         httponly=True,
         samesite="strict",
@@ -222,7 +230,7 @@ def configuration(app: WholeRequests, certificate: Certificate | None) -> uvicor
         log_config=None,
         access_log=False,
         lifespan="off",
-        proxy_headers=False,  # such a header could name another machine, and limits count machines
+        proxy_headers=False,  # it would believe the scheme too; ``Front`` reads the client alone
         ws=type("Line", (MeasuredLine, cast("type", AutoWebSocketsProtocol)), {}),
         ws_max_size=MAX_FRAME_BYTES,
         ws_ping_interval=10.0,  # a page that is asleep or gone does not answer, and is closed
@@ -307,8 +315,8 @@ def serve_at_socket(
     logger = logging.getLogger("uvicorn.error")
     logger.propagate = False
     logger.addHandler(ComplaintHandler(refusals))
-    app = application(reach, address.host, refusals)
-    admission = Admission(ConnectionRoom.of(allowed_descriptors()), refusals)
+    app = application(reach, address.host, refusals, address.front)
+    admission = Admission(ConnectionRoom.of(allowed_descriptors()), refusals, address.front)
     try:
         PageServer(configuration(app, certificate), listener, admission, pulse).run()
     finally:

@@ -6,9 +6,7 @@ gauges show them, and does not hear what would give away the truth behind them o
 has in store.
 """
 
-import contextlib
 import hmac
-import ipaddress
 import re
 import time
 from collections.abc import Callable, Mapping
@@ -16,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.config.files import ConfigError, nearest
+from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
 from trainer.io.orders.table import FORMS, heading_word
 
@@ -346,9 +345,5 @@ def refuse_unsayable_token(word: str) -> None:
 
 def refuse_open_door(option: str, host: str, tokens: Mapping[str, str]) -> None:
     """Raise ConfigError if others than this machine could come in without a token."""
-    if tokens or host == "localhost":
-        return
-    with contextlib.suppress(ValueError):
-        if ipaddress.ip_address(host).is_loopback:
-            return
-    raise ConfigError(f"{option} {host}: beyond this machine only with --token WORD")
+    if not (tokens or is_here(host)):
+        raise ConfigError(f"{option} {host}: beyond this machine only with --token WORD")

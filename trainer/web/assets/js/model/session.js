@@ -164,7 +164,7 @@ export class Session extends EventTarget {
   /** Takes a token for the role, and dials anew with it. @param {string} word */
   async give(word) {
     const body = `${this.role} ${word}`;
-    const kept = await fetch("/word", { method: "POST", body }).catch(() => null);
+    const kept = await fetch("./word", { method: "POST", body }).catch(() => null);
     this.refusal = kept ? say("that can be no word") : say("the server does not answer");
     if (kept?.ok) this.source.redial();
     else this.tell("state");
@@ -239,7 +239,7 @@ export class Session extends EventTarget {
     const { kind, fields } = sentence;
     if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
     else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(this.readings.reading(fields));
-    else if (kind === "TRF" && fields[2] === "chair") location.assign(`/${fields[3]}${location.search}`);
+    else if (kind === "TRF" && fields[2] === "chair") location.assign(`./${fields[3]}${location.search}`);
     else if (kind === "TRF" && fields[2] === "said") this.saying = fields[3];
     else if (kind === "TRE") this.hearEntry(entryOf(fields, this.saying));
     else if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");

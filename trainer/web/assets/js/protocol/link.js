@@ -43,8 +43,9 @@ export class Link extends EventTarget {
     clearTimeout(this.timer);
     if (this.stopped) return;
     this.tries += 1;
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = new WebSocket(`${scheme}://${location.host}/line?version=${this.version}`);
+    const address = new URL(`./line?version=${this.version}`, location.href);
+    address.protocol = address.protocol.replace("http", "ws"); // and https becomes wss
+    const socket = new WebSocket(address);
     this.socket = socket;
     socket.onopen = () => this.dispatchEvent(new Event("open"));
     socket.onmessage = (event) => String(event.data).split("\n").forEach((line) => this.hear(line));
