@@ -106,6 +106,9 @@ class RecordSettings:
     positive_rudder: str | None = optional(
         Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
     )
+    between_readings: str | None = optional(
+        Choice(("straight", "step"), "of the rudder; else as name and record say")
+    )
     current: str | None = optional(
         Choice(("none",), "said where velocities are over ground, and the water stood still")
     )

@@ -156,7 +156,8 @@ class Problem:
         blocks = self.plant.blocks(rows)
         if self.first is not None:
             blocks.start[:, :, 0] = self.first
-        return sample_systems(blocks, self.samples.steps[0], self.sampling)
+        intervals, between = self.samples.steps[0], self.samples.between_readings
+        return sample_systems(blocks, intervals, self.sampling, between)
 
     def fastest(self, theta: Numbers) -> float:
         """Return the shortest time constant [s] of the model, infinite if nothing moves.

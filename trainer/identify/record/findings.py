@@ -6,7 +6,8 @@ what may mislead is reported as a finding.
 """
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -15,7 +16,13 @@ import numpy as np
 from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import OUTPUT_CHANNELS, POSITION_CHANNELS, Finding, Record
+from trainer.identify.record.measurements import (
+    INPUT_PATHS,
+    OUTPUT_CHANNELS,
+    POSITION_CHANNELS,
+    Finding,
+    Record,
+)
 from trainer.identify.record.study_records import Ship
 from trainer.identify.record.track import unwrap_angle
 from trainer.units import KNOT
@@ -41,6 +48,20 @@ MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
 SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
 TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
 PIVOT_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+# fmt: off
+ORDER_WORDS: Final = frozenset((  # in the name of an ordered angle, which is a step
+    "order", "orders", "ordered", "command", "commanded", "cmd", "c", "demand", "demanded",
+    "desired", "set", "setpoint", "target", "soll",
+))
+# fmt: on
+MOVING_SHARE: Final = 0.05  # [-] of its whole range: a rudder that changes more is moving
+MAX_UNDER_WAY_SHARE: Final = 0.1  # [-] of its moves that a jumping rudder shows under way
+MIN_MOVES: Final = 3  # of a rudder, to tell whether it jumps from reading to reading
+PATH_TEXTS: Final = {  # of INPUT_PATHS
+    "straight": "straight from reading to reading",
+    "step": "held until the next reading",
+}
+SURE_EVIDENCE: Final = 4.6  # [-] of log-likelihood, a hundred to one
 SPIKE_SCATTERS: Final = 10.0  # [-] usual scatters, by which an outlier leaves its neighbours
 
 
@@ -54,6 +75,71 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     findings = [*record.findings, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
     findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
     return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+
+
+def choose_path(record: Record, inputs: Sequence[str], said: str | None) -> tuple[str, str]:
+    """Return how inputs go from reading to reading, one of INPUT_PATHS, and why.
+
+    It is what a file has ``said``, else what names and numbers tell.
+    """
+    if said is not None:
+        return said, "the study says so"
+    path, why = _guess_path(record, inputs)
+    other = next(one for one in INPUT_PATHS if one != path)
+    return path, f'{why}; else say between_readings = "{other}" in a study'
+
+
+def _guess_path(record: Record, inputs: Sequence[str]) -> tuple[str, str]:
+    """Return the likelier of INPUT_PATHS, and why.
+
+    An ordered angle is a step. A measured one is a straight line, because it takes time to move;
+    unless no reading shows it under way, and the ship's motion does not say otherwise.
+    """
+    names = [record.name(name) for name in inputs]
+    if all(not ORDER_WORDS.isdisjoint(re.split(r"[\W_]+", name.casefold())) for name in names):
+        return "step", "its name is that of an order"
+    if any(_jumps_at_readings(record.column(name)) for name in inputs):
+        if _evidence_of_steps(record, inputs) > -SURE_EVIDENCE:
+            return "step", "no reading shows it under way"
+        return "straight", "the motion follows that best"
+    return "straight", "as a measured angle goes"
+
+
+def _jumps_at_readings(values: Numbers) -> bool:
+    """Return whether nearly all of several moves are done, nearly wholly, between two readings."""
+    change = np.diff(values)
+    size, least = np.abs(change), MOVING_SHARE * np.ptp(values)
+    pair = np.sort(np.stack([size[1:], size[:-1]]), axis=0)
+    under_way = (change[1:] * change[:-1] > 0.0) & (pair[0] > np.maximum(least, pair[1] / 4.0))
+    moves = np.count_nonzero(size > least)
+    return moves >= MIN_MOVES and np.count_nonzero(under_way) <= MAX_UNDER_WAY_SHARE * moves
+
+
+def _evidence_of_steps(record: Record, inputs: Sequence[str]) -> float:
+    """Return log-likelihood of steps less that of straight lines [-], by two regressions.
+
+    The next motion by the last two and by what acted in both intervals, channel by channel.
+    """
+    motions = [record.plain[name] for name in record.plain if name not in inputs]
+    motions += [one for one in (record.yaw_rate, record.sway) if one is not None]
+    if record.heading is not None:
+        motions.append(np.diff(unwrap_angle(record.heading), prepend=math.nan))
+    evidence = 0.0
+    for motion in motions:
+        squares, count = {}, 0
+        for path in INPUT_PATHS:
+            along = replace(record, between_readings=path)
+            acting = np.column_stack([along.mean_ahead(record.column(name)) for name in inputs])
+            rows = np.column_stack([motion[1:-1], motion[:-2], acting[1:-1], acting[:-2]])
+            rows = np.column_stack([rows, np.ones(len(rows)), motion[2:]])
+            rows = rows[np.isfinite(rows).all(axis=1)]
+            count = len(rows)
+            if count >= MIN_SAMPLES:
+                solution = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)[0]
+                squares[path] = float(np.sum((rows[:, -1] - rows[:, :-1] @ solution) ** 2))
+        if squares and min(squares.values()) > 0.0:
+            evidence += 0.5 * count * math.log(squares["straight"] / squares["step"])
+    return evidence
 
 
 def examine_columns(record: Record) -> list[Finding]:
