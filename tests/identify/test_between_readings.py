@@ -73,13 +73,14 @@ def test_the_slopes_of_a_ramp_are_those_of_the_cost() -> None:
 
 
 def test_a_bent_ship_turns_by_the_straight_rudder() -> None:
-    ship, t = BentShip(-0.05, 40.0, 8.0, 15.0, 400.0), 2.0 * np.arange(60)
+    ship = BentShip(-0.05, 40.0, 8.0, 15.0, 400.0)
+    t: Any = 2.0 * np.arange(60)
     rudder = np.radians(15.0) * np.sin(t / 9.0 + 0.5)
     rows = np.arange(60)
     coarse = Record(
         source="run", t=t, rudder=rudder, rows=rows, names={}, between_readings="straight"
     )
-    fine_t = np.arange(0.0, 118.001, 0.01)
+    fine_t: Any = np.arange(0.0, 118.001, 0.01)
     fine = np.interp(fine_t + 0.005, t, rudder)  # steps so short that they are the line
     steps = Record(source="run", t=fine_t, rudder=fine, rows=np.arange(len(fine_t)), names={})
     run = predict_turning(ship, coarse, np.zeros(2))
@@ -147,7 +148,9 @@ def test_what_knows_steps_alone_says_so(tmp_path: Path, more: tuple[str, ...], w
 
 def test_thinned_the_mean_is_that_of_the_straight_line() -> None:
     t = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
-    record = Record(source="run", t=t, rudder=np.array([0.0, 1, 3, 3, 1]), rows=t, names={})  # type: ignore[arg-type]
+    record = Record(
+        source="run", t=t, rudder=np.array([0.0, 1, 3, 3, 1]), rows=np.arange(5), names={}
+    )
     straight = replace(record, between_readings="straight").every(2)
     assert straight.rudder == pytest.approx([1.25, 2.5, 1.0])
     assert straight.between_readings == "step"

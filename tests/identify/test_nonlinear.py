@@ -28,7 +28,7 @@ UNSTABLE = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section
 
 def predict_turning(ship: Any, rudder: Any, step: float, start: Any) -> Any:
     """Return yaw rate and heading under a rudder that stands from sample to sample."""
-    t = step * np.arange(len(rudder))
+    t: Any = step * np.arange(len(rudder))
     rows = np.arange(len(t)) + 1
     return turn_under(ship, Record(source="run", t=t, rudder=rudder, rows=rows, names={}), start)
 

@@ -167,7 +167,11 @@ TOLD = {
     "missing readings": (put("yaw_rate", 7, math.nan), {}, r"row 9: rot: 1 of 400 values"),
     "a wrapped heading": (pick(slice(None)), {}, r"gyro: jumps by more than half a turn .*unwr"),
     "an outlier of rate": (put("yaw_rate", 99, 0, add=0.3), {}, r"row 101: rot: stands out .*rej"),
-    "an outlier of heading": (put("heading", 99, 0, add=4.0), {}, r"row 101: gyro: stands out"),
+    "an outlier of heading": (
+        put("heading", 99, 0, add=4.0),
+        {},
+        r"row 101: gyro: 46\.8763 deg is no heading here",
+    ),
     "a constant sway": (scaled("sway", 0.0), {}, r"sway: is the same in all rows"),
     "a rudder to starboard": (scaled("rudder", -1.0), {}, r'say positive_rudder = "starboard"'),
     "a helmsman alone": (helmsman, {}, r"closed loop without an experiment"),

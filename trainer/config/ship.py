@@ -42,7 +42,7 @@ from trainer.config.words import SHIP_FILE_SCHEMA
 
 SHIP_SCHEMA: Final = SHIP_FILE_SCHEMA
 MAX_LENGTH_M: Final = 500.0  # [m] the longest ship is shorter
-UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
+UNIT_NAMES: Final = "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
 # fmt: off
 SHIP_CHANNELS: Final = (
     "t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading",

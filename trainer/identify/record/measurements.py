@@ -159,7 +159,7 @@ class Record:
 
 
 def lines_between(t: Numbers, inputs: Numbers, between_readings: str) -> tuple[Numbers, Numbers]:
-    """Return where inputs (n, u) begin at each of ``t`` (n,), and their rise per second.
+    """Return where inputs (n, u) begin at each time ``t`` (n,), and their slopes.
 
     Straight inputs go from each reading to the next. A rudder that begins or ends its way between
     two readings goes round a corner there, where its lines before and after meet: the straight line
@@ -253,7 +253,7 @@ def samples_of(
     count = len(record.t)
     columns = [[_in_units(record, name) for name in names] for names in (outputs, inputs)]
     parts = [np.column_stack(one) if one else np.empty((count, 0)) for one in columns]
-    return Samples(record.t, *parts, record.between_readings)
+    return Samples(record.t, parts[0], parts[1], record.between_readings)
 
 
 def _in_units(record: Record, channel: str) -> Numbers:

@@ -65,7 +65,9 @@ class ColumnRow:
     channel: str = required(Choice(("t", *CHANNEL_UNITS, *POSITION_CHANNELS), "what it is"))
     column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(
-        Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
+        Text(
+            8, "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says"
+        )
     )
     missing: tuple[float, ...] = with_default((), MISSING_NUMBERS)
 
