@@ -162,7 +162,8 @@ def zig_zag(ship: BentShip, angle: float, step: float, count: int) -> tuple[Numb
         rudder += min(max(side * angle - rudder, -most), most)
         rudders[k] = rudder
         out = np.empty((2, 3), complex)
-        run_bent(numbers, state, np.full(2, rudder * DEGREE), step, 50, out)
+        helm = np.array([[rudder * DEGREE, 0.0]] * 2)
+        run_bent(numbers, state, helm, step, 50, out)
         state = out[1].copy()
     return rudders, motions
 

@@ -84,12 +84,13 @@ def test_suggestions_follow_the_time_constants() -> None:
     assert 0.2 * 40.0 <= hold <= 0.5 * 40.0
     sequence = BinarySequence(suggest_bits(SHIP, hold), 5.0, hold, 1, "rudder")
     assert sequence.seconds >= 20.0 * 40.0
-    assert list(remarks(sequence, SHIP, interval)) == []
+    assert list(remarks(sequence, SHIP, interval, 10.0 / interval / 2.0)) == []
 
 
 def test_unwise_experiments_are_told_why() -> None:
     unstable = Nomoto(K=0.1, T1=-300.0 + 0j, T2=10.0 + 0j, T3=20.0, K_v=1.0, T3v=1.0)
-    texts = " ".join(remarks(BinarySequence(4, 20.0, 7.0, 1, "rudder"), unstable, 3.0))
+    texts = " ".join(remarks(BinarySequence(4, 20.0, 7.0, 1, "rudder"), unstable, 3.0, 8.0))
+    assert "goes over in 5 s: record it every 2.5 s or oftener" in texts
     for part in ("much", "bits of 7 s", "is short", "--by course", "samples every", "no whole"):
         assert part in texts
 

@@ -18,12 +18,19 @@ from trainer.identify.fitting.nonlinear import (
     BentShip,
     bend_from_records,
     curve_from_turns,
-    predict_turning,
 )
+from trainer.identify.fitting.nonlinear import predict_turning as turn_under
 from trainer.identify.record.measurements import Record
 
 STABLE = BentShip(-0.05, 40.0, 8.0, 15.0, 400.0)
 UNSTABLE = BentShip(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8
+
+
+def predict_turning(ship: Any, rudder: Any, step: float, start: Any) -> Any:
+    """Return yaw rate and heading under a rudder that stands from sample to sample."""
+    t: Any = step * np.arange(len(rudder))
+    rows = np.arange(len(t)) + 1
+    return turn_under(ship, Record(source="run", t=t, rudder=rudder, rows=rows, names={}), start)
 
 
 def record_of(ship: Any, rudder: Any, step: Any = 2.0, noise: Any = 0.0, seed: int = 4) -> Any:

@@ -140,7 +140,7 @@ def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> Non
     answered("new", write(tmp_path / "a.csv", columns), "--length", 100, "--at", 10)
     with pytest.raises(ConfigError, match="30 samples for") as wrong:
         answered(tmp_path / "a.toml", code=2)
-    assert [line.count("a.csv") for line in wrong.value.problems] == [1, 1]
+    assert [line.count("a.csv") for line in wrong.value.problems] == [1, 1, 1]
 
 
 def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -> None:

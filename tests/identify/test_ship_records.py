@@ -63,6 +63,20 @@ def test_a_record_of_the_trainer_is_read_with_the_rudder_to_starboard(
     assert not trial.windy
 
 
+@pytest.mark.parametrize(
+    ("said", "every", "steps"), [("step", 1, -1.0), ("straight", 1, 1.0), ("step", 5, 1.0)]
+)
+def test_the_ships_file_says_how_the_rudder_goes_between_readings(
+    columns: Columns, tmp_path: Path, said: str, every: int, steps: float
+) -> None:
+    ship = replace(SHIP, records=RecordSettings(between_readings=said))
+    trial = load_trial(write_columns(columns, tmp_path / "a.csv"), ship, every=every)
+
+    assert (np.sign(trial.table[:, 9]) == steps).all()
+    (told,) = [one for one in trial.findings if "taken as " in one]
+    assert ("held until" in told) == (steps < 0.0)
+
+
 def test_rows_are_averaged_around_the_one_taken(columns: Columns, tmp_path: Path) -> None:
     trial = load_trial(write_columns(columns, tmp_path / "a.csv"), SHIP, every=5)
 

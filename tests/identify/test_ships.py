@@ -16,7 +16,7 @@ from helpers.ships import (
 
 from trainer.boat.ship.models import FURTHER_NAMES, model_for, model_of
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.extended_filter import filter_record
+from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.ships.fit import (
     SearchResult,
     ShipFit,
@@ -148,6 +148,25 @@ def test_steps_between_samples_converge_at_fourth_order() -> None:
     coarse, half, fine = (abs(end(parts) - end(32.0)) for parts in (1.0, 2.0, 4.0))
     assert np.log2(coarse / half) == pytest.approx(4.0, abs=0.4)
     assert np.log2(half / fine) == pytest.approx(4.0, abs=0.4)
+
+
+def test_an_ordered_rudder_stands_until_the_next_reading() -> None:
+    problem, a, _ = made_record("mmg")
+    trial = problem.trials[0]
+    held = trial.table.copy()
+    held[:, 9] = -4.0
+    # the same by rows of no length, in which the rudder jumps
+    twice = np.repeat(trial.table, 2, axis=0)[:-1]
+    twice[1::2, 4:8], twice[1::2, 8] = trial.table[1:, 4:8], 0.0
+    twice[1::2, 4] = trial.table[:-1, 4]
+    twice[:, 9] = 4.0
+
+    system = problem.system(a, trial.readings[0])
+    run, straight, true = (np.empty((len(one), 4)) for one in (held, held, twice))
+    for table, out in ((held, run), (trial.table, straight), (twice, true)):
+        assert sail_record(system, table, out) == len(table)
+    assert run == pytest.approx(true[::2], abs=1e-9)
+    assert np.abs(run - straight).max() > 1e-3
 
 
 def test_the_prior_by_form_is_near_that_of_tankers() -> None:

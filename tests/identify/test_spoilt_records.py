@@ -167,7 +167,11 @@ TOLD = {
     "missing readings": (put("yaw_rate", 7, math.nan), {}, r"row 9: rot: 1 of 400 values"),
     "a wrapped heading": (pick(slice(None)), {}, r"gyro: jumps by more than half a turn .*unwr"),
     "an outlier of rate": (put("yaw_rate", 99, 0, add=0.3), {}, r"row 101: rot: stands out .*rej"),
-    "an outlier of heading": (put("heading", 99, 0, add=4.0), {}, r"row 101: gyro: stands out"),
+    "an outlier of heading": (
+        put("heading", 99, 0, add=4.0),
+        {},
+        r"row 101: gyro: 46\.8763 deg is no heading here",
+    ),
     "a constant sway": (scaled("sway", 0.0), {}, r"sway: is the same in all rows"),
     "a rudder to starboard": (scaled("rudder", -1.0), {}, r'say positive_rudder = "starboard"'),
     "a helmsman alone": (helmsman, {}, r"closed loop without an experiment"),
@@ -209,17 +213,19 @@ def test_a_heading_that_never_changes_is_in_no_wrong_unit(tmp_path: Path) -> Non
     only("heading")(columns)
     columns["heading"] = np.full(400, 40.1)  # whose mean is not quite 40.1
     said = list(map(str, observed(tmp_path, columns).findings))
-    assert len(said) == 1
+    assert len(said) == 2
     assert "gyro: is the same in all rows" in said[0]
+    assert "helm: taken as " in said[1]
 
 
 def test_a_good_record_has_no_finding_but_its_wrapped_heading(tmp_path: Path) -> None:
-    (finding,) = observed(tmp_path, trial()).findings
+    finding, path = observed(tmp_path, trial()).findings
     assert "unwrapped" in str(finding)
+    assert "helm: taken as " in str(path)
     columns = trial()
     logs(1.0)(columns)
     del columns["heading"]
-    assert observed(tmp_path, columns, {"bow_sway": "m/s", "stern_sway": "m/s"}).findings == ()
+    assert len(observed(tmp_path, columns, {"bow_sway": "m/s", "stern_sway": "m/s"}).findings) == 1
 
 
 def clocked(form: Callable[[float], str], step: float, count: int = 400) -> Columns:

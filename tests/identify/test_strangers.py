@@ -157,7 +157,7 @@ def spoilt(heading: list[float], value: float, *rows: int) -> list[float]:
         (spoilt(SLOW, 120.0, 30), [30]),
         (spoilt(SLOW, 180.0, *range(30, 35)), [*range(30, 35)]),
         (spoilt(SLOW, 180.0, *range(30, 36)), []),
-        (spoilt(SLOW, 0.0, 2, 4), []),
+        (spoilt(SLOW, 0.0, 2, 4), [2, 4]),
         (spoilt(UNWRAPPED, 511.0, 50), [50]),
         (UNWRAPPED, []),
         ([340.0 + i for i in range(28)], []),
@@ -368,3 +368,15 @@ def test_a_short_name_that_is_like_another_is_not_taken_for_it(
 def test_a_heel_is_no_helm(tmp_path: Path) -> None:
     text = "heel,x1\n" + "".join(f"{i},{i}\n" for i in range(30))
     assert not guess_columns(table(tmp_path, text), CHANNEL_WORDS).columns
+
+
+def test_a_heading_of_360_near_20_does_not_slow_the_ship(tmp_path: Path) -> None:
+    pytest.importorskip("scipy")
+    name = "heading-360-two-rows"
+    for end in ("toml", "csv"):
+        shutil.copy(STRANGERS / f"{name}.{end}", tmp_path)
+    report = identified(tmp_path / f"{name}.toml")
+    assert abs(numbers(report)["T"][0] - TRUE_T) < TRUE_T_ERROR
+    assert any(
+        "360 deg is no heading here: 2 missing, rows 43, 44" in x for x in report["findings"]
+    )

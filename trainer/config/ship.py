@@ -42,7 +42,7 @@ from trainer.config.words import SHIP_FILE_SCHEMA
 
 SHIP_SCHEMA: Final = SHIP_FILE_SCHEMA
 MAX_LENGTH_M: Final = 500.0  # [m] the longest ship is shorter
-UNIT_NAMES: Final = "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
+UNIT_NAMES: Final = "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
 # fmt: off
 SHIP_CHANNELS: Final = (
     "t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading",
@@ -105,6 +105,9 @@ class RecordSettings:
 
     positive_rudder: str | None = optional(
         Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
+    )
+    between_readings: str | None = optional(
+        Choice(("straight", "step"), "of the rudder; else as name and record say")
     )
     current: str | None = optional(
         Choice(("none",), "said where velocities are over ground, and the water stood still")

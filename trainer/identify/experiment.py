@@ -48,6 +48,7 @@ LEAD_TIME_S: Final = 30.0  # [s] of straight motion before the first helm
 LINEAR_RUDDER_DEG: Final = 10.0  # [deg] of rudder beyond which ships are not linear
 HOLD_RANGE_T1: Final = (0.2, 0.5)  # [T1] of a bit
 LENGTH_RANGE_T1: Final = (20.0, 40.0)  # [T1] of the whole
+MAX_TRAVEL_SHARE: Final = 0.5  # [-] of a rudder's way over: so often a reading shows it moving
 MAX_ORDERS: Final = 499  # that an exercise file takes
 BOAT_EQUATIONS: Final = "full"
 BOAT_INTEGRATOR: Final = "rk4"
@@ -183,8 +184,13 @@ def suggest_interval(ship: Nomoto, step: float) -> float:
     return max(1.0, round(middle / step)) * step
 
 
-def remarks(sequence: BinarySequence, ship: Nomoto, interval: float) -> Iterator[str]:
-    """Yield warnings about a sequence for a ship that is read every ``interval`` [s]."""
+def remarks(
+    sequence: BinarySequence, ship: Nomoto, interval: float, rudder_rate: float
+) -> Iterator[str]:
+    """Yield warnings about a sequence for a ship that is read every ``interval`` [s].
+
+    Its rudder moves at ``rudder_rate`` [deg/s].
+    """
     T1, T2 = abs(ship.T1), abs(ship.T2)
     if sequence.by == "rudder" and sequence.amplitude_deg > LINEAR_RUDDER_DEG:
         yield f"{sequence.amplitude_deg:g} deg of rudder is much: the ship will not be linear"
@@ -199,6 +205,12 @@ def remarks(sequence: BinarySequence, ship: Nomoto, interval: float) -> Iterator
     if not 0.5 * T2 <= interval <= 0.2 * T1:
         low, high = 0.5 * T2, 0.2 * T1
         yield f"samples every {interval:g} s: {low:.1f} to {high:.1f} s suit its time constants"
+    travel = 2.0 * sequence.amplitude_deg / rudder_rate
+    if sequence.by == "rudder" and interval > MAX_TRAVEL_SHARE * travel:
+        yield (
+            f"the rudder goes over in {travel:.2g} s: record it every "
+            f"{MAX_TRAVEL_SHARE * travel:.2g} s or oftener; --every then takes means"
+        )
     if abs(sequence.hold_s / interval - round(sequence.hold_s / interval)) > 1e-6:
         yield f"a bit of {sequence.hold_s:g} s is no whole number of {interval:g} s samples"
 

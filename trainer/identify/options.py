@@ -86,7 +86,7 @@ def as_asked(study: Study, options: IdentifyOptions) -> Study:
         base = study.armax or ArmaxTable(output="yaw_rate")
         most = None if options.most is None else float(options.most)
         armax_options = _given(output=next(iter(options.channels), None), most=most)
-        return replace(study, ship=ship, armax=replace(base, **armax_options))
+        return replace(study, ship=ship, armax=replace(base, **armax_options), model=None)
     if options.data_only:
         return study
     return replace(study, ship=ship, model=_model(study, options))

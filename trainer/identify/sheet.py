@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any, Final
 
+import numpy as np
 from markupsafe import Markup
 
+from trainer.core.kernel import Numbers
 from trainer.report import html
 from trainer.report.panels import draw_panel, legend
-from trainer.report.plots import Panel, Screen
+from trainer.report.plots import Curve, Panel, Screen
 
 MAX_PANELS: Final = 4  # of a screen
 Part = tuple[str, Markup]  # a screen of the page: its title, and what is on it
@@ -64,3 +66,10 @@ def listing(text: str) -> Markup:
     """Return text as the terminal has it, in columns; no table is split between columns."""
     blocks = Markup("\n").join(map(Markup("<pre>{}</pre>").format, text.split("\n\n")))
     return Markup('<div class="listing">\n{}\n</div>\n').format(blocks)
+
+
+def input_curve(name: str, t: Numbers, values: Numbers, between_readings: str) -> Curve:
+    """Return the curve of an input as it acts: straight lines or steps."""
+    if between_readings == "straight":
+        return Curve(name, t, values)
+    return Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1])

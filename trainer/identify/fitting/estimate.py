@@ -30,6 +30,7 @@ from trainer.identify.fitting.problem import Problem
 
 MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
 MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
+MAX_TIME_CONSTANT: Final = 100.0  # [records' lengths] of a time constant that a record tells
 RESTART_DEVIATIONS: Final = 10.0  # [standard deviations] about the first start, or a part of it
 RESTART_SEED: Final = 1  # fixed: the same record gives the same fit
 MAX_RESTART_FACTOR: Final = 4  # times the restarts wanted, in all: the search must end
@@ -159,7 +160,13 @@ def is_too_fast(problem: Problem, theta: Numbers) -> bool:
 
 
 def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
-    """Return ``found``, marked as not settled if it has a mode faster than the readings."""
+    """Return ``found``, not settled if a mode is faster than the readings or beyond the record."""
+    seconds, slow = float(np.ptp(problem.samples.t)), problem.slowest(found.theta)
+    if slow > MAX_TIME_CONSTANT * seconds:
+        doubt = (
+            f"a time constant of {slow:.2g} s is beyond a record of {seconds:g} s: it tells none"
+        )
+        return replace(found, converged=False, doubt=doubt)
     if not is_too_fast(problem, found.theta):
         return found
     doubt = (

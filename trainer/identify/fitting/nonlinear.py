@@ -19,7 +19,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.nonlinear_steering import BENT, run_bent
 from trainer.identify.model.sampled import COMPLEX_STEP
-from trainer.identify.record.measurements import Record
+from trainer.identify.record.measurements import Record, lines_between
 
 FINE_STEP_SHARE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
 FIT_TOLERANCE: Final = 1e-12  # [-] relative change at which a fit has come to its end
@@ -111,18 +111,17 @@ def _powers(rate: Numbers) -> Numbers:
     return np.column_stack([rate, np.abs(rate) * rate, rate**3])
 
 
-def predict_turning(ship: BentShip, rudder: Numbers, step: float, start: Numbers) -> Numbers:
-    """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].
+def predict_turning(ship: BentShip, record: Record, start: Numbers) -> Numbers:
+    """Return yaw rate [rad/s] and heading [rad] (n, 2) under a record's rudder.
 
     ``start`` has yaw rate and heading at the first sample, where the yaw rate is taken as constant.
     """
-    return np.asarray(_run(ship, rudder, step, start.astype(complex))[:, 1:].real)
+    return np.asarray(_run(ship, record, start.astype(complex))[:, 1:].real)
 
 
-def _run(
-    ship: BentShip, rudder: Numbers, step: float, start: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def _run(ship: BentShip, record: Record, start: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Return (z, r, psi) at each sample (n, 3); r' is zero at the first."""
+    rudder, step = record.column("rudder"), record.interval
     numbers = ship.numbers.astype(complex)
     K, T1, T2, T3 = numbers[:4]
     z = (T1 + T2) * start[0] - K * T3 * (rudder[0] - numbers[BENT.delta_0])
@@ -130,7 +129,8 @@ def _run(
     fastest = FINE_STEP_SHARE * min(abs(T1.real), abs(T2.real))
     parts = max(1, math.ceil(min(step / fastest, 1e4)))
     out = np.empty((len(rudder), 3), complex)
-    run_bent(numbers, np.array([z, *start]), rudder, step, parts, out)
+    helm = np.hstack(lines_between(record.t, rudder[:, None], record.between_readings))
+    run_bent(numbers, np.array([z, *start]), helm, step, parts, out)
     return out
 
 
@@ -206,7 +206,7 @@ class _Records:
             ship = self.ship.changed([*self.free, "delta_0"], [*theta[:count], helm])
             start = np.array([first, 0.0], complex)
             with np.errstate(all="ignore"):  # of trials that go astray
-                run = _run(ship, record.column("rudder"), record.interval, start)
+                run = _run(ship, record, start)
             rate = record.column("yaw_rate")
             residuals.append((rate - run[:, 1])[~np.isnan(rate)])
         return np.concatenate(residuals)

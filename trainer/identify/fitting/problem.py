@@ -20,6 +20,7 @@ from trainer.identify.model.models import Plant
 from trainer.identify.model.sampled import SampledSystems, sample_systems, step_aside
 from trainer.identify.record.measurements import Samples
 
+ROUNDING_SHARE: Final = 1e-14  # [-] of the largest eigenvalue: one below it is zero
 MIN_VARIANCE_SHARE: Final = 1e-4  # [-] of its start, below which no error's variance is estimated
 
 
@@ -156,21 +157,31 @@ class Problem:
         blocks = self.plant.blocks(rows)
         if self.first is not None:
             blocks.start[:, :, 0] = self.first
-        return sample_systems(blocks, self.samples.steps[0], self.sampling)
+        intervals, between = self.samples.steps[0], self.samples.between_readings
+        return sample_systems(blocks, intervals, self.sampling, between)
 
     def fastest(self, theta: Numbers) -> float:
         """Return the shortest time constant [s] of the model, infinite if nothing moves.
 
         It is infinite too for discrete matrices, which have no time constant of their own.
         """
-        if self.sampling == "discrete":
-            return math.inf
+        return float(min(self._time_constants(theta), default=math.inf))
+
+    def slowest(self, theta: Numbers) -> float:
+        """Return the longest time constant [s] of a ship's model, but for what only sums."""
+        known = () if self.plant.model.system is not None else self._time_constants(theta)
+        return float(max(known, default=0.0))
+
+    def _time_constants(self, theta: Numbers) -> Numbers:
+        """Return the time constants [s] of what does not only sum."""
         states = self.plant.model.states
         drift = self.plant.blocks(self.whole(theta)[None]).drift[0, :states, :states]
+        if self.sampling == "discrete":
+            return np.empty(0)
         if not np.isfinite(drift).all():
-            return 0.0
-        rate = float(np.max(np.abs(np.linalg.eigvals(drift))))
-        return 1.0 / rate if rate > 0.0 else math.inf
+            return np.zeros(1)
+        rates = np.abs(np.linalg.eigvals(drift))
+        return np.asarray(1.0 / rates[rates > ROUNDING_SHARE * np.max(rates)])
 
     def on(self, samples: Samples) -> "Problem":
         """Return the same problem on other samples."""

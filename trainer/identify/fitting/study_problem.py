@@ -163,7 +163,7 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
     A yaw rate that was not read is derived from the heading.
     """
     values = record.column("turning" if channel == "yaw_rate" else channel)
-    rudder, step = record.column("rudder"), record.interval
+    rudder, step = record.mean_ahead(record.column("rudder")), record.interval
     usual = np.abs(np.diff(record.t) - step) < 0.01 * step
     good = usual & ~np.isnan(values[1:]) & ~np.isnan(values[:-1])
     if np.count_nonzero(good) < 4:

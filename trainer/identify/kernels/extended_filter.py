@@ -3,7 +3,8 @@
 The states are u, v [m/s], r [rad/s] and heading [rad]; a ship with roll also has roll rate [rad/s]
 and roll [rad]. Each state has one reading. A row of the ``record`` has the first four readings (NaN
 is a missing one), then rudder, revolutions and wind (two columns), then the seconds to the next row
-and the number of Runge and Kutta's steps in them, then the readings of roll rate and roll.
+and the number of Runge and Kutta's steps in them (below zero where the rudder stands until the next
+row), then the readings of roll rate and roll.
 
 ``values`` of a system are the factors of the terms, the five nonlinear coefficients, the standard
 deviations of the disturbances (one for each acceleration) and of the errors of readings, and the
@@ -119,6 +120,8 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     for i in range(4):
         now, then = record[k, FIRST_INPUT_COLUMN + i], record[following, FIRST_INPUT_COLUMN + i]
         c[i] = now + part * (then - now)
+    if record[k, PARTS_COLUMN] < 0.0:
+        c[0] = record[k, FIRST_INPUT_COLUMN]
 
 
 @lean
@@ -154,7 +157,7 @@ def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: 
     states = states_of(system.driven)
     stage, rate, total, c = room.stage, room.rate, room.total, room.inputs
     at, turn, sum_ = room.S_stage, room.S_rate, room.S_total
-    parts = int(record[k, PARTS_COLUMN])
+    parts = int(abs(record[k, PARTS_COLUMN]))
     h = record[k, STEP_COLUMN] / parts
     for part in range(parts):
         total[:] = 0.0

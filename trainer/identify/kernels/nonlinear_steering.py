@@ -32,29 +32,30 @@ def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> N
 
 @kernel
 def run_bent(
-    ship: Complexes, start: Complexes, rudder: Numbers, step: float, parts: int, out: Complexes
+    ship: Complexes, start: Complexes, helm: Numbers, step: float, parts: int, out: Complexes
 ) -> None:
     """Write (z, r, psi) at each sample (n, 3), by Runge and Kutta.
 
     ``step`` [s] is the time from sample to sample, ``parts`` the number of steps of integration in
-    it. ``rudder`` (n,) [rad] is held from each sample to the next.
+    it. ``helm`` (n, 2) has the rudder at each sample [rad] and its rate from there to the next.
     """
     s, stage = start.copy(), np.empty(3, np.complex128)
     rate, slope = np.empty(3, np.complex128), np.empty(3, np.complex128)
     h = step / parts
     weights = (1.0, 2.0, 2.0, 1.0)
     reach = (0.0, 0.5, 0.5, 1.0)
-    for k in range(rudder.size):
+    for k in range(helm.shape[0]):
         for i in range(3):
             out[k, i] = s[i]
-        for _ in range(parts):
+        for part in range(parts):
             for i in range(3):
                 slope[i] = 0j
                 rate[i] = 0j
             for turn in range(4):
                 for i in range(3):
                     stage[i] = s[i] + reach[turn] * h * rate[i]
-                bent_rates(ship, rudder[k], stage, rate)
+                delta = helm[k, 0] + helm[k, 1] * (part + reach[turn]) * h
+                bent_rates(ship, delta, stage, rate)
                 for i in range(3):
                     slope[i] += weights[turn] * rate[i]
             for i in range(3):

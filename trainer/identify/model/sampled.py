@@ -40,11 +40,12 @@ def step_aside(theta: Numbers, free: Sequence[int] | None = None) -> Complexes:
 class SampledSystems:
     """Systems from sample to sample and their start, for each of a batch of parameters.
 
-    Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts, where
-    there are any, are derivatives times COMPLEX_STEP.
+    Rows are (next state, reading), columns (state, old input, input, 1), or of inputs that go
+    straight (state, input, slope before, slope, 1). Imaginary parts, where there are any, are
+    derivatives times COMPLEX_STEP.
     """
 
-    mean: Entries  # (b, m, x+y, x+2u+1)
+    mean: Entries  # (b, m, x+y, x+2u+1) or (b, m, x+y, x+3u+1)
     noise: Entries  # (b, m, x+y, x+y)
     start: Entries  # (b, x, 1+x)
     gain: Entries | None = None  # (b, x, y) of a predictor, where the model gives it
@@ -86,12 +87,17 @@ def _filled(slopes: Numbers) -> Numbers:
     return whole
 
 
-def sample_systems(blocks: Blocks, intervals: Numbers, sampling: str) -> SampledSystems:
+def sample_systems(
+    blocks: Blocks, intervals: Numbers, sampling: str, between_readings: str = "step"
+) -> SampledSystems:
     """Return ``blocks`` sampled at ``intervals`` (m,) [s].
 
     ``sampling`` is "instantaneous" or "integrating" of continuous systems, whose readings are taken
     at the instant or summed over the interval that follows, or "discrete" of matrices of one step.
+    ``between_readings`` is that of ``Samples``; discrete matrices know steps alone.
     """
+    if between_readings == "straight":
+        return _sample_ramps(blocks, intervals, sampling)
     if not np.all(intervals > 0.0):
         raise ConfigError("times: each must be later than the one before")
     batch, rows, columns = blocks.drift.shape
@@ -108,3 +114,35 @@ def sample_systems(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled
         moving = rows if sampling == "integrating" else states
         sample_blocks(parts, intervals, moving, SampledBlocks(mean, noise))
     return SampledSystems(mean, noise, blocks.start, blocks.gain)
+
+
+def _sample_ramps(blocks: Blocks, intervals: Numbers, sampling: str) -> SampledSystems:
+    """Return ``blocks`` sampled under inputs that rise evenly from reading to reading.
+
+    Exactly: an input becomes a state of which the slope is the input (a first-order hold by the
+    matrix exponential of the augmented system; C. F. Van Loan, IEEE Transactions on Automatic
+    Control 23 (1978), 395-404). During the lag the slope before the reading acts.
+    """
+    batch, rows, columns = blocks.drift.shape
+    states = blocks.start.shape[1]
+    inputs, acts = columns - states - 1, states + (columns - states - 1)
+    drift = np.zeros((batch, rows + inputs, columns + inputs), blocks.drift.dtype)
+    kept = [*range(states), *range(acts, rows + inputs)]  # rows that are no inputs
+    drift[:, kept, :acts] = blocks.drift[..., :acts]
+    drift[:, kept, -1] = blocks.drift[..., -1]
+    drift[:, range(states, acts), range(acts, acts + inputs)] = 1.0
+    noise = np.zeros((batch, rows + inputs, rows + inputs), blocks.noise.dtype)
+    noise[np.ix_(range(batch), kept, kept)] = blocks.noise
+    start = np.zeros((batch, acts, 1 + acts), blocks.start.dtype)
+    ramps = Blocks(drift, noise, start, blocks.lag)
+    whole = sample_systems(ramps, intervals, sampling)
+    mean = whole.mean[:, :, kept].copy()
+    # what acts at a reading is the input of a lag before; readings of the instant have no lag
+    lag = blocks.lag[:, None]
+    inside = (lag.real > 0.0) & (lag.real < intervals)
+    late = np.where(inside, lag, np.clip(lag.real, 0.0, intervals))
+    moving = slice(None) if sampling == "integrating" else slice(states)
+    early = late[..., None, None] * mean[:, :, moving, states:acts]
+    mean[:, :, moving, acts : acts + inputs] -= early
+    noise_kept = np.ascontiguousarray(whole.noise[:, :, kept][..., kept])
+    return SampledSystems(mean, noise_kept, blocks.start, blocks.gain)

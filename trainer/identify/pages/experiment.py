@@ -200,7 +200,8 @@ def design_experiment(file: VesselFile, options: ExperimentOptions) -> Experimen
     if options.zigzag:
         kind, orders, seconds, report_fields = _zigzag(file, speed, options.zigzag, options.seconds)
     else:
-        kind, orders, seconds, report_fields = _sequence(ship.nomoto, interval, options)
+        rate = file.surfaces.rate_deg_s
+        kind, orders, seconds, report_fields = _sequence(ship.nomoto, interval, rate, options)
     flight = fly_trial(file, schedule_orders(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
     outputs = options.outputs or ("sway", "yaw_rate", "heading")
@@ -229,7 +230,7 @@ def _largest(values: Any) -> float:
     return math.degrees(float(np.max(np.abs(values))))
 
 
-def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
+def _sequence(ship: Nomoto, interval: float, rate: float, options: ExperimentOptions) -> Any:
     """Return kind, orders, duration [s] and further fields of the report, of a sequence."""
     hold = options.hold or suggest_hold(ship, interval)
     sequence = BinarySequence(
@@ -240,7 +241,7 @@ def _sequence(ship: Nomoto, interval: float, options: ExperimentOptions) -> Any:
         by=options.by,
         seed=options.seed,
     )
-    warned = tuple(remarks(sequence, ship, interval))
+    warned = tuple(remarks(sequence, ship, interval, rate))
     report_fields = {"settings": asdict(sequence), "remarks": warned}
     return "PRBS", sequence.orders(), sequence.seconds, report_fields
 

@@ -19,7 +19,7 @@ from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.model.nomoto import scale
 from trainer.identify.pages.results import Direction, Estimate, Identification, IdentifyReport
 from trainer.identify.pages.series import LARGE_MANOEUVRE, Matrices, errors_of
-from trainer.identify.sheet import listing, screens_of
+from trainer.identify.sheet import input_curve, listing, screens_of
 from trainer.report import html
 from trainer.report.plots import Curve, Panel, Screen
 from trainer.report.text import INDENT, cut_text, format_number, items, table, wrap
@@ -283,7 +283,7 @@ def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
     samples, t = problem.samples, problem.samples.t
     predicted = predict_alone(problem, fitted.found.theta[at])
     for name, values in zip(report.inputs, samples.inputs.T, strict=True):
-        curve = (Curve(name, np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]),)  # held
+        curve = (input_curve(name, t, values, samples.between_readings),)
         words = ("rudder, positive to port", "[deg]") if report.length_m else (name, "[-]")
         yield Panel(words[0], "time [s]", words[1], curve)
     for i, output in enumerate(report.outputs):
@@ -364,9 +364,7 @@ def _large(identified: Identification) -> Iterator[Panel]:
     curves.append(Curve("linear", curves[0].x, linear / DEGREE))
     yield Panel("steady turns", "rudder, positive to port [deg]", "yaw rate [deg/s]", tuple(curves))
     if bend.rate_0 is not None:
-        run = predict_turning(bend.ship, rudder, turned.interval, np.array([bend.rate_0, 0.0]))[
-            :, 0
-        ]
+        run = predict_turning(bend.ship, turned, np.array([bend.rate_0, 0.0]))[:, 0]
         both = (
             Curve("measured", turned.t, rate / DEGREE, points=True),
             Curve("by rudder alone", turned.t, run / DEGREE),

@@ -12,7 +12,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.record.measurements import CHANNEL_UNITS, Record
 from trainer.identify.record.study import Study, observe_record, studies_of
-from trainer.identify.sheet import screens_of
+from trainer.identify.sheet import input_curve, screens_of
 from trainer.report.plots import Curve, Panel, Screen
 from trainer.report.text import INDENT, cut_text, items, table
 from trainer.units import DEGREE, KNOT
@@ -41,6 +41,7 @@ class RecordSummary:
     interval_s: float
     begin_s: float
     end_s: float
+    between_readings: str  # one of measurements.INPUT_PATHS, of the inputs
     findings: tuple[str, ...]
     channels: tuple[ChannelSummary, ...]
 
@@ -84,19 +85,20 @@ def _run(record: Record) -> RecordSummary:
         interval_s=record.interval,
         begin_s=float(record.t[0]),
         end_s=float(record.t[-1]),
+        between_readings=record.between_readings,
         findings=tuple(map(str, record.findings)),
         channels=tuple(channels),
     )
 
 
 def _panels(record: Record) -> Iterator[Panel]:
-    """Yield each column over time; inputs are drawn as steps."""
+    """Yield each column over time; inputs are drawn as they act."""
     for name, unit, values in _columns(record):
         acts = name == "rudder" or name in record.driving
-        t = np.repeat(record.t, 2)[1:] if acts else record.t
-        held = np.repeat(values, 2)[:-1] if acts else values
         title = "rudder, positive to port" if name == "rudder" and name in CHANNEL_UNITS else name
-        yield Panel(title, "time [s]", f"[{unit}]", (Curve(name, t, held, points=not acts),))
+        curve = Curve(name, record.t, values, points=True)
+        curve = input_curve(name, record.t, values, record.between_readings) if acts else curve
+        yield Panel(title, "time [s]", f"[{unit}]", (curve,))
 
 
 def render(report: RecordReport) -> str:

@@ -144,6 +144,7 @@ class IdentifyReport:
     units: tuple[str, ...]
     samples: int
     interval_s: float
+    between_readings: str  # one of measurements.INPUT_PATHS, of the inputs
     findings: tuple[str, ...]
     converged: bool
     doubt: str  # why it did not settle
@@ -261,6 +262,7 @@ def describe_fit(fitted: ModelFit) -> Identification:
         units=tuple(map(plant.model.unit, plant.outputs)),
         samples=problem.counted,
         interval_s=plant.period,
+        between_readings=samples.between_readings,
         findings=tuple(findings),
         converged=bool(fitted.found.converged),
         doubt=fitted.found.doubt,

@@ -36,6 +36,7 @@ STATE_NAMES: Final = {  # of the models, SI; those of other systems are x1, x2, 
 }
 EQUATION_NAMES: Final = {"v": "sway acceleration", "r": "yaw acceleration"}  # and their units in SI
 ACCELERATION_UNITS: Final = {"v": "m/s^2", "r": "rad/s^2"}
+ACTING_NAMES: Final = {"step": ("0", ""), "straight": ("", "0s", "s")}  # after G and D
 LARGE_MANOEUVRE: Final = "large manoeuvre"
 FORCE_NAMES: Final = {"v": "sway force", "r": "yaw moment"}  # of Model 1 [-] in the study's system
 Series = dict[tuple[str, str, str], Numbers]  # by equation, term and unit
@@ -121,7 +122,7 @@ def bent_terms(bend: BendEstimate, record: Record) -> Series:
     if bend.rate_0 is None:
         return {}
     ship, rudder = bend.ship, record.column("rudder")
-    r = predict_turning(ship, rudder, record.interval, np.array([bend.rate_0, 0.0]))[:, 0]
+    r = predict_turning(ship, record, np.array([bend.rate_0, 0.0]))[:, 0]
     H1, H2, H3 = (-ship.K * x / DEGREE for x in ship.curve)
     parts = {"K delta": ship.K * (rudder - ship.delta_0) / DEGREE}
     if ship.H:
@@ -185,7 +186,9 @@ class Matrices:
     """The matrices of a fit (MI 4, 6.1): continuous, and sampled at the usual interval.
 
     Their names are those of the model document. ``b`` and ``d`` belong to the input that is always
-    1, ``G0`` to the rudder of the sample before, which acts during the lag.
+    1, ``G0`` to the rudder of the sample before, which acts during the lag. Of a rudder that goes
+    straight ``G`` belongs to the rudder at the sample, ``G0s`` and ``Gs`` to its slope before and
+    after.
     """
 
     of: str  # "start values" or "estimate"
@@ -214,8 +217,10 @@ def _matrices(fitted: ModelFit, name: str, theta: Numbers) -> Matrices:
     mean, spread, start = problem.sampled(theta).at(0)
     steps, which = problem.samples.steps
     usual = int(np.bincount(which).argmax())  # of several intervals the most frequent one
-    heads = ({"Phi": n, "G0": inputs, "G": inputs, "g": 1}, {"C": n, "D0": inputs, "D": inputs})
-    sampled = _parts(mean[usual], n, heads[0], {**heads[1], "d": 1})
+    acts = ACTING_NAMES[problem.samples.between_readings]
+    heads = ({f"{side}{name}": inputs for name in acts} for side in "GD")
+    above, below = heads
+    sampled = _parts(mean[usual], n, {"Phi": n, **above, "g": 1}, {"C": n, **below, "d": 1})
     # "" is R12', which is not shown again; -1 is all the rest
     sampled |= _parts(spread[usual], n, {"R1": n, "R12": len(outputs)}, {"": n, "R2": -1})
     return Matrices(

@@ -16,7 +16,14 @@ import numpy as np
 from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import POSITION_CHANNELS
-from trainer.identify.record.sources import USUAL_CODES, Column, find_codes, load_record, units_of
+from trainer.identify.record.sources import (
+    MAX_INTERVAL_S,
+    USUAL_CODES,
+    Column,
+    find_codes,
+    load_record,
+    units_of,
+)
 from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]
@@ -178,7 +185,9 @@ def _unit(
 ) -> str:
     """Return the likeliest unit of a column by its numbers."""
     if channel == "t":
-        return "s"
+        step = float(np.nanmedian(np.abs(np.diff(table.numbers(table.index(columns["t"]))))))
+        likely = (one for one in ("s", "ms") if step * units_of("t")[one] <= MAX_INTERVAL_S)
+        return next(likely, "us")
     if channel in POSITION_CHANNELS:
         both = [table.index(columns[one]) for one in POSITION_CHANNELS if one in columns]
         cells = (row[index] for row in table.cells for index in both)

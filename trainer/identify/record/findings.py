@@ -6,7 +6,8 @@ what may mislead is reported as a finding.
 """
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -15,12 +16,20 @@ import numpy as np
 from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import OUTPUT_CHANNELS, POSITION_CHANNELS, Finding, Record
+from trainer.identify.record.measurements import (
+    INPUT_PATHS,
+    OUTPUT_CHANNELS,
+    POSITION_CHANNELS,
+    Finding,
+    Record,
+)
+from trainer.identify.record.sources import MAX_INTERVAL_S
 from trainer.identify.record.study_records import Ship
 from trainer.identify.record.track import unwrap_angle
 from trainer.units import KNOT
 
 GAP_INTERVALS: Final = 1.5  # [-] of the usual interval: a longer one is a gap
+FROZEN_S, FROZEN_ROWS = 55.0, 5  # a heading that stands so long under helm is told
 STILL_RUDDER_RAD: Final = math.radians(0.01)  # [rad] deviation of a rudder that does not move
 MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
 SURE_STANDARD_ERRORS: Final = 4.0  # standard errors
@@ -41,6 +50,20 @@ MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
 SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
 TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
 PIVOT_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
+# fmt: off
+ORDER_WORDS: Final = frozenset((  # in the name of an ordered angle, which is a step
+    "order", "orders", "ordered", "command", "commanded", "cmd", "c", "demand", "demanded",
+    "desired", "set", "setpoint", "target", "soll",
+))
+# fmt: on
+MOVING_SHARE: Final = 0.05  # [-] of its whole range: a rudder that changes more is moving
+MAX_UNDER_WAY_SHARE: Final = 0.1  # [-] of its moves that a jumping rudder shows under way
+MIN_MOVES: Final = 3  # of a rudder, to tell whether it jumps from reading to reading
+PATH_TEXTS: Final = {  # of INPUT_PATHS
+    "straight": "straight from reading to reading",
+    "step": "held until the next reading",
+}
+SURE_EVIDENCE: Final = 4.6  # [-] of log-likelihood, a hundred to one
 SPIKE_SCATTERS: Final = 10.0  # [-] usual scatters, by which an outlier leaves its neighbours
 
 
@@ -49,11 +72,78 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
 
     If the ``ship`` is known, sizes are judged by its length and speed.
     """
-    problems = [*_rudder_problems(record), *_unit_problems(record)]
+    problems = [*_time_problems(record), *_rudder_problems(record), *_unit_problems(record)]
     raise_problems([f"{record.source}: {problem}" for problem in problems])
     findings = [*record.findings, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
     findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
+    findings += _frozen(record)
     return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+
+
+def choose_path(record: Record, inputs: Sequence[str], said: str | None) -> tuple[str, str]:
+    """Return how inputs go from reading to reading, one of INPUT_PATHS, and why.
+
+    It is what a file has ``said``, else what names and numbers tell.
+    """
+    if said is not None:
+        return said, "the study says so"
+    path, why = _guess_path(record, inputs)
+    other = next(one for one in INPUT_PATHS if one != path)
+    return path, f'{why}; else say between_readings = "{other}" in a study'
+
+
+def _guess_path(record: Record, inputs: Sequence[str]) -> tuple[str, str]:
+    """Return the likelier of INPUT_PATHS, and why.
+
+    An ordered angle is a step. A measured one is a straight line, because it takes time to move;
+    unless no reading shows it under way, and the ship's motion does not say otherwise.
+    """
+    names = [record.name(name) for name in inputs]
+    if all(not ORDER_WORDS.isdisjoint(re.split(r"[\W_]+", name.casefold())) for name in names):
+        return "step", "its name is that of an order"
+    if any(_jumps_at_readings(record.column(name)) for name in inputs):
+        if _evidence_of_steps(record, inputs) > -SURE_EVIDENCE:
+            return "step", "no reading shows it under way"
+        return "straight", "the motion follows that best"
+    return "straight", "as a measured angle goes"
+
+
+def _jumps_at_readings(values: Numbers) -> bool:
+    """Return whether nearly all of several moves are done, nearly wholly, between two readings."""
+    change = np.diff(values)
+    size, least = np.abs(change), MOVING_SHARE * np.ptp(values)
+    pair = np.sort(np.stack([size[1:], size[:-1]]), axis=0)
+    under_way = (change[1:] * change[:-1] > 0.0) & (pair[0] > np.maximum(least, pair[1] / 4.0))
+    moves = np.count_nonzero(size > least)
+    few = np.count_nonzero(under_way) <= MAX_UNDER_WAY_SHARE * moves
+    return bool(moves >= MIN_MOVES and few)
+
+
+def _evidence_of_steps(record: Record, inputs: Sequence[str]) -> float:
+    """Return log-likelihood of steps less that of straight lines [-], by two regressions.
+
+    The next motion by the last two and by what acted in both intervals, channel by channel.
+    """
+    motions = [record.plain[name] for name in record.plain if name not in inputs]
+    motions += [one for one in (record.yaw_rate, record.sway) if one is not None]
+    if record.heading is not None:
+        motions.append(np.diff(unwrap_angle(record.heading), prepend=math.nan))
+    evidence = 0.0
+    for motion in motions:
+        squares, count = {}, 0
+        for path in INPUT_PATHS:
+            along = replace(record, between_readings=path)
+            acting = np.column_stack([along.mean_ahead(record.column(name)) for name in inputs])
+            rows = np.column_stack([motion[1:-1], motion[:-2], acting[1:-1], acting[:-2]])
+            rows = np.column_stack([rows, np.ones(len(rows)), motion[2:]])
+            rows = rows[np.isfinite(rows).all(axis=1)]
+            count = len(rows)
+            if count >= MIN_SAMPLES:
+                solution = np.linalg.lstsq(rows[:, :-1], rows[:, -1], rcond=None)[0]
+                squares[path] = float(np.sum((rows[:, -1] - rows[:, :-1] @ solution) ** 2))
+        if squares and min(squares.values()) > 0.0:
+            evidence += 0.5 * count * math.log(squares["straight"] / squares["step"])
+    return evidence
 
 
 def examine_columns(record: Record) -> list[Finding]:
@@ -87,6 +177,13 @@ def unwrap_heading(record: Record) -> Record:
     return replace(record, heading=unwrap_angle(record.heading))
 
 
+def _time_problems(record: Record) -> Iterator[Finding]:
+    """Yield that samples are so far apart that the times are in another unit."""
+    if record.interval > MAX_INTERVAL_S:
+        text = f"{record.interval:g} s from row to row, and no trial is read so rarely: "
+        yield record.finding("t", text + 'are these ms or us? say unit = "us"', 1)
+
+
 def _rudder_problems(record: Record) -> Iterator[Finding]:
     """Yield why the rudder cannot be an input."""
     rudder = record.column("rudder")
@@ -107,12 +204,39 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
     turned = replace(record, yaw_rate=None).column("turning")[:-1]
     slope = _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
     if slope is None:
+        yield from _strange_rate(record)
         return
     texts = [text for factor, text in UNIT_MISTAKES if 0.7 < slope / factor < 1.4]
     if texts:
         columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
         guesses = ", or ".join(texts)
         yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {guesses}")
+
+
+def _strange_rate(record: Record) -> Iterator[Finding]:
+    """Yield that a yaw rate, summed, is not the heading although its errors could not hide it."""
+    rate, heading = record.column("yaw_rate"), unwrap_angle(record.column("heading"))
+    steps = np.diff(record.t, append=record.t[-1])
+    known = np.isfinite(rate) & np.isfinite(heading)
+    if np.count_nonzero(known) < MIN_SAMPLES:
+        return
+    summed = np.cumsum(np.nan_to_num(rate) * steps)
+    apart = record.t - record.t[0]
+    both = (np.polyval(np.polyfit(apart[known], one[known], 1), apart) for one in (summed, heading))
+    by_rate, turned = (one - line for one, line in zip((summed, heading), both, strict=True))
+    # what white errors of the rate, as their third differences show them, add up to
+    rough = float(np.nanstd(np.diff(rate, 3))) / math.sqrt(20.0)
+    wander = rough * record.interval * math.sqrt(len(rate))
+    if float(np.std(turned[known])) < SURE_STANDARD_ERRORS * wander:
+        return
+    together = float(np.corrcoef(by_rate[known], turned[known])[0, 1])
+    share = together * float(np.std(by_rate[known]) / np.std(turned[known]))
+    if together > math.sqrt(0.5) and 0.5 < share < 2.0:
+        return
+    units = [text for factor, text in UNIT_MISTAKES if 0.7 < share / factor < 1.4]
+    guesses = ", or ".join([*units, "it is the rate of another axis, such as roll"])
+    text = f"summed it is {share:.2g} of the change of {record.name('heading')}: {guesses}"
+    yield record.finding("yaw_rate", text)
 
 
 def _gain(y: Numbers, x: Numbers) -> float | None:
@@ -242,6 +366,21 @@ def _constant_outputs(record: Record) -> Iterator[Finding]:
         values = getattr(record, channel)
         if values is not None and channel != "speed" and _is_constant(values):
             yield record.finding(channel, "is the same in all rows: is it recorded?")
+
+
+def _frozen(record: Record) -> Iterator[Finding]:
+    """Yield where the heading stands still for long while the rudder is over."""
+    if record.heading is None or _is_constant(record.heading):
+        return
+    rudder, heading = record.column("rudder"), record.heading
+    ends = np.flatnonzero(np.diff(heading, append=np.inf) != 0.0)
+    for first, last in zip(np.append(0, ends[:-1] + 1), ends, strict=True):
+        seconds, helm = record.t[last] - record.t[first], rudder[first : last + 1]
+        works = float(np.mean(np.abs(helm - rudder.mean()))) > 0.5 * float(np.std(rudder))
+        if seconds >= FROZEN_S and last - first >= FROZEN_ROWS and works:
+            text = f"stands still for {seconds:g} s, to row {record.row(int(last))}, while "
+            remedy = f"{record.name('rudder')} works: frozen? leave these readings empty"
+            yield record.finding("heading", text + remedy, first)
 
 
 def _is_constant(values: Numbers) -> bool:

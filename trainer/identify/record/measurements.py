@@ -29,6 +29,8 @@ CHANNEL_UNITS: Final = {  # what may be recorded beside time, and its unit
 POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
 MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
 OUTPUT_CHANNELS: Final = tuple(name for name in CHANNEL_UNITS if name != "rudder")
+STANDING_SHARE: Final = 0.1  # [-] of the rate of a rudder under way: one that is slower stands
+INPUT_PATHS: Final = ("straight", "step")  # of inputs from reading to reading
 Indices = NDArray[np.int64]
 
 
@@ -49,7 +51,8 @@ class Finding:
 class Record:
     """Columns of one length. NaN is a missing value, None a channel that was not recorded.
 
-    ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading does not jump from 360 to 0 degrees.
+    ``between_readings`` is one of INPUT_PATHS: the rudder goes straight from ``t[k]`` to
+    ``t[k+1]``, or ``rudder[k]`` stands until then. The heading does not jump from 360 to 0 degrees.
     ``rows`` is each sample's row in its source, counted from 1, and ``names`` the source's own word
     for each channel: both are for messages. ``findings`` has what an analyst should know.
     """
@@ -70,6 +73,7 @@ class Record:
     findings: tuple[Finding, ...] = ()
     plain: Mapping[str, Numbers] = field(default_factory=dict)  # columns of a user's own system
     driving: tuple[str, ...] = ()  # of them, those that act
+    between_readings: str = "step"
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -133,20 +137,44 @@ class Record:
     def every(self, count: int) -> "Record":
         """Return each ``count``-th sample, the rudder as its mean until the next one.
 
-        The mean keeps the effect of a rudder that moved between the samples taken. Other inputs are
-        averaged too.
+        The mean keeps the effect of a rudder that moved between the samples taken, and stands from
+        each to the next. Other inputs are averaged too.
         """
         if count == 1:
             return self
         thin = self.part(slice(None, None, count))
         starts = np.arange(0, len(self.t), count)
         sizes = np.diff([*starts, len(self.t)])
-        acting = {name: self.plain[name] for name in self.driving}
-        held = {name: np.add.reduceat(one, starts) / sizes for name, one in acting.items()}
-        thin = replace(thin, plain={**thin.plain, **held})
+        held = {name: self.mean_ahead(self.plain[name]) for name in self.driving}
+        held = {name: np.add.reduceat(one, starts) / sizes for name, one in held.items()}
+        thin = replace(thin, plain={**thin.plain, **held}, between_readings="step")
         if self.rudder is None:
             return thin
-        return replace(thin, rudder=np.add.reduceat(self.rudder, starts) / sizes)
+        return replace(thin, rudder=np.add.reduceat(self.mean_ahead(self.rudder), starts) / sizes)
+
+    def mean_ahead(self, acting: Numbers) -> Numbers:
+        """Return the mean of an input (n,) from each sample to the next."""
+        begin, slope = lines_between(self.t, acting[:, None], self.between_readings)
+        return np.asarray(begin + 0.5 * slope * np.diff(self.t, append=self.t[-1])[:, None])[:, 0]
+
+
+def lines_between(t: Numbers, inputs: Numbers, between_readings: str) -> tuple[Numbers, Numbers]:
+    """Return where inputs (n, u) begin at each time ``t`` (n,), and their slopes.
+
+    Straight inputs go from each reading to the next. A rudder that begins or ends its way between
+    two readings goes round a corner there, where its lines before and after meet: the straight line
+    is moved so that its mean is that of the corner. Steps have no rise, as have the last inputs.
+    """
+    slope, corner = np.zeros_like(inputs), np.zeros_like(inputs)
+    if between_readings == "straight":
+        interval = np.diff(t)[:, None]
+        slope[:-1] = np.diff(inputs, axis=0) / interval
+        before, own, after = slope[:-3], slope[1:-2], slope[2:-1]
+        small, large = np.sort(np.abs(np.stack([before, after])), axis=0)
+        bends = (small < STANDING_SHARE * large) & ((own - before) * (after - own) > 0.0)
+        depth = (before - own) * (after - own) / np.where(bends, after - before, 1.0)
+        corner[1:-2] = np.where(bends, 0.5 * interval[1:-1] * depth, 0.0)
+    return inputs + corner, slope
 
 
 def check_count(record: Record, samples: int, coefficients: int) -> None:
@@ -164,13 +192,15 @@ def check_count(record: Record, samples: int, coefficients: int) -> None:
 class Samples:
     """Readings and inputs at each time; NaN is a missing reading.
 
-    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``. Before the first sample the input is taken to be
-    the first one.
+    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``, or if ``between_readings`` is "straight" the
+    inputs go straight from each to the next. Before the first sample the input is taken to be the
+    first one.
     """
 
     t: Numbers  # (n,) [s] rising
     outputs: Numbers  # (n, y)
     inputs: Numbers  # (n, u)
+    between_readings: str = "step"
 
     @cached_property
     def steps(self) -> tuple[Numbers, Indices]:
@@ -187,9 +217,17 @@ class Samples:
 
     @cached_property
     def table(self) -> Numbers:
-        """Return readings, inputs of the sample before, inputs (n, y+2u)."""
-        before = np.vstack([self.inputs[:1], self.inputs[:-1]])
-        return np.ascontiguousarray(np.hstack([self.outputs, before, self.inputs]))
+        """Return readings, inputs of the sample before, inputs (n, y+2u).
+
+        Of straight inputs it is readings, inputs, slopes before and after the sample (n, y+3u).
+        """
+        acting = self.inputs
+        before = np.vstack([acting[:1], acting[:-1]])
+        parts = [before, acting]
+        if self.between_readings == "straight":
+            begin, after = lines_between(self.t, acting, self.between_readings)
+            parts = [begin, np.vstack([np.zeros_like(after[:1]), after[:-1]]), after]
+        return np.ascontiguousarray(np.hstack([self.outputs, *parts]))
 
     @property
     def counted(self) -> int:
@@ -215,7 +253,7 @@ def samples_of(
     count = len(record.t)
     columns = [[_in_units(record, name) for name in names] for names in (outputs, inputs)]
     parts = [np.column_stack(one) if one else np.empty((count, 0)) for one in columns]
-    return Samples(record.t, *parts)
+    return Samples(record.t, parts[0], parts[1], record.between_readings)
 
 
 def _in_units(record: Record, channel: str) -> Numbers:

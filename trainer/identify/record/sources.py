@@ -41,13 +41,15 @@ MAX_SIZES: Final = {  # of what a ship does, SI: beyond is no reading
 }
 CODE_SHARE: Final = 1.4  # [-] of the largest other number: a usual code beyond it is one
 HEADING_RANGE_DEG: Final = (-185.0, 365.0)  # [deg] of a heading within a turn, and its noise
-MAX_JUMP_DEG: Final = 60.0  # [deg] from row to row; more, and back, is no ship's
+MIN_CODE_STEP_DEG: Final = 60.0  # [deg] from a heading to a number that stands for none
 MAX_JUMP_ROWS: Final = 5  # [rows] until it is back
-USUAL_STEPS: Final = 6.0  # [-] of the usual change from row to row: a jump is more
+JUMP_STEPS: Final = 4.0  # [-] of the change that nine of ten rows do not exceed: a jump is more
+MIN_JUMP_DEG: Final = 3.0  # [deg] whatever the rows: a compass that is read in whole degrees
+MAX_INTERVAL_S: Final = 300.0  # [s] no trial is read so rarely: its times are in ms or us
 MAX_CODES: Final = 3  # [numbers] that one logger writes for no reading
 MAX_ROWS_TOLD: Final = 10
 UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
-    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
     "rad": {"rad": 1.0, "deg": DEGREE},
     "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
     "m/s": {"m/s": 1.0, "kn": KNOT},
@@ -117,14 +119,22 @@ def _outside(heading: Numbers) -> Iterator[int]:
     """Yield the readings [deg] outside one turn: a few numbers, reached by no small step."""
     outside = (heading < HEADING_RANGE_DEG[0]) | (heading > HEADING_RANGE_DEG[1])
     steps = np.abs(np.diff(heading))[np.diff(outside)]
-    if steps.size and steps.min() > MAX_JUMP_DEG and np.unique(heading[outside]).size <= MAX_CODES:
+    if (
+        steps.size
+        and steps.min() > MIN_CODE_STEP_DEG
+        and np.unique(heading[outside]).size <= MAX_CODES
+    ):
         yield from np.flatnonzero(outside).tolist()
 
 
 def _back_again(heading: Numbers) -> Iterator[int]:
-    """Yield the readings [deg] far from those before and after them, in a few rows."""
+    """Yield the readings [deg] far from those before and after them, in a few rows.
+
+    Far is what this ship does not turn from row to row, by the shorter way.
+    """
     steps, done = _turned(np.diff(heading)), 0
-    limit = max(MAX_JUMP_DEG, USUAL_STEPS * float(np.median(steps))) if len(steps) else math.inf
+    usual = float(np.quantile(steps, 0.9)) if len(steps) else math.inf
+    limit = max(MIN_JUMP_DEG, JUMP_STEPS * usual)
     for i in (np.flatnonzero(steps > limit) + 1).tolist():
         away = _turned(heading[i : i + MAX_JUMP_ROWS + 1] - heading[i - 1]) > limit
         if i >= done and not away.all():

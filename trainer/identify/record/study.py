@@ -21,7 +21,13 @@ from trainer.config.schema import (
 )
 from trainer.config.sensors import Sensors
 from trainer.identify.model.own_systems import System
-from trainer.identify.record.findings import examine_columns, examine_record, unwrap_heading
+from trainer.identify.record.findings import (
+    PATH_TEXTS,
+    choose_path,
+    examine_columns,
+    examine_record,
+    unwrap_heading,
+)
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import (
     USUAL_SENSORS,
@@ -269,14 +275,36 @@ def observe_record(study: Study, loaded: Record | None = None) -> Record:
         current = KNOT * track.current_east_kn, KNOT * track.current_north_kn
         record = with_sway(record, Drift(*current, track.antenna_m))
         findings = examine_record(record, study.ship)
-    record = unwrap_heading(record).every(int(heading.every))
+    record = _thinned(replace(unwrap_heading(record), findings=tuple(findings)), study)
     if study.sensors is not None:
         record = read_by(record, study.sensors)
-    record = replace(record, findings=tuple(findings))
+    return _cut(record, study)
+
+
+def _cut(record: Record, study: Study) -> Record:
+    """Return the times that a study uses."""
+    heading = study.heading
     return record.between(
         -np.inf if heading.from_s is None else heading.from_s,
         np.inf if heading.to_s is None else heading.to_s,
     )
+
+
+def _thinned(record: Record, study: Study) -> Record:
+    """Return the record thinned, with the way of its inputs from reading to reading, and told."""
+    inputs = ("rudder",) if study.system is None else study.system.inputs
+    if not inputs:
+        return record.every(int(study.heading.every))
+    path, why = choose_path(_cut(record, study), inputs, study.heading.between_readings)
+    record = replace(record, between_readings=path).every(int(study.heading.every))
+    if study.heading.every > 1:
+        why = f"the mean of {study.heading.every:g} readings"
+    stepwise = "ARMAX models" if study.model is None and study.armax is not None else ""
+    stepwise = "matrices of one step" if study.system and study.system.discrete else stepwise
+    if stepwise:
+        record, why = replace(record, between_readings="step"), f"{stepwise} know no other"
+    finding = record.finding(inputs[0], f"taken as {PATH_TEXTS[record.between_readings]}, {why}")
+    return replace(record, findings=(*record.findings, finding))
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:

@@ -19,7 +19,12 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.ship import MISSING_NUMBERS
-from trainer.identify.record.measurements import CHANNEL_UNITS, OUTPUT_CHANNELS, POSITION_CHANNELS
+from trainer.identify.record.measurements import (
+    CHANNEL_UNITS,
+    INPUT_PATHS,
+    OUTPUT_CHANNELS,
+    POSITION_CHANNELS,
+)
 
 MAX_TIME_S: Final = 1e9  # [s]
 STUDY_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
@@ -42,6 +47,9 @@ class StudyHeading:
     name: str = required(Text(79, "what is studied"))
     data: str = required(Text(200, "CSV file or recording, from this file's folder"))
     positive_rudder: str = with_default("port", RUDDER_SIGN_CHOICE)
+    between_readings: str | None = optional(
+        Choice(INPUT_PATHS, "of the rudder; else as name and record say")
+    )
     from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
     to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
     every: float = with_default(1.0, "-", within(1, 1000), "takes one sample of so many")
@@ -57,7 +65,9 @@ class ColumnRow:
     channel: str = required(Choice(("t", *CHANNEL_UNITS, *POSITION_CHANNELS), "what it is"))
     column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(
-        Text(8, "s ms min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says")
+        Text(
+            8, "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says"
+        )
     )
     missing: tuple[float, ...] = with_default((), MISSING_NUMBERS)
 

@@ -19,7 +19,12 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.record.findings import examine_record, unwrap_heading
+from trainer.identify.record.findings import (
+    PATH_TEXTS,
+    choose_path,
+    examine_record,
+    unwrap_heading,
+)
 from trainer.identify.record.measurements import Finding, Record
 from trainer.identify.record.sources import (
     FURTHER_CHANNELS,
@@ -34,6 +39,7 @@ from trainer.identify.record.track import resolve_along
 from trainer.io.paths import RECORDING_SUFFIX
 
 ROLL_CHANNELS: Final = ("roll_rate", "roll")  # readings, in the order of the filter
+RUDDER_PATH_SIGNS: Final = {"straight": 1.0, "step": -1.0}  # of extended_filter's PARTS_COLUMN
 NEEDED_CHANNELS: Final = {  # and why
     "speed": "the speed through the water drives every force",
     "sway": "the drift cannot be told from the turning",
@@ -89,6 +95,8 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     findings = examine_record(record)
     record = unwrap_heading(record)
     _check_sign(record)
+    path, told = _rudder_path(record, ship, every)
+    findings.append(told)
     if ship.sensors is not None:
         record, further = _read_by(record, further, ship.sensors)
     none = np.full(len(record.t), math.nan)
@@ -122,7 +130,16 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
             f"{MIN_TRIAL_SAMPLES} or more"
         )
     table = with_steps(t, table, ship)
+    table[:, 9] *= RUDDER_PATH_SIGNS[path]
     return Trial(record.source, t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
+
+
+def _rudder_path(record: Record, ship: ShipFile, every: int) -> tuple[str, Finding]:
+    """Return how the rudder goes from reading to reading, one of INPUT_PATHS, and what tells it."""
+    path, why = choose_path(record, ("rudder",), ship.records.between_readings)
+    if every > 1:  # between two means it goes evenly
+        path, why = "straight", f"each the mean of {every} rows"
+    return path, record.finding("rudder", f"taken as {PATH_TEXTS[path]}, {why}")
 
 
 def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
