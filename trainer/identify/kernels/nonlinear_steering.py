@@ -16,6 +16,7 @@ from trainer.identify.kernels.ship_models import magnitude
 
 BENT: Final = indices("K T1 T2 T3 H1 H2 H3 delta_0")  # of a ship's numbers, SI
 Z, YAW_RATE, HEADING = 0, 1, 2  # indices in the state
+ANGLE, ANGLE_RATE = 0, 1  # of the rudder, in each row of the helm
 
 
 @kernel
@@ -54,7 +55,7 @@ def run_bent(
             for turn in range(4):
                 for i in range(3):
                     stage[i] = s[i] + reach[turn] * h * rate[i]
-                delta = helm[k, 0] + helm[k, 1] * (part + reach[turn]) * h
+                delta = helm[k, ANGLE] + helm[k, ANGLE_RATE] * (part + reach[turn]) * h
                 bent_rates(ship, delta, stage, rate)
                 for i in range(3):
                     slope[i] += weights[turn] * rate[i]

@@ -50,12 +50,10 @@ MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
 SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
 TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
 PIVOT_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
-# fmt: off
-ORDER_WORDS: Final = frozenset((  # in the name of an ordered angle, which is a step
-    "order", "orders", "ordered", "command", "commanded", "cmd", "c", "demand", "demanded",
-    "desired", "set", "setpoint", "target", "soll",
-))
-# fmt: on
+ORDERED_NAME: Final = re.compile(  # of an ordered angle, which is a step
+    r"(?:^|[\W_])(?:order|orders|ordered|command|commanded|cmd|c|demand|demanded|desired|set|"
+    r"setpoint|target|soll)(?:$|[\W_])"
+)
 MOVING_SHARE: Final = 0.05  # [-] of its whole range: a rudder that changes more is moving
 MAX_UNDER_WAY_SHARE: Final = 0.1  # [-] of its moves that a jumping rudder shows under way
 MIN_MOVES: Final = 3  # of a rudder, to tell whether it jumps from reading to reading
@@ -99,7 +97,7 @@ def _guess_path(record: Record, inputs: Sequence[str]) -> tuple[str, str]:
     unless no reading shows it under way, and the ship's motion does not say otherwise.
     """
     names = [record.name(name) for name in inputs]
-    if all(not ORDER_WORDS.isdisjoint(re.split(r"[\W_]+", name.casefold())) for name in names):
+    if all(ORDERED_NAME.search(name.casefold()) for name in names):
         return "step", "its name is that of an order"
     if any(_jumps_at_readings(record.column(name)) for name in inputs):
         if _evidence_of_steps(record, inputs) > -SURE_EVIDENCE:
