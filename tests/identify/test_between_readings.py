@@ -18,6 +18,7 @@ from trainer.identify.fitting.problem import problem_of
 from trainer.identify.judge.validation import simulate_deterministic
 from trainer.identify.model.models import MODELS, Plant, Ship
 from trainer.identify.record.measurements import Record, Samples, lines_between
+from trainer.identify.record.study import load_study, observe_record
 
 UNTRUE = ("dynamics are missing", "closed loop")  # of a ship that is fitted as she is
 LINE = "rudder: taken as "
@@ -116,6 +117,12 @@ def test_the_ship_is_found_whether_her_rudder_moves_or_jumps(
         value, deviation = numbers(report)[name]
         assert abs(value - true) < 3.0 * deviation < 0.02 * abs(true), name
     assert not [one for one in report["verdicts"] if any(word in one for word in UNTRUE)]
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.5, 2.0])
+def test_a_rudder_is_seen_to_move_however_often_it_is_read(tmp_path: Path, interval: float) -> None:
+    rows = sail(2, rate=2.0, interval=interval, seconds=300.0)
+    assert observe_record(load_study(write_study(tmp_path, rows))).between_readings == "straight"
 
 
 def test_the_other_way_is_wrong_by_half_an_interval(tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ ORDERED_NAME: Final = re.compile(  # of an ordered angle, which is a step
     r"(?:^|[\W_])(?:order|orders|ordered|command|commanded|cmd|c|demand|demanded|desired|set|"
     r"setpoint|target|soll)(?:$|[\W_])"
 )
-MOVING_SHARE: Final = 0.05  # [-] of its whole range: a rudder that changes more is moving
+MOVING_SHARE: Final = 0.1  # [-] of its largest change: a rudder that changes more is moving
 MAX_UNDER_WAY_SHARE: Final = 0.1  # [-] of its moves that a jumping rudder shows under way
 MIN_MOVES: Final = 3  # of a rudder, to tell whether it jumps from reading to reading
 PATH_TEXTS: Final = {  # of INPUT_PATHS
@@ -109,7 +109,8 @@ def _guess_path(record: Record, inputs: Sequence[str]) -> tuple[str, str]:
 def _jumps_at_readings(values: Numbers) -> bool:
     """Return whether nearly all of several moves are done, nearly wholly, between two readings."""
     change = np.diff(values)
-    size, least = np.abs(change), MOVING_SHARE * np.ptp(values)
+    size = np.abs(change)
+    least = MOVING_SHARE * float(np.max(size))
     pair = np.sort(np.stack([size[1:], size[:-1]]), axis=0)
     under_way = (change[1:] * change[:-1] > 0.0) & (pair[0] > np.maximum(least, pair[1] / 4.0))
     moves = np.count_nonzero(size > least)

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.casualties import SOUNDER_RANGE
-from trainer.core.kinematics import guard_cosine
+from trainer.core.kinematics import MIN_PITCH_COSINE
 from trainer.core.surfaces import SURFACES
 from trainer.io.chart import Chart
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
@@ -101,7 +101,7 @@ def motion_now(frame: Frame) -> tuple[float, float, float]:
     across = frame["v"] * math.cos(phi) - frame["w"] * math.sin(phi)
     down = frame["v"] * math.sin(phi) + frame["w"] * math.cos(phi)
     along = frame["u"] * math.cos(theta) + down * math.sin(theta)
-    level = guard_cosine(math.cos(theta))
+    level = math.copysign(max(math.cos(theta), MIN_PITCH_COSINE, key=abs), math.cos(theta))
     turn = (frame["q"] * math.sin(phi) + frame["r"] * math.cos(phi)) / level
     if frame["held_position"]:
         return 0.0, 0.0, turn
