@@ -24,6 +24,7 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
+from trainer.session.step_guide import StepGuide
 
 NAMES = [each.name for each in lessons()]
 DRILL = """
@@ -144,6 +145,8 @@ def test_who_does_nothing_is_told_and_is_never_stuck(crewed: Begin, name: str) -
     assert any("not done" in text for text in told)
     assert any(text.startswith("hint: ") for text in told)
     again = [step for step in planned(name).steps if step.row.missed == "again"]
+    assert ship.conduct.ending.outcome != "done"
+    assert ship.facts(trainee, "steps-undone")
     backs = [each for each in told if "once more" in each]
     assert len(backs) <= 2 * len(again)
     assert bool(backs) == bool(again)
@@ -238,6 +241,85 @@ def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_come
     assert len(ship.facts(trainee, "crew-order")) >= 3
     assert ship.session.history.recording.branch == 3
     assert ship.conduct.ending.over
+
+
+def test_a_lesson_is_not_done_where_a_step_was_given_up_and_the_course_waits_for_a_choice(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    ship.conduct.training.barred = None
+    fly(ship, 3 * 60 + 40)
+    after = lessons()[0].name  # of a lesson that is none of the course
+    choice = f"step 1 is not done: again, or next {after} to go on"
+
+    assert ship.conduct.ending.outcome == "not done"
+    assert ship.facts(trainee, "exercise-over") == ["not done"]
+    assert ship.facts(trainee, "steps-undone") == [f"{after},1"]
+    assert ship.events(trainee, "lesson")[-2:] == ["the last step is over", choice]
+    assert ship.say(trainee, "next") == ("no", choice)
+    assert not ship.session.control.ended
+    assert ship.facts(ship.comes("helm"), "steps-undone") == [f"{after},1"]  # who comes late
+    assert ship.say(trainee, f"next {after}") == ("ok", f"next: {after}")
+
+
+def test_a_step_that_is_done_when_it_is_flown_again_is_given_up_no_more(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    fly(ship, 3 * 60 + 40)
+    assert ship.say(trainee, "again")[0] == "ok"
+    ship.session.time.pacer.run()
+    fly(ship, 4)
+    assert ship.say(trainee, "rudder right 10")[0] == "ok"
+    fly(ship, 20)
+    assert ship.say(trainee, "rudder amidships")[0] == "ok"
+    fly(ship, 40)
+
+    assert ship.conduct.ending.outcome == "done"
+    assert ship.conduct.guide.done
+    assert ship.events(trainee, "lesson")[-1] == "the last step is done"
+
+
+def test_a_step_that_was_given_up_stays_so_for_who_goes_back_after_it_or_takes_the_run_up_again(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    fly(ship, 2 * 60 + 20)
+    assert ship.say(trainee, "rudder right 4")[0] == "ok"  # not enough for either step
+    fly(ship, 60)
+    guide = ship.conduct.guide
+    assert (guide.index, guide.undone) == (1, [1, 2])
+    assert ship.say(trainee, "backtrack 2 s")[0] == "ok"
+    assert guide.undone == [1, 2]
+
+    other = StepGuide(  # as in another process, which has the recording alone
+        *(guide.control, guide.log, guide.work, guide.shown, guide.finish, guide.steps)
+    )
+    other.follow(ship.session.history.now())
+    assert (other.index, other.undone) == (1, [1, 2])
+
+
+def test_the_progress_of_a_lesson_says_done_only_if_each_step_is(
+    missed: tuple[Crewed, Line], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ship, trainee = missed
+    kept: list[str] = []
+    monkeypatch.setattr(
+        "trainer.session.training.begin_aside", lambda words: kept.append(words[-1])
+    )
+    training = ship.conduct.training
+    training.trainees, training.keeper = ("Ann",), ("keep",)
+    fly(ship, 3 * 60 + 40)
+    ship.settle(lambda: bool(kept))
+    assert ship.say(trainee, "again")[0] == "ok"
+    fly(ship, 4)
+    assert ship.say(trainee, "rudder right 10")[0] == "ok"
+    fly(ship, 20)
+    assert ship.say(trainee, "rudder amidships")[0] == "ok"
+    fly(ship, 40)
+    ship.settle(lambda: len(kept) == 2)
+
+    assert kept == ["not done", "done"]
 
 
 def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(

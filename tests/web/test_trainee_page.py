@@ -268,6 +268,23 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
     expect(page.locator("#answer")).to_contain_text("stern dive 5")
 
 
+def test_a_lesson_that_is_not_done_does_not_lead_on_by_enter(
+    serve: Serve, look: Look, tmp_path: Path
+) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(LESSON.replace("within_s = 200", "within_s = 5"), encoding="utf-8")
+    page = look(serve(str(path)), "trainee")
+    begin(page)
+    type_order(page, FAST)
+    page.locator("#lesson-text button").click()
+
+    expect(page.locator("#lesson-head")).to_have_text("Steps not done: 2.")
+    expect(page.locator("#briefing-text")).to_contain_text("The exercise is over: not done.")
+    expect(page.locator("#next")).to_be_hidden()
+    expect(page.locator("#again")).to_be_focused()
+    expect(page.locator("#lessons button").nth(1)).to_be_visible()  # on all the same
+
+
 @pytest.mark.parametrize("role", ["trainee", "instructor"])
 def test_an_order_begun_before_the_last_is_answered_is_typed_on(
     serve: Serve, look: Look, drill: str, role: str
