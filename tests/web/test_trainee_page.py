@@ -241,16 +241,16 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
 ) -> None:
     page = open_by_clock(look, serve("wheel-and-course"))
     expect(page.locator("#title")).to_have_text("Lesson 1: the wheel and the course")
-    expect(page.locator("#facts")).to_contain_text("Lesson: 6 steps that lead who trains")
+    expect(page.locator("#facts")).to_contain_text("Lesson: 10 steps that lead who trains")
     expect(page.locator("#ask b")).to_have_text(["I train", "I instruct"])
     page.locator("#ask a").first.press("Enter")
     begin(page)
-    head(page, 1, 6)
+    head(page, 1, 10)
     for _ in range(10):
         page.keyboard.press("ArrowRight")
-    head(page, 2, 6)
-    type_order(page, FAST)
-    head(page, 3, 6)
+    head(page, 2, 10)
+    type_order(page, "time 5")
+    head(page, 3, 10)
     page.keyboard.press("m")
     said = ["Step 3 of 6"]
     obey_steps(page, said)
