@@ -1,6 +1,7 @@
 """The lessons: flown by a newcomer who does what they say, and by one who does nothing."""
 
 import functools
+import math
 import re
 import sqlite3
 from collections.abc import Callable
@@ -12,18 +13,22 @@ from helpers.crewed import Begin, Crewed
 from helpers.line import Line
 
 from trainer.analysis.exercise_page import check_exercise
-from trainer.analysis.stated import READING_TIME_S, StepFlight, fly_steps
+from trainer.analysis.stated import READING_TIMES_S, StepFlight, fly_steps
+from trainer.boat.boat import Boat
 from trainer.config.course import course, lessons
+from trainer.config.derived import Condition
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
 from trainer.console.exercise import LessonStep
 from trainer.console.model import SessionModel
+from trainer.session.exercise import quantity_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
+from trainer.session.step_guide import StepGuide
 
 NAMES = [each.name for each in lessons()]
 DRILL = """
@@ -36,6 +41,23 @@ text = "Turn: `rudder right 10`."
 when = ["rudder_deg > 8"]
 within_s = 30
 """
+
+
+HELD_S = 60.0  # [s] after the last step, with what it has ordered
+SHOWN = {**dict.fromkeys(("course", "pitch", "bow"), math.degrees(1.0)), "heavy": 1e-3}  # from SI
+ORDERED = {  # what each title orders, and the band in which it is held [m, deg, t]
+    "wheel-and-course": {"course": (86.0, 94.0)},
+    "planes-and-bubble": {"pitch": (-2.0, 2.0), "depth": (50.0, 70.0)},
+    "fifteen-metres-down": {"depth": (73.0, 77.0), "pitch": (-2.0, 2.0)},
+    "trim-by-hand": {"heavy": (-1.5, 1.0), "bow": (-4.0, 4.0), "depth": (58.0, 62.0)},
+    "surface-and-dive": {"depth": (28.0, 32.0)},
+    "jam-first-seconds": {"pitch": (-3.0, 3.0), "depth": (50.0, 80.0)},
+}
+
+
+def guards(plan: Plan) -> list[Condition]:
+    """Return the conditions of depth that lose a lesson."""
+    return [each for loss in plan.lost for each in loss.conditions if each.quantity == "depth"]
 
 
 class Talk:
@@ -55,8 +77,10 @@ def planned(name: str) -> Plan:
 
 
 @functools.cache
-def flown(name: str) -> list[StepFlight]:
-    return fly_steps(planned(name))
+def flown(name: str, reading_s: float) -> tuple[list[StepFlight], Boat]:
+    """Fly a lesson by its own text; return its steps, and the boat at their end."""
+    boat = planned(name).launch_boat()
+    return fly_steps(planned(name), boat, reading_s), boat
 
 
 def at_sea(crewed: Begin, plan: Plan) -> tuple[Crewed, Line]:
@@ -85,19 +109,60 @@ def test_six_lessons_come_before_the_course() -> None:
     assert not any(each.steps for each in course())
 
 
+@pytest.mark.parametrize("reading_s", READING_TIMES_S)
 @pytest.mark.parametrize("name", NAMES)
-def test_who_does_what_a_lesson_says_ends_each_of_its_steps_in_a_few_minutes(name: str) -> None:
+def test_who_does_what_a_lesson_says_ends_each_of_its_steps_in_a_few_minutes(
+    name: str, reading_s: float
+) -> None:
     steps = planned(name).steps
+    flights, _ = flown(name, reading_s)
 
-    assert [each.done for each in flown(name)] == [True] * len(steps)
-    assert not [each.refused for each in flown(name) if each.refused]
-    for step, flight in zip(steps, flown(name), strict=True):
-        assert flight.seconds > READING_TIME_S or not step.typed, step.row.text
+    assert [each.done for each in flights] == [True] * len(steps)
+    assert not [each.refused for each in flights if each.refused]
+    for step, flight in zip(steps, flights, strict=True):
+        assert flight.seconds > reading_s or not step.typed, step.row.text
         assert flight.seconds < 0.8 * step.row.within_s, step.row.text
 
 
-def test_the_six_lessons_take_less_than_a_quarter_of_an_hour() -> None:
-    assert sum(each.seconds for name in NAMES for each in flown(name)) < 15 * 60
+@pytest.mark.parametrize("reading_s", READING_TIMES_S)
+@pytest.mark.parametrize("name", NAMES)
+def test_what_a_lesson_s_title_orders_is_reached_and_held_by_who_does_what_it_says(
+    name: str, reading_s: float
+) -> None:
+    boat = planned(name).launch_boat()
+    fly_steps(planned(name), boat, reading_s)
+    bands = ORDERED[name]
+
+    for _ in range(boat.ticks_in(HELD_S)):
+        for quantity, (least, most) in bands.items():
+            value = quantity_of(boat, quantity) * SHOWN.get(quantity, 1.0)
+            assert least <= value <= most, f"{quantity} at {boat.time:g} s"
+        boat.tick()
+
+
+@pytest.mark.parametrize("name", ["planes-and-bubble", "fifteen-metres-down"])
+def test_who_leaves_the_planes_at_dive_loses_the_lesson_before_the_boat_is_deep(
+    crewed: Begin, name: str
+) -> None:
+    ship, trainee = at_sea(crewed, planned(name))
+    ship.conduct.ending.expect(planned(name).lost, None)
+    assert ship.say(trainee, "stern planes dive 6")[0] == "ok"
+    fly(ship, 8000)
+
+    assert ship.conduct.ending.outcome == "lost"
+    assert quantity_of(ship.boat, "depth") < 101.0
+    assert ship.facts(trainee, "steps-undone")
+
+
+def test_each_lesson_has_an_envelope_that_its_own_text_never_nears() -> None:
+    for name in NAMES:
+        deepest = min(each.threshold for each in guards(planned(name)) if each.sense > 0.0)
+        _, boat = flown(name, READING_TIMES_S[-1])
+        assert quantity_of(boat, "depth") < deepest - 10.0, name
+
+
+def test_the_six_lessons_take_less_than_twenty_minutes() -> None:
+    assert sum(each.seconds for name in NAMES for each in flown(name, 8.0)[0]) < 20 * 60
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -105,11 +170,8 @@ def test_a_check_finds_nothing_wrong_in_a_lesson(name: str) -> None:
     assert any(line.startswith("step ") for line in check_exercise(name))
 
 
-@pytest.mark.parametrize("reading", [12, 40, 56])  # [ticks] at most before he does what is said
-@pytest.mark.parametrize("name", NAMES)
-def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
-    crewed: Begin, name: str, reading: int
-) -> None:
+def led(crewed: Begin, name: str, reading: int) -> tuple[Crewed, Line]:
+    """Fly a lesson by the texts that a station gets, each obeyed within ``reading`` [ticks]."""
     ship, trainee = at_sea(crewed, planned(name))
     done: list[str] = []
 
@@ -123,14 +185,37 @@ def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
     fly(ship, 3000, act)
 
     assert ship.conduct.ending.over
-    count = len(planned(name).steps)
     unread = [each for each in ship.facts(trainee, "step") if each not in done]
     assert not [each for each in unread if "`" in each], "what it says is over before it is read"
+    return ship, trainee
+
+
+@pytest.mark.parametrize("reading", [3, 12, 16])  # [ticks] at most before he does what is said
+@pytest.mark.parametrize("name", NAMES)
+def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
+    crewed: Begin, name: str, reading: int
+) -> None:
+    ship, trainee = led(crewed, name, reading)
+
+    count = len(planned(name).steps)
     assert [each.split(",")[0] for each in ship.facts(trainee, "step")] == [
         *map(str, range(1, count + 1)),
         "0",
     ]
+    assert ship.conduct.ending.outcome == "done"
     assert not [text for text in ship.events(trainee, "lesson") if "not done" in text]
+
+
+@pytest.mark.parametrize("reading", [40, 56])
+@pytest.mark.parametrize("name", NAMES)
+def test_who_reads_for_half_a_minute_has_each_step_before_him_and_is_told_what_is_not_done(
+    crewed: Begin, name: str, reading: int
+) -> None:
+    ship, trainee = led(crewed, name, reading)
+
+    undone = [each.split(",")[1:] for each in ship.facts(trainee, "steps-undone")]
+    last = [str(len(planned(name).steps))]  # a course or a depth may be past by then
+    assert undone == ([last] if ship.conduct.ending.outcome == "not done" else [])
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -144,6 +229,8 @@ def test_who_does_nothing_is_told_and_is_never_stuck(crewed: Begin, name: str) -
     assert any("not done" in text for text in told)
     assert any(text.startswith("hint: ") for text in told)
     again = [step for step in planned(name).steps if step.row.missed == "again"]
+    assert ship.conduct.ending.outcome != "done"
+    assert ship.facts(trainee, "steps-undone")
     backs = [each for each in told if "once more" in each]
     assert len(backs) <= 2 * len(again)
     assert bool(backs) == bool(again)
@@ -185,6 +272,7 @@ def test_a_check_flies_what_the_texts_say(tmp_path: Path) -> None:
     ("old", "new", "why"),
     [
         ("right 10", "left 10", "[steps[0]] when: never ends, flown by a newcomer"),
+        ("[[steps]]", 'lost = ["depth > 50"]\n[[steps]]', "0.5 s later: depth > 50 loses"),
         ("[[steps]]", "duration_s = 5\n[[steps]]", "duration_s = 5.0: ends before its steps"),
         ("`rudder right 10`", "rudder right 10", "have the text say the orders, in backquotes"),
         ("rudder right 10", "rudder rihgt 10", "did you mean right?"),
@@ -238,6 +326,85 @@ def test_a_missed_step_begins_again_twice_with_its_orders_and_then_the_next_come
     assert len(ship.facts(trainee, "crew-order")) >= 3
     assert ship.session.history.recording.branch == 3
     assert ship.conduct.ending.over
+
+
+def test_a_lesson_is_not_done_where_a_step_was_given_up_and_the_course_waits_for_a_choice(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    ship.conduct.training.barred = None
+    fly(ship, 3 * 60 + 40)
+    after = lessons()[0].name  # of a lesson that is none of the course
+    choice = f"step 1 is not done: again, or next {after} to go on"
+
+    assert ship.conduct.ending.outcome == "not done"
+    assert ship.facts(trainee, "exercise-over") == ["not done"]
+    assert ship.facts(trainee, "steps-undone") == [f"{after},1"]
+    assert ship.events(trainee, "lesson")[-2:] == ["the last step is over", choice]
+    assert ship.say(trainee, "next") == ("no", choice)
+    assert not ship.session.control.ended
+    assert ship.facts(ship.comes("helm"), "steps-undone") == [f"{after},1"]  # who comes late
+    assert ship.say(trainee, f"next {after}") == ("ok", f"next: {after}")
+
+
+def test_a_step_that_is_done_when_it_is_flown_again_is_given_up_no_more(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    fly(ship, 3 * 60 + 40)
+    assert ship.say(trainee, "again")[0] == "ok"
+    ship.session.time.pacer.run()
+    fly(ship, 4)
+    assert ship.say(trainee, "rudder right 10")[0] == "ok"
+    fly(ship, 20)
+    assert ship.say(trainee, "rudder amidships")[0] == "ok"
+    fly(ship, 40)
+
+    assert ship.conduct.ending.outcome == "done"
+    assert ship.conduct.guide.done
+    assert ship.events(trainee, "lesson")[-1] == "the last step is done"
+
+
+def test_a_step_that_was_given_up_stays_so_for_who_goes_back_after_it_or_takes_the_run_up_again(
+    missed: tuple[Crewed, Line],
+) -> None:
+    ship, trainee = missed
+    fly(ship, 2 * 60 + 20)
+    assert ship.say(trainee, "rudder right 4")[0] == "ok"  # not enough for either step
+    fly(ship, 60)
+    guide = ship.conduct.guide
+    assert (guide.index, guide.undone) == (1, [1, 2])
+    assert ship.say(trainee, "backtrack 2 s")[0] == "ok"
+    assert guide.undone == [1, 2]
+
+    other = StepGuide(  # as in another process, which has the recording alone
+        *(guide.control, guide.log, guide.work, guide.shown, guide.finish, guide.steps)
+    )
+    other.follow(ship.session.history.now())
+    assert (other.index, other.undone) == (1, [1, 2])
+
+
+def test_the_progress_of_a_lesson_says_done_only_if_each_step_is(
+    missed: tuple[Crewed, Line], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ship, trainee = missed
+    kept: list[str] = []
+    monkeypatch.setattr(
+        "trainer.session.training.begin_aside", lambda words: kept.append(words[-1])
+    )
+    training = ship.conduct.training
+    training.trainees, training.keeper = ("Ann",), ("keep",)
+    fly(ship, 3 * 60 + 40)
+    ship.settle(lambda: bool(kept))
+    assert ship.say(trainee, "again")[0] == "ok"
+    fly(ship, 4)
+    assert ship.say(trainee, "rudder right 10")[0] == "ok"
+    fly(ship, 20)
+    assert ship.say(trainee, "rudder amidships")[0] == "ok"
+    fly(ship, 40)
+    ship.settle(lambda: len(kept) == 2)
+
+    assert kept == ["not done", "done"]
 
 
 def test_a_step_whose_past_cannot_be_read_goes_on_from_where_it_is(

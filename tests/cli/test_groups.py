@@ -122,6 +122,6 @@ def test_the_list_of_exercises_tells_length_stations_and_hand() -> None:
     assert lines["steering-jam"].endswith("10 min 1 rudder,speed")
     assert lines["rise-jam-shallow"].endswith("10 min 3 all but rudder")
     assert lines["watch"].endswith("30 min 3 all")
-    assert lines["wheel-and-course"].endswith("6 steps 1 rudder")
+    assert lines["wheel-and-course"].endswith("10 steps 1 rudder")
     assert {axis: workers(axis)[0] for axis in BY_HAND} == HAND_AXES
     assert {each.stations for each in course()} >= {("helm",), ("planes", "helm"), ("ballast",)}

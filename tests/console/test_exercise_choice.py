@@ -212,7 +212,7 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
 def test_the_list_tells_length_and_hand_and_who_trains_begins_with_a_lesson() -> None:
     rows = [row.name for row in exercise_choice([*lessons(), *course()], trains=True).rows]
     assert rows[0].split("  ")[0] == "Lesson 1: the wheel and the course"
-    assert rows[0].endswith("6 steps  rudder")
+    assert rows[0].endswith("10 steps  rudder")
     assert rows[len(lessons())].endswith("10 min  planes")
     assert rows[-1] == FREE_SAILING
     assert max(map(len, rows)) <= 71

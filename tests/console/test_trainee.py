@@ -55,6 +55,25 @@ def test_a_new_step_takes_the_hint_away_and_the_last_one_the_text() -> None:
     assert "step" not in plain(trainee(model, 80, 17))
 
 
+def test_a_lesson_with_a_step_undone_says_which_and_lets_who_trains_choose() -> None:
+    model, line = told(
+        ("200.0", "step", "0"),
+        ("200.0", "exercise-over", "not done"),
+        ("200.0", "steps-undone", "planes-and-bubble,2,4"),
+    )
+    time_now(model, line, 400, "frozen")
+
+    steps = steps_after(model)
+
+    assert next(iter(steps)) == "a"
+    assert (steps["n"].order, steps["n"].asked) == ("next planes-and-bubble", True)
+    drawn = plain(EndView(model).draw(80, 24))
+    assert "not done: steps 2, 4; lessons have no marks" in drawn
+    assert "on all the same: planes-and-bubble" in drawn
+    model.exercise.go_on()
+    assert steps_after(model)["n"].order == "next"
+
+
 def test_after_the_marks_the_way_leads_to_where_it_went_wrong_and_to_the_next() -> None:
     model, line = told(
         ("600.0", "exercise-over", "ended"),

@@ -153,6 +153,24 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
     at_the_console(look, talk, role, size)
 
 
+@pytest.mark.parametrize("hand", ["planes", "ballast", "planes,speed,ballast"])
+def test_a_hint_is_whole_on_a_terminal_of_eighty_columns(hand: str) -> None:
+    """A rule of the reference crew has the longest; the log had one row for it."""
+    advice = "hint, 5 marks: bell astern full, due since 00:01:11: the gauges show stern < -4"
+    talk = tape("trainee")
+    talk.say(sentences.fact(130, 65.0, "exercise", f"hand={hand}"))
+
+    async def read(pilot: Pilot[Refused], app: Console) -> None:
+        talk.say(sentences.event(130, 65.0, "shown", advice))
+        await seen(pilot, app, "bell astern full")
+        await seen(pilot, app, "stern < -4")
+        assert "gauges ..." not in shown(app)
+        talk.say(sentences.event(131, 65.5, "shown", "hint, 5 marks: rudder amidships"))
+        await seen(pilot, app, "rudder amidships")
+
+    at_the_console(read, talk, "trainee", (80, 24))
+
+
 def test_who_comes_after_the_end_reads_the_marks_without_their_words() -> None:
     talk = tape("helm")
     for words in ("title=Depth, first steps", "hand=planes"):

@@ -85,6 +85,18 @@ def test_a_lesson_has_no_marks_but_is_done(tmp_path: Path) -> None:
     assert (run.outcome, run.total, run.passed, run.costs) == ("done", None, True, {})
 
 
+def test_a_lesson_with_a_step_undone_is_kept_as_not_done_and_comes_again(tmp_path: Path) -> None:
+    path = record(tmp_path / "l.trainer", "wheel-and-course", {}, duration=2.0, trainee=(ANN,))
+    remember_run(path, 1, Outcome.NOT_DONE)
+    progress = read_progress(ANN)
+    (run,) = progress.runs
+    assert (run.outcome, run.passed) == ("not done", False)
+    assert progress.best("wheel-and-course") == "begun"
+    suggestion = progress.suggest(lessons(), TODAY)
+    assert suggestion
+    assert suggestion.lesson.name == "wheel-and-course"
+
+
 def test_kinds_of_loss_follow_from_the_causes_of_the_curve() -> None:
     cause = ChangeCause
     changes = [

@@ -8,10 +8,11 @@ import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.line import Line
 
+from trainer.boat.casualties import broken_gauges
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.hints import NOTHING_TEXT
+from trainer.session.hints import COMPARE_TEXT, NOTHING_TEXT
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.stations.roles import CREW_ROLES
@@ -102,6 +103,42 @@ def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: B
     assert re.fullmatch(
         r"hint, 5 marks: (stern|bow) planes [a-z0-9 ]+: so its planesman would steer now", text
     )
+
+
+@pytest.mark.parametrize(
+    ("exercise", "casualty"),
+    [("depth-gauge-failure", ""), ("first-depth-change", "casualty depth-gauge-biased 0.4")],
+)
+def test_where_the_gauge_that_a_hand_steers_by_lies_no_order_of_it_is_sold(
+    crewed: Begin, exercise: str, casualty: str
+) -> None:
+    ship = crewed(plan=planned(exercise), seconds=1200.0)
+    ship.fly(240)
+    if casualty:
+        assert ship.say(ship.instructor, casualty)[0] == "ok"
+    line = trainee(ship)
+    ship.fly(80)
+    told = []
+    for _ in range(6):
+        ship.fly(40)
+        told.append(asks(ship, line)[1])
+
+    assert told[0] == f"hint, 5 marks: {COMPARE_TEXT}"
+    assert not [text for text in told if "would steer" in text]
+    for text in told:  # what the watch calls is true
+        assert COMPARE_TEXT in text or "hint, 5 marks: depth 40, due since" in text
+
+
+def test_a_hand_s_own_gauge_alone_keeps_its_order_back(crewed: Begin) -> None:
+    ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
+    assert ship.say(ship.instructor, "casualty gyro-biased 0.5")[0] == "ok"
+    line = trainee(ship)
+    ship.fly(400)
+    assert asks(ship, line)[1].endswith("so its planesman would steer now")
+    ship.leaves(line)
+    assert ship.say(ship.comes("instructor"), "casualty depth-gauge-noisy")[0] == "ok"
+    ship.fly(2)
+    assert broken_gauges(ship.boat) == {"gyro", "depth-gauge"}
 
 
 def test_a_hint_stays_with_who_goes_back_before_it_and_not_with_a_run_from_the_start(

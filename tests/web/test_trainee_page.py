@@ -241,16 +241,16 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
 ) -> None:
     page = open_by_clock(look, serve("wheel-and-course"))
     expect(page.locator("#title")).to_have_text("Lesson 1: the wheel and the course")
-    expect(page.locator("#facts")).to_contain_text("Lesson: 6 steps that lead who trains")
+    expect(page.locator("#facts")).to_contain_text("Lesson: 10 steps that lead who trains")
     expect(page.locator("#ask b")).to_have_text(["I train", "I instruct"])
     page.locator("#ask a").first.press("Enter")
     begin(page)
-    head(page, 1, 6)
+    head(page, 1, 10)
     for _ in range(10):
         page.keyboard.press("ArrowRight")
-    head(page, 2, 6)
-    type_order(page, FAST)
-    head(page, 3, 6)
+    head(page, 2, 10)
+    type_order(page, "time 5")
+    head(page, 3, 10)
     page.keyboard.press("m")
     said = ["Step 3 of 6"]
     obey_steps(page, said)
@@ -266,6 +266,23 @@ def test_a_newcomer_is_led_through_the_first_lesson_by_keyboard_alone_and_on_to_
     for _ in range(5):
         page.keyboard.press("ArrowDown")
     expect(page.locator("#answer")).to_contain_text("stern dive 5")
+
+
+def test_a_lesson_that_is_not_done_does_not_lead_on_by_enter(
+    serve: Serve, look: Look, tmp_path: Path
+) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(LESSON.replace("within_s = 200", "within_s = 5"), encoding="utf-8")
+    page = look(serve(str(path)), "trainee")
+    begin(page)
+    type_order(page, FAST)
+    page.locator("#lesson-text button").click()
+
+    expect(page.locator("#lesson-head")).to_have_text("Steps not done: 2.")
+    expect(page.locator("#briefing-text")).to_contain_text("The exercise is over: not done.")
+    expect(page.locator("#next")).to_be_hidden()
+    expect(page.locator("#again")).to_be_focused()
+    expect(page.locator("#lessons button").nth(1)).to_be_visible()  # on all the same
 
 
 @pytest.mark.parametrize("role", ["trainee", "instructor"])

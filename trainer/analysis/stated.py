@@ -2,9 +2,9 @@
 
 ``trainer exercise check`` calls it. A text that says "level within 90 seconds" goes wrong unseen
 when the boat changes; its row in [[stated]] is flown by nobody or by the reference crew. The steps
-are flown by a newcomer who does exactly what they say, because a step that he cannot end would keep
-a trainee for ever. He types the orders in backquotes of a step's text, in their order, some seconds
-after the step has begun.
+are flown by newcomers who do exactly what they say, because a step that they cannot end would keep
+a trainee for ever. They type the orders in backquotes of a step's text, in their order, one nearly
+at once when the step has begun, one after a long look.
 """
 
 import math
@@ -24,10 +24,10 @@ from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.session.exercise import is_met
+from trainer.session.exercise import LossMonitor, is_met
 from trainer.session.plan import Plan
 
-READING_TIME_S: Final = 6.0  # [s] until he types; an estimate
+READING_TIMES_S: Final = (0.5, 2.0, 4.0, 8.0)  # [s] until each newcomer types; an estimate
 
 
 @dataclass(frozen=True)
@@ -98,36 +98,43 @@ def _measured(stated: StatedValue, trajectory: Trajectory) -> float | None:
 
 @dataclass(frozen=True)
 class StepFlight:
-    """The flight of one step: its time [s], its end, and the orders refused."""
+    """The flight of one step: its time [s] and end, what lost it, orders refused."""
 
     seconds: float
     done: bool
+    lost: str = ""
     refused: tuple[tuple[str, str], ...] = ()
 
 
-def fly_steps(plan: Plan) -> list[StepFlight]:
-    """Return how each step of a plan goes, flown by the newcomer. The last one may fail."""
-    boat = plan.launch_boat()
+def fly_steps(plan: Plan, boat: Boat, reading_s: float) -> list[StepFlight]:
+    """Return how each step of a plan goes, flown by a newcomer. The last one may fail.
+
+    ``boat`` is launched for the plan, and is where the steps have led it afterwards. ``reading_s``
+    [s] after a step has begun its orders are typed.
+    """
+    guards = [LossMonitor(each, boat.ticks_in(each.seconds)) for each in plan.lost]
     timed = iter([*plan.schedule])
     coming = next(timed, None)
     flights: list[StepFlight] = []
     for step in plan.steps:
         begun, held, refused = boat.time, 0, list(_refusals(boat, step.given))
-        typed = False
-        done = False
-        while not done and boat.time - begun < step.row.within_s:
+        typed = done = False
+        lost: list[str] = []
+        while not (done or lost) and boat.time - begun < step.row.within_s:
             while coming and coming.seconds <= boat.time:
                 obey_order(boat, coming.order)
                 coming = next(timed, None)
-            if not typed and boat.time - begun >= READING_TIME_S:
+            if not typed and boat.time - begun >= reading_s:
                 typed = True
                 refused += _refusals(boat, step.typed)
             boat.tick()
+            lost = [each.loss.text for each in guards if each.look(boat)]
             holds = all(is_met(each, boat) for each in step.conditions)
             held = held + 1 if holds else 0
             done = holds and held * boat.method.step > step.row.for_s
-        flights.append(StepFlight(boat.time - begun, done, tuple(refused)))
-        if not done:
+        seconds, why = boat.time - begun, "".join(lost[:1])
+        flights.append(StepFlight(seconds, done and not why, why, tuple(refused)))
+        if not flights[-1].done:
             break
     return flights
 
@@ -162,9 +169,18 @@ def step_problems(plan: Plan, position: Position) -> Iterator[str]:
     if beyond:
         yield from beyond
         return
-    flights = fly_steps(plan)
+    for reading_s in READING_TIMES_S if plan.steps else ():
+        problems = list(_flight_problems(plan, reading_s, position))
+        yield from problems
+        if problems:
+            return
+
+
+def _flight_problems(plan: Plan, reading_s: float, position: Position) -> Iterator[str]:
+    """Yield what keeps one newcomer from the end of a lesson."""
+    flights = fly_steps(plan, plan.launch_boat(), reading_s)
     took = sum(flight.seconds for flight in flights)
-    if plan.steps and plan.duration is not None and took > plan.duration:
+    if plan.duration is not None and took > plan.duration:
         late = f"ends before its steps, which take a newcomer {took:g} s: leave duration_s out"
         yield position.wrong("duration_s", plan.duration, late)
     for i, flight in enumerate(flights):
@@ -172,8 +188,8 @@ def step_problems(plan: Plan, position: Position) -> Iterator[str]:
         for text, why in flight.refused:
             yield inside.wrong("text", text, f"the boat refuses it: {why}")
         if not flight.done:
-            whose = "flown by a newcomer who does what the texts say"
+            whose = f"flown by a newcomer who does what the texts say, {reading_s:g} s later"
+            why = f"{flight.lost} loses" if flight.lost else f"not within {row.within_s:g} s"
             yield inside.problem(
-                f"when: never ends, {whose}: not within {row.within_s:g} s; "
-                "have the text say the orders, in backquotes"
+                f"when: never ends, {whose}: {why}; have the text say the orders, in backquotes"
             )

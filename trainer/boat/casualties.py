@@ -16,7 +16,7 @@ from trainer.config.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, PUMPS, TANKS
-from trainer.core.casualties import KINDS, instruments
+from trainer.core.casualties import CODES, GAUGES, KIND_GAUGES, KINDS, instruments
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
@@ -172,6 +172,12 @@ def active_casualties(boat: Boat) -> list[ActiveCasualty]:
         for i in range(s.casualty.size)
         if s.casualty[i]
     ]
+
+
+def broken_gauges(boat: Boat) -> set[str]:
+    """Return which of ``GAUGES`` a casualty has spoilt."""
+    gauges = [KIND_GAUGES[CODES[each.kind]] for each in active_casualties(boat)]
+    return {GAUGES[gauge] for gauge in gauges if gauge >= 0}
 
 
 def describe_amount(boat: Boat, kind: str, amount: float) -> str:

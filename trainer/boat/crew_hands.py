@@ -21,6 +21,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.config.reference_crew import Helmsman, Planesman
+from trainer.core.casualties import DEPTH_GAUGE, GAUGES, GYRO
 from trainer.core.kernel import Numbers, Record
 
 GAUGE_MEMORY_S: Final = 601.0  # [s] of gauges that are remembered: mean_s of a rule is 600 at most
@@ -169,6 +170,7 @@ class KnownOrder:
 class PlanesHand:
     """The planesman looks every few seconds, and orders what is worth an order."""
 
+    gauge: ClassVar[str] = GAUGES[DEPTH_GAUGE]  # that it steers by
     boat: Boat
     habits: Planesman  # gains and limits of the exercise file
     late: float = 0.0  # [s] slower than these
@@ -298,6 +300,7 @@ class PlanesHand:
 class RudderHand:
     """The helmsman looks every few seconds, meets the swing and steadies."""
 
+    gauge: ClassVar[str] = GAUGES[GYRO]  # that it steers by
     boat: Boat
     habits: Helmsman  # gains and limits of the exercise file
     late: float = 0.0  # [s] slower than these

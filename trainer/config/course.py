@@ -70,6 +70,17 @@ def lessons() -> list[Lesson]:
     return sorted(lesson(name) for name in shipped_names(LESSONS_FOLDER))
 
 
+def following(name: str) -> Lesson | None:
+    """Return what comes after an exercise in the course, None after the last.
+
+    After one that is none of the course it is the first.
+    """
+    offered = [*lessons(), *course()]
+    names = [each.name for each in offered]
+    after = names.index(name) + 1 if name in names else 0
+    return offered[after] if after < len(offered) else None
+
+
 def lesson(name: str) -> Lesson:
     """Return a shipped exercise as a lesson. One without a number in the course comes last."""
     path = shipped_path("exercises", name)

@@ -16,5 +16,6 @@ class Outcome(StrEnum):
     FREE = "free"  # of marks: the instructor let something be automatic, or broke it by hand
     OPEN = "open"  # neither won nor lost by what could still be earned
     ENDED = "ended"  # by its time, its last step, or the instructor
-    DONE = "done"  # a lesson, to its last step
+    DONE = "done"  # a lesson, each of its steps
+    NOT_DONE = "not done"  # a lesson to its last step, with steps that were given up
     LEFT = "left"  # before its end

@@ -54,7 +54,7 @@ class ProgressRun:
 
     @property
     def passed(self) -> bool:
-        """Return whether the exercise was won, or the lesson done to its last step."""
+        """Return whether the exercise was won, or each step of the lesson done."""
         return self.outcome in PASSED_OUTCOMES
 
 

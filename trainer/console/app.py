@@ -26,6 +26,7 @@ from trainer.console.dialogs import (
     sea_choice,
 )
 from trainer.console.guide import EndView, PlanView, TextView, answer, briefing, guide
+from trainer.console.journal import wrap_entry
 from trainer.console.key_orders import KeyOrders, TypedKeys
 from trainer.console.keys import (
     DialogAction,
@@ -262,6 +263,9 @@ class Console(App[Refused], inherit_bindings=False):
             return
         self.screen_stack[0].set_class(bool(exercise.step.text), "lesson")
         self.screen_stack[0].set_class("ballast" in exercise.by_hand, "tanks")
+        entries = model.journal.entries
+        rows = wrap_entry(entries[-1], self.size.width) if entries else []
+        self.screen_stack[0].set_class(len(rows) > 1, "long-entry")  # such as a hint
         title = exercise.values.get("title", "") if model.joined else ""
         begins = model.picture.frozen and not model.picture.seconds and len(self.screen_stack) == 1
         if title and title != self._briefed and begins:

@@ -40,6 +40,8 @@ class Exercise:
     lists: dict[str, list[str]] = field(default_factory=dict)  # of the repeated keys
     briefing: list[str] = field(default_factory=list)
     step: LessonStep = NO_STEP
+    undone: tuple[str, ...] = ()  # numbers of the steps of a lesson that is over
+    following: str = ""  # name of what comes after that lesson
     outcome: str = ""  # of an exercise that is over
     over_at: float = 0.0  # [s]
     endings: int = 0  # of exercises
@@ -81,6 +83,11 @@ class Exercise:
         self.step = self.step._replace(hint=hint)
         self.rings += 1
 
+    def take_undone(self, _seconds: float, subject: str) -> None:
+        """Take the steps that were not done, after the name of what follows."""
+        self.following, *undone = subject.split(",")
+        self.undone = tuple(undone)
+
     def take_end(self, seconds: float, outcome: str) -> None:
         """Take the end, unless it is sent again because the line was lost meanwhile."""
         if not self.outcome:
@@ -107,6 +114,7 @@ class Exercise:
     def go_on(self) -> None:
         """Forget the end, because the exercise or another one is flown now."""
         self.outcome, self.over_at = "", 0.0
+        self.undone, self.following = (), ""
         self.marks.clear()
 
     def lose_line(self) -> None:

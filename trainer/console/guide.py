@@ -384,6 +384,10 @@ def steps_after(model: SessionModel) -> dict[str, NextStep]:
         told = len(model.exercise.marks) > 1  # with reasons; else there are none to release
         return {key: step for key, step in NEXT_STEPS.items() if key != "r" or told}
     steps = {"n": NextStep("next", "the next lesson or exercise"), "a": NEXT_STEPS["a"]}
+    if model.exercise.undone:  # who trains chooses: once more, or on all the same
+        steps = {"a": NEXT_STEPS["a"]}
+        if name := model.exercise.following:
+            steps["n"] = NextStep(f"next {name}", f"on all the same: {name}", asked=True)
     if model.exercise.wrong_at is not None:
         begin = max(model.exercise.wrong_at - WRONG_LEAD_S, 0.0)
         back = max(model.picture.seconds - begin, 1.0)
@@ -422,8 +426,11 @@ class EndView(TextView):
         rows = [labelled_line(key.upper(), self._says(key)) for key in steps]
         first = "; an instructor who is here has them first" if self._model.trains else ""
         marks = self._model.exercise.marks or [f"the marks are being calculated{first}"]
-        if self._model.exercise.step == LESSON_END:
-            marks = ["the lesson is done, to its last step; lessons have no marks"]
+        if undone := self._model.exercise.undone:
+            numbers = f"step{'' if len(undone) == 1 else 's'} {', '.join(undone)}"
+            marks = [f"the lesson is not done: {numbers}; lessons have no marks"]
+        elif self._model.exercise.step == LESSON_END:
+            marks = ["the lesson is done, each step of it; lessons have no marks"]
         if self._model.exercise.debriefing:
             marks = [*marks, f"the debrief is being written: {self._model.exercise.debriefing}"]
         rows += [line(), line((f" {self._model.exercise.outcome}", "title")), line()]

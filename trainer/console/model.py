@@ -142,6 +142,7 @@ class SessionModel:
             "exercise": self._take_exercise,
             "step": exercise.take_step,
             "step-hint": exercise.take_hint,
+            "steps-undone": exercise.take_undone,
             "exercise-over": self._end_exercise,
             "marks": exercise.take_marks,
             "reason": exercise.take_reason,

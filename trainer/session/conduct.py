@@ -50,6 +50,7 @@ class Conduct:
         self.hull = HullWatch(control, log, shown.show, self.ending)
         self.marks = Marks(control, log, self.work, self.ending)
         self.training = Training(control, log, self.work, self.ending, self.guide)
+        self.guide.following = self.training.following
 
     @property
     def duties(self) -> Mapping[str, Duty]:
@@ -97,6 +98,7 @@ class Conduct:
             self.guide.look()
 
     def _wind_up(self) -> None:
-        """Keep the progress of an exercise that is over, and have its marks made."""
+        """Tell what of a lesson is not done, keep the progress, and have the marks made."""
+        self.guide.end()
         self.training.remember()
         self.marks.begin()

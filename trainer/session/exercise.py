@@ -95,7 +95,7 @@ class ExerciseEnd:
     lost: Sequence[LossMonitor] = ()
     over: str = ""  # when and by whom, once it is
     why: str = ""  # it is lost: for the instructor, since it may tell what is hidden
-    outcome: Outcome = Outcome.UNDECIDED  # LOST or ENDED, once it is
+    outcome: Outcome = Outcome.UNDECIDED  # LOST, ENDED, DONE or NOT_DONE, once it is
 
     def expect(self, losses: Sequence[Loss], seconds: float | None) -> None:
         """Watch for an end after so many ``seconds``, and for any of these losses."""
@@ -122,10 +122,10 @@ class ExerciseEnd:
         if not self.over:
             self._end(Outcome.LOST, "lost", why)
 
-    def end_lesson(self) -> None:
+    def end_lesson(self, outcome: Outcome) -> None:
         """End a lesson after its last step, unless it has a time of its own."""
         if self.last_tick == math.inf:
-            self._end(Outcome.ENDED, "the last step is over")
+            self._end(outcome, "the last step is over")
 
     def ask(self, asked: Request) -> Reply:
         """Answer the order ``end exercise``."""

@@ -3,12 +3,14 @@
 It is what the reference crew would have ordered by now. A thread has that crew follow the run so
 far, mute (``second_boat``). What it tells is in the journal, so that marks can charge for it: what
 an exercise file says under ``hint_marks``. Where nothing is overdue, and in a lesson, which has no
-marks, a hint costs nothing.
+marks, a hint costs nothing. The hands of that crew believe their gauges: where one of these is
+broken, a hint tells to compare them, and never what the hand would order.
 """
 
 import math
 from dataclasses import dataclass, field
 
+from trainer.boat.casualties import broken_gauges
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.score_rules import HINT_ORDER
@@ -26,6 +28,7 @@ from trainer.session.step_guide import StepGuide
 
 HINT_KIND = "shown"
 NOTHING_TEXT = "nothing is overdue, and the reference crew would steer as you do: no marks lost"
+COMPARE_TEXT = "compare your gauges, for one is wrong"
 AXIS_TEXTS = {"pitch": "an angle"}  # of an order to the crew
 
 
@@ -117,6 +120,9 @@ def overdue_text(mute: MuteCrew) -> str:
     crew = mute.crew
     if late := mute.pending(crew.boat.time):
         return f"{late[0].rule.order.text}, due since {clock(late[0].due or 0.0)}: {_why(late[0])}"
+    broken = broken_gauges(crew.boat)
+    if any(hand.gauge in broken for hand in crew.hands.values()):
+        return COMPARE_TEXT
     for name, hand in crew.hands.items():
         hand.find_ordered()
         hand.looked = -math.inf

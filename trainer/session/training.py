@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Final
 
-from trainer.config.course import course, lessons
+from trainer.config.course import course, following, lessons
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
@@ -51,7 +51,8 @@ class Training:
             return
         self._remembered = here
         recording.flush()
-        how = Outcome.DONE if self.guide.over else self.ending.outcome or Outcome.LEFT
+        ended = self.ending.outcome or Outcome.LEFT
+        how = Outcome.DONE if self.guide.done and ended is not Outcome.LOST else ended
         whole = (*self.keeper, str(recording.branch), how)
 
         def hear() -> str:
@@ -72,6 +73,8 @@ class Training:
         name = asked.order.subject
         reason = ""
         if asked.station.role is TRAINEE_ROLE and not name:
+            if self.ending.over and self.guide.undone:
+                return Refused(self.guide.undone_text)
             name, reason = self._suggested()
             if not name:
                 return Refused("this is the last of the course")
@@ -94,6 +97,11 @@ class Training:
         best = ((each.name, progress.best(each.name)) for each in lessons())
         return ",".join(f"{name}:{how}" for name, how in best if how)
 
+    def following(self) -> str:
+        """Return the name of what comes after this exercise; "" after the last."""
+        after = following(self.exercise)
+        return after.name if after else ""
+
     def _suggested(self) -> tuple[str, str]:
         """Return what is best flown next, and why; "" for none.
 
@@ -104,9 +112,8 @@ class Training:
             others = [each for each in offered if each.name != self.exercise]
             if suggestion := progress.suggest(others, datetime.now(UTC).date()):
                 return suggestion.lesson.name, suggestion.reason
-        names = [each.name for each in offered]
-        after = names[names.index(self.exercise) + 1 :] if self.exercise in names else names
-        return (after[0], "the one after this") if after else ("", "")
+        name = self.following()
+        return name, "the one after this" if name else ""
 
     def _progress(self) -> Progress | None:
         """Return the progress of who trains; None for nobody, or a file that cannot be read."""

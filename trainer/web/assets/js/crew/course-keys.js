@@ -44,10 +44,13 @@ export function furnishCourse(session) {
   };
   const show = () => {
     const { outcome, exercise, judgement } = session;
-    const there = [begin, next].map((key) => key.hidden);
-    if (outcome && next.hidden) ended = performance.now();
+    const undone = Boolean(exercise.steps) && outcome !== "done"; // of a lesson that is over
+    const there = [begin, next, again].map((key) => key.hidden);
+    if (outcome && again.hidden) ended = performance.now();
     begin.hidden = session.state !== "frozen" || session.seconds > 0;
-    next.hidden = again.hidden = !outcome;
+    again.hidden = !outcome;
+    next.hidden = again.hidden || undone; // the list below leads on all the same
+    if (outcome && undone) lessons.open = true;
     const moment = judgement.reasons.find(({ seconds }) => seconds !== null)?.seconds ?? null;
     const from = Math.max((moment ?? 0) - LEAD, 0);
     wrong.hidden = !outcome || moment === null;
@@ -55,7 +58,7 @@ export function furnishCourse(session) {
     wrong.onclick = () => void order(`again from ${Math.max(session.seconds - from, 1).toFixed(0)} s`);
     showDone();
     if (!exercise.title) lessons.open = true;
-    const shown = [begin, next].find((key, at) => there[at] && !key.hidden);
+    const shown = [begin, next, again].find((key, at) => there[at] && !key.hidden);
     if (dialog.open) shown?.focus(); // Enter goes on
   };
   begin.onclick = () => void order("run");

@@ -27,14 +27,15 @@ const LIGHTS = {
  */
 export function furnishSteps(session, give, choose) {
   const lesson = new Lesson(session, (begun) => {
-    const { step, hint, missed, done } = lesson;
+    const { step, hint, missed, done, undone } = lesson;
+    const end = undone.length ? say("Steps not done: {0}.", undone.join(", ")) : say("The last step is done.");
     const { place, part, name } = LIGHTS[step?.light ?? ""] ?? { place: "", part: "", name: "" };
     one("#lesson").hidden = !step && !done;
-    write(one("#lesson-head"), step ? say("Step {0} of {1}", step.number, step.count) : say("The last step is done."));
+    write(one("#lesson-head"), step ? say("Step {0} of {1}", step.number, step.count) : end);
     write(one("#lesson-light"), name && say("look at: {0}", name));
     const progress = /** @type {HTMLProgressElement} */ (one("#lesson-progress"));
     if (step) progress.max = step.count;
-    progress.value = step ? step.number - 1 : progress.max;
+    progress.value = step ? step.number - 1 : progress.max - undone.length;
     one("#lesson-text").replaceChildren(...parts(step?.text ?? "", give));
     fill("#lesson-hint", hint && say("Hint: {0}", hint));
     fill("#lesson-missed", missed ? missedInWords(missed) : "");

@@ -10,6 +10,8 @@ const OUTCOMES = {
   "not reached": say("not reached"),
   "not won": say("not won"),
   ended: say("ended"),
+  done: say("done"),
+  "not done": say("not done"),
 };
 
 /** @type {Record<string, string>} */

@@ -13,6 +13,8 @@ export class Lesson {
   missed = null;
   justMissed = false; // its step is still the one that is shown
   done = false; // the last step is over
+  /** @type {string[]} */
+  undone = []; // numbers of the steps that were not done, at the end
 
   /**
    * @param {import("./session.js").Session} session
@@ -30,12 +32,14 @@ export class Lesson {
     this.step = this.missed = null;
     this.hint = "";
     this.justMissed = this.done = false;
+    this.undone = [];
   }
 
   /** Takes a fact; returns whether something has changed. @param {string} what @param {string} subject */
   take(what, subject) {
     if (what === "step") this.begin(subject);
     else if (what === "step-hint") this.hint = subject;
+    else if (what === "steps-undone") this.undone = subject.split(",").slice(1);
     else if (what === "step-missed") {
       const [number, next] = subject.split(",");
       this.missed = { number: Number(number), again: next === "again" };
@@ -49,6 +53,7 @@ export class Lesson {
   begin(subject) {
     const [number, count, light = "", ...text] = subject.split(",");
     this.hint = "";
+    this.undone = [];
     if (!this.justMissed) this.missed = null;
     this.justMissed = false;
     this.done = number === "0";

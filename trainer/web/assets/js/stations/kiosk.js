@@ -146,7 +146,7 @@ function showStep() {
 }
 
 function showResult() {
-  if (led()) write(one("#verdict"), lesson.done ? say("Well done: each step, to the last.") : say("That was it, for this time."));
+  if (led()) write(one("#verdict"), session.outcome === "done" ? say("Well done: each step, to the last.") : say("That was it, for this time."));
   one("#how").hidden = led();
   one("#trace").toggleAttribute("hidden", led());
   if (led()) return;
