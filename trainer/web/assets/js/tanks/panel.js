@@ -147,8 +147,8 @@ export class TankPanel {
       /** @type {PositionSwitch} */ (node).show(position(valves ?? {}, group), wanted[group]),
     );
     this.each("[data-switch]", (node, name) => {
-      const told = session.word(SWITCHES[name][0]) || "stop";
-      const stands = told === "no air" ? "on" : told;
+      const reading = session.word(SWITCHES[name][0]) || "stop";
+      const stands = reading === "no air" ? "on" : reading;
       const ordered = this.pending.resolve(`switch ${name}`, stands);
       /** @type {PositionSwitch} */ (node).show(stands, ordered);
     });
