@@ -59,7 +59,7 @@ CONTROLS: Final = (
     ("[data-pump=depth_control] .stop", "tanks.moving_depth_control", "0.0"),
     ("[data-switch=hover] [data-position=on]", "tanks.hover", "on"),
     ("[data-switch=hover] [data-position=off]", "tanks.hover", "off"),
-    ("[data-switch=compressor] [data-position=on]", "air.compressor", "on"),
+    ("[data-switch=compressor] [data-position=on]", "air.compressor", "no air"),
     ("[data-switch=compressor] [data-position=off]", "air.compressor", "off"),
     ("[data-switch=drain] [data-position=aft]", "tanks.draining", "aft"),
     ("[data-switch=drain] [data-position=centre]", "tanks.draining", "centre"),

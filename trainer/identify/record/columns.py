@@ -185,7 +185,8 @@ def _unit(
 ) -> str:
     """Return the likeliest unit of a column by its numbers."""
     if channel == "t":
-        step = float(np.nanmedian(np.abs(np.diff(table.numbers(table.index(columns["t"]))))))
+        steps = _known(np.diff(table.numbers(table.index(columns["t"]))))
+        step = float(np.median(np.abs(steps))) if steps.size else 0.0
         likely = (one for one in ("s", "ms") if step * units_of("t")[one] <= MAX_INTERVAL_S)
         return next(likely, "us")
     if channel in POSITION_CHANNELS:
@@ -224,10 +225,21 @@ def _rate_unit(
     record = load_record(table.path, wanted)
     size = 0.0
     if record.heading is not None:
-        size = float(np.nanstd(derivative(unwrap_angle(record.heading), record.interval)))
+        size = _spread(derivative(unwrap_angle(record.heading), record.interval))
     elif record.rudder is not None:
-        size = USUAL_TURNING_RATE * float(np.nanstd(record.rudder))
-    deviation, known = float(np.nanstd(values)), units_of("yaw_rate")
+        size = USUAL_TURNING_RATE * _spread(record.rudder)
+    deviation, known = _spread(values), units_of("yaw_rate")
     if not (deviation > 0.0 and size > 0.0):
         return "deg/s"
     return min(known, key=lambda one: abs(math.log(deviation * known[one] / size)))
+
+
+def _known(values: Numbers) -> Numbers:
+    """Return those of some numbers that are there."""
+    return values[np.isfinite(values)]
+
+
+def _spread(values: Numbers) -> float:
+    """Return the standard deviation of numbers that are there, 0 of none."""
+    known = _known(values)
+    return float(np.std(known)) if known.size else 0.0
