@@ -14,8 +14,8 @@ from typing import Final
 ROOT: Final = Path(__file__).parents[1]
 UV: Final = (sys.executable, "-m", "uv")
 NOT_INSTALLED: Final = ("dev", "rerun")  # rerun-sdk is half a gigabyte, and of one version
-# uvicorn's oldest speaks by a part of websockets that warns of its end
-WARNED: Final = ("-W", "ignore:.*websockets:DeprecationWarning")
+# an old library warns of the end of what it uses: uvicorn's of a part of websockets
+WARNED: Final = ("-W", "ignore::DeprecationWarning")
 LANE: Final = ("-q", "-n", "auto", "-m", "not process and not slow and not long", *WARNED)
 
 
