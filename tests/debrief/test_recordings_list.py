@@ -43,7 +43,7 @@ from trainer.debrief.page import (
     DebriefRequest,
     as_text,
     debrief_file,
-    judge_as_asked,
+    opinions_as_asked,
     read_compared,
     read_dossier,
     render,
@@ -84,7 +84,7 @@ def kept(flown: Path, tmp_path: Path) -> Path:
 def change_marks(path: Path, *texts: str, back: str = "", branch: int | None = None) -> None:
     """Change marks of a recording as is asked on the command line."""
     asked = DebriefRequest(branch, change=texts, change_back=(back,) if back else ())
-    write_changes(path, judge_as_asked(path, asked).changes)
+    write_changes(path, opinions_as_asked(path, asked).changes)
 
 
 # Names

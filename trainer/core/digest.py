@@ -21,9 +21,9 @@ KERNEL_FOLDERS = (  # folders that have any
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
 SAME_BITS: frozenset[str] = frozenset({"fbdb20f4c45be54b", "b87f9de2027c0431", "319ad433c6b3bc58"})
-OWN = Path(__file__)  # which says what counts, and computes nothing
-DOCSTRING = re.compile(r'(\A|:(?:  #[^\n]*)?\n)\s*"""(?:[^"\\]|\\.|"(?!""))*"""', re.DOTALL)
-COMMENT = re.compile(r"""((?:"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^#"'])*)#.*""")
+DIGEST_SOURCE = Path(__file__)  # which says what counts, and computes nothing
+DOCSTRING_PATTERN = re.compile(r'(\A|:(?:  #[^\n]*)?\n)\s*"""(?:[^"\\]|\\.|"(?!""))*"""', re.DOTALL)
+COMMENT_PATTERN = re.compile(r"""((?:"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^#"'])*)#.*""")
 
 
 @cache
@@ -37,7 +37,12 @@ def sources(*folders: str) -> list[Path]:
     here = Path(__file__).parents[1]
     return [
         here / "units.py",
-        *(path for each in folders for path in sorted((here / each).rglob("*.py")) if path != OWN),
+        *(
+            path
+            for each in folders
+            for path in sorted((here / each).rglob("*.py"))
+            if path != DIGEST_SOURCE
+        ),
     ]
 
 
@@ -61,9 +66,9 @@ def read_source(path: Path) -> str:
 
 def without_words(source: str) -> str:
     """Return the lines of a source that compute: without comments, docstrings and blank lines."""
-    lines = DOCSTRING.sub(r"\1", source).splitlines()
+    lines = DOCSTRING_PATTERN.sub(r"\1", source).splitlines()
     return "\n".join(
         line
         for each in lines
-        if (line := COMMENT.sub(r"\1", each).rstrip() if "#" in each else each)
+        if (line := COMMENT_PATTERN.sub(r"\1", each).rstrip() if "#" in each else each)
     )

@@ -180,16 +180,16 @@ class DebriefData:
         return tuple(event for event in self.events if event.kind in kinds)
 
 
-class Judged(NamedTuple):
+class RunOpinions(NamedTuple):
     """What people think of a run, kept beside its recording."""
 
     changes: tuple[Change, ...]  # of the instructor's
     forms: tuple[EvaluationForm, ...]  # filled in by assessors and peers
 
 
-def read_judged(source: Path) -> Judged:
+def read_opinions(source: Path) -> RunOpinions:
     """Return what is kept beside a recording; ConfigError if it cannot be read."""
-    return Judged(read_changes(source), read_forms(source))
+    return RunOpinions(read_changes(source), read_forms(source))
 
 
 def gather_debrief(
@@ -197,12 +197,12 @@ def gather_debrief(
     source: Path,
     number: int | None,
     width: str | None = None,
-    judged: Judged | None = None,
+    opinions: RunOpinions | None = None,
 ) -> DebriefData:
     """Return the data of a branch. None: that of ``crew_branch``, the width of the run.
 
-    The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again. ``judged``
-    stands for what is kept beside the recording.
+    The ``width`` is of the bands of marks: "qualified", or "basic", half as wide again.
+    ``opinions`` stands for what is kept beside the recording.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -226,8 +226,8 @@ def gather_debrief(
     familiarisation = FAMILIARISATION_KEY in header
     if familiarisation:
         plan = replace(plan, scores=())
-    judged = judged or read_judged(source)
-    changes = tuple(each for each in judged.changes if each.branch == wanted and plan.scores)
+    opinions = opinions or read_opinions(source)
+    changes = tuple(each for each in opinions.changes if each.branch == wanted and plan.scores)
     nobody = {
         each: nobody_aboard(plan, header, each)
         for each in {width, *(change.what for change in changes if change.name == WIDTH_NAME)}
@@ -252,7 +252,7 @@ def gather_debrief(
         practice=practice_of(plan, branches, branch),
         trainees=trainees_of(header),
         familiarisation=familiarisation,
-        forms=judged.forms,
+        forms=opinions.forms,
         read_backs=read_backs(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,

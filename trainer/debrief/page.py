@@ -34,12 +34,12 @@ from trainer.debrief.charts import (
 )
 from trainer.debrief.data import (
     DebriefData,
-    Judged,
+    RunOpinions,
     compare_debrief,
     debrief_figures,
     find_branch,
     gather_debrief,
-    read_judged,
+    read_opinions,
 )
 from trainer.debrief.forms import compared_lines, compared_table, with_forms, write_forms
 from trainer.debrief.ships_met import ShipWay, locate_ship, meet_ships, ways_of_ships
@@ -191,8 +191,8 @@ def debrief_file(
         html = default_page_path(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        judged = judge_as_asked(path, asked)
-        debrief = read_compared(path, asked, judged)
+        opinions = opinions_as_asked(path, asked)
+        debrief = read_compared(path, asked, opinions)
         text = render(debrief, asked.boat) if html or pdf else ""
     if pdf is not None:  # first, because there may be no browser
         with tempfile.TemporaryDirectory() as folder:
@@ -200,9 +200,9 @@ def debrief_file(
             write_over(page, text)
             print_pdf(page, pdf)
     if asked.changes_marks:
-        write_changes(path, judged.changes)
+        write_changes(path, opinions.changes)
     if asked.forms:
-        write_forms(path, judged.forms)
+        write_forms(path, opinions.forms)
     if html is not None:
         write_over(html, text)
     for problem in debrief.excess:
@@ -243,13 +243,15 @@ def read_dossier(path: Path, branch: int | None, width: str | None = None) -> De
         return gather_debrief(recording, path, branch, width)
 
 
-def read_compared(path: Path, asked: DebriefRequest, judged: Judged | None = None) -> DebriefData:
+def read_compared(
+    path: Path, asked: DebriefRequest, opinions: RunOpinions | None = None
+) -> DebriefData:
     """Return the debrief of a recording beside the reference crew's run; ConfigError.
 
-    ``judged`` stands for what is kept beside the recording.
+    ``opinions`` stands for what is kept beside the recording.
     """
     with open_whole_recording(path) as recording:
-        debrief = gather_debrief(recording, path, asked.branch, asked.width, judged)
+        debrief = gather_debrief(recording, path, asked.branch, asked.width, opinions)
     with told_progress() as progress:
         return compare_debrief(debrief, asked.reference_from, progress)
 
@@ -288,12 +290,12 @@ def default_page_path(path: Path, branch: int | None) -> Path:
     return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
 
 
-def judge_as_asked(path: Path, asked: DebriefRequest) -> Judged:
+def opinions_as_asked(path: Path, asked: DebriefRequest) -> RunOpinions:
     """Return what is to be kept beside a recording; ConfigError if it cannot be.
 
     Some changes of marks are taken back, then others are made.
     """
-    changes, forms = read_judged(path)
+    changes, forms = read_opinions(path)
     if asked.changes_marks or asked.forms:
         with open_whole_recording(path) as recording:
             plan = plan_of(recording.header())
@@ -302,7 +304,7 @@ def judge_as_asked(path: Path, asked: DebriefRequest) -> Judged:
             changes = without_changes(changes, name, branch)
         changes = *changes, *(change_of(text, branch, plan) for text in asked.change)
         forms = with_forms(forms, asked.forms, plan)
-    return Judged(changes, forms)
+    return RunOpinions(changes, forms)
 
 
 def _refuse_other(html: Path) -> None:
