@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 from helpers import document_tables, key_tables
 from helpers.places import ROOT, TESTS
-from helpers.worked_diff import BLOCK, PAGE, git, worked_diff
+from helpers.worked_diff import BLOCK, PAGE, RECIPES, git, worked_diff
 
 TEXT = BLOCK.sub("", PAGE.read_text(encoding="utf-8"))
 FILE = r"(?:trainer|tests|configs|docs)/[\w./-]+"
+RUN_TESTS = re.findall(r"^python -m pytest (.*)$", TEXT, re.MULTILINE)  # of the worked diffs
 LOCAL = (".*", "__pycache__", "node_modules")  # what a checkout has of its own
 
 
@@ -46,8 +47,9 @@ def test_every_command_of_a_recipe_makes_what_it_says() -> None:
 
 
 @pytest.mark.process
-def test_the_worked_diff_still_applies() -> None:
-    checked = git(ROOT, "apply", "--check", says=worked_diff())
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_a_worked_diff_still_applies(recipe: str) -> None:
+    checked = git(ROOT, "apply", "--check", says=worked_diff(recipe))
 
     renewed = "python -m helpers.worked_diff, in tests/, makes it anew"
     assert checked.returncode == 0, f"{checked.stderr}{renewed}"
@@ -55,14 +57,14 @@ def test_the_worked_diff_still_applies() -> None:
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_a_copy_with_the_worked_diff_is_green(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("recipe", "tests"), [*zip(RECIPES, RUN_TESTS, strict=True)])
+def test_a_copy_with_a_worked_diff_is_green(recipe: str, tests: str, tmp_path: Path) -> None:
     copy = tmp_path / "copy"
     shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(*LOCAL))
-    assert git(copy, "apply", says=worked_diff()).returncode == 0
-    (line,) = re.findall(r"^python -m pytest (.*)$", TEXT, re.MULTILINE)
+    assert git(copy, "apply", says=worked_diff(recipe)).returncode == 0
 
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", *line.split()],
+        [sys.executable, "-m", "pytest", *tests.split()],
         cwd=copy,
         env={name: word for name, word in os.environ.items() if not name.startswith("PYTEST")}
         | {"PYTHONPATH": str(copy)},

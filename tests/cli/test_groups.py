@@ -8,7 +8,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
 from trainer.cli.main import COMMAND_GROUPS, EARLIER_NAMES, cli
-from trainer.config.course import HAND_AXES, course
+from trainer.config.course import AXIS_STATIONS, course
 from trainer.session.manning import BY_HAND, workers
 
 # fmt: off
@@ -123,5 +123,5 @@ def test_the_list_of_exercises_tells_length_stations_and_hand() -> None:
     assert lines["rise-jam-shallow"].endswith("10 min 3 all but rudder")
     assert lines["watch"].endswith("30 min 3 all")
     assert lines["wheel-and-course"].endswith("10 steps 1 rudder")
-    assert {axis: workers(axis)[0] for axis in BY_HAND} == HAND_AXES
+    assert {axis: workers(axis)[0] for axis in BY_HAND} == AXIS_STATIONS
     assert {each.stations for each in course()} >= {("helm",), ("planes", "helm"), ("ballast",)}

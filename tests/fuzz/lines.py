@@ -21,7 +21,8 @@ from trainer.io.lines import LineDecoder, OverlongLine
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
-from trainer.io.orders.table import BOAT_ORDERS, FORMS
+from trainer.io.orders.table import FORMS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.session.nmea.orders import Command, NmeaLine, meaning
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station

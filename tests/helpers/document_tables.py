@@ -17,8 +17,8 @@ from trainer.io.orders import sentences
 from trainer.io.orders.help import limits_and_units, synonyms, usage
 from trainer.io.orders.phrases import PHRASES, meaning
 from trainer.io.orders.quantities import NUMBER_KINDS
-from trainer.io.orders.table import FORMS, heading_word
-from trainer.session.dispatch import ORDERS
+from trainer.io.orders.table import FORMS, word_of
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.nmea.page import heading as sentence_heading
 from trainer.session.nmea.sentences import INSTRUMENTS
 from trainer.session.stations.channels import CHANNELS
@@ -77,9 +77,9 @@ def form_table() -> str:
     return table_lines(
         ("wording", "order", "obeyed by", "what it does"),
         [
-            (usage(form).replace("|", "\\|"), name, ORDERS[name].obeyer.value, form.says)
+            (usage(form).replace("|", "\\|"), name, ORDER_WORDS[name].obeyer.value, form.says)
             for form in FORMS
-            if not form.refusal and (name := form.name or heading_word(form))
+            if not form.refusal and (name := word_of(form))
         ],
     )
 
@@ -146,13 +146,13 @@ def as_tokens(example: str) -> list[str]:
 def order_table() -> str:
     """Return the Markdown table of the order words, as docs/station-tables.md shows it."""
     rows: dict[tuple[str, ...], list[str]] = {}
-    for word, rule in ORDERS.items():
-        holders = roles_with(word)
-        gates = (rule.journalled, rule.in_replay, rule.after_end, rule.watching)
+    for name, word in ORDER_WORDS.items():
+        holders = roles_with(name)
+        gates = (word.journalled, word.in_replay, word.after_end, word.watching)
         marks = ["yes" if is_open else "no" for is_open in gates]
         everybody = len(holders) == len(ROLES)
-        row = rule.obeyer.value, *marks, "all" if everybody else ", ".join(holders)
-        rows.setdefault(row, []).append(f"`{word}`")
+        row = word.obeyer.value, *marks, "all" if everybody else ", ".join(holders)
+        rows.setdefault(row, []).append(f"`{name}`")
     heads = "orders", "obeyed by", "journalled", "in a replay", "after the end", "watching", "roles"
     lines = [heads, ("---",) * len(heads)]
     lines += [(", ".join(sorted(words)), *row) for row, words in sorted(rows.items())]

@@ -22,6 +22,7 @@ from trainer.config.check_case import CASE_CHANNELS, TIME_COLUMN
 from trainer.core.casualties import KINDS
 from trainer.debrief.data import debrief_figures, gather_debrief
 from trainer.io.orders.sentences import FACTS
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.file import SCHEMA
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import (
@@ -31,7 +32,6 @@ from trainer.io.tables import (
     ORDER_COLUMNS,
     TIMING_COLUMNS,
 )
-from trainer.session import dispatch
 from trainer.session.layout import LAYOUT
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
@@ -44,7 +44,7 @@ COLUMN: Final = re.compile(r"(\w+) (?:TEXT|INTEGER|BLOB)\b")
 def outside_names() -> dict[str, Any]:
     """Return all names that are not ours alone, by where they stand."""
     return {
-        "orders": sorted(dispatch.ORDERS),
+        "orders": sorted(ORDER_WORDS),
         "commands": sorted(commands_below(cli)) + sorted(EARLIER_NAMES),
         "facts": sorted(FACTS),
         "roles": sorted(ROLES),

@@ -7,12 +7,10 @@ import json
 from typing import Final
 
 from helpers.document_tables import roles_with
-from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings
-from trainer.session.dispatch import ORDERS, Rule
+from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings, word_of
+from trainer.io.orders.words import ANEW_ORDERS, ORDER_WORDS, OrderWord
 from trainer.session.manning import REPEATING_ROLES, WORDS_AXIS
-from trainer.session.stations.past import RESET_WORDS
 from trainer.web.modules import ASSETS_FOLDER
-from trainer.web.pages import name_of
 
 PAGE: Final = ASSETS_FOLDER / "js" / "model" / "order-table.js"
 HEAD: Final = """\
@@ -38,7 +36,7 @@ def script() -> str:
                 "Orders after which nothing of their moment stands.",
                 "string[]",
                 "ANEW",
-                RESET_WORDS,
+                ANEW_ORDERS,
             ),
             _table("Who repeats what the crew is told in words.", "string[]", "CREW", words),
             _table(
@@ -51,7 +49,7 @@ def script() -> str:
 
 def rules() -> dict[str, object]:
     """Return the rule of each order word that the pages ask for."""
-    return {word: _rule(word, rule) for word, rule in sorted(ORDERS.items())}
+    return {name: _rule(word) for name, word in sorted(ORDER_WORDS.items())}
 
 
 def heads() -> dict[str, str]:
@@ -62,10 +60,10 @@ def heads() -> dict[str, str]:
     forms = [form for form in FORMS if not form.refusal]
     names: dict[str, set[str]] = {}
     for form in forms:
-        names.setdefault(heading_word(form), set()).add(name_of(form))
+        names.setdefault(heading_word(form), set()).add(word_of(form))
     found: dict[str, set[str]] = {}
     for form in forms:
-        head, name = heading_word(form), name_of(form)
+        head, name = heading_word(form), word_of(form)
         if name != head:
             for key in [head] if len(names[head]) == 1 else _long_heads(form):
                 found.setdefault(key, set()).add(name)
@@ -84,9 +82,9 @@ def _long_heads(form: Form) -> list[str]:
     return [f"{heading_word(form)} {word}" for word in sorted(words)]
 
 
-def _rule(word: str, rule: Rule) -> dict[str, object]:
-    gates = {"inReplay": rule.in_replay, "afterEnd": rule.after_end}
-    return {"obeyer": rule.obeyer.value, **gates, "roles": roles_with(word)}
+def _rule(word: OrderWord) -> dict[str, object]:
+    gates = {"inReplay": word.in_replay, "afterEnd": word.after_end}
+    return {"obeyer": word.obeyer.value, **gates, "roles": roles_with(word.name)}
 
 
 def _table(says: str, kind: str, name: str, content: object) -> str:

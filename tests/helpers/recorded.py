@@ -12,7 +12,7 @@ from helpers.sessions import begin_run
 from trainer.boat.helm import obey_order
 from trainer.debrief.rehearsal import due_orders, last_tick
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
 from trainer.session.crew import CrewTalk

@@ -1,9 +1,9 @@
-"""The worked diff of docs/recipes.md, and whether it still applies.
+"""The worked diffs of docs/recipes.md, and whether they still apply.
 
-python -m helpers.worked_diff, from the folder of the tests, makes it anew: in a copy of the
+python -m helpers.worked_diff, from the folder of the tests, makes them anew: each in a copy of the
 repository as it stands, by what the diff and the repository have both changed. Where the two meet
 in one line, the copy stays to be mended, and python -m helpers.worked_diff FOLDER takes the diff
-from there.
+from there: the folder's name says which.
 """
 
 import re
@@ -17,12 +17,13 @@ from helpers.places import ROOT
 
 PAGE: Final = ROOT / "docs" / "recipes.md"
 BLOCK: Final = re.compile(r"(?<=^```diff\n).*?(?=^```$)", re.MULTILINE | re.DOTALL)
+RECIPES: Final = ("order", "gauge")  # that have a worked diff, in the order of the page
 
 
-def worked_diff() -> str:
-    """Return the diff as it stands in the page."""
-    (diff,) = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
-    return str(diff)
+def worked_diff(recipe: str) -> str:
+    """Return the diff of a recipe as it stands in the page."""
+    diffs = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
+    return str(dict(zip(RECIPES, diffs, strict=True))[recipe])
 
 
 def git(folder: Path, *words: str, says: str = "") -> subprocess.CompletedProcess[str]:
@@ -32,14 +33,14 @@ def git(folder: Path, *words: str, says: str = "") -> subprocess.CompletedProces
     )
 
 
-def changed_copy() -> Path:
+def changed_copy(recipe: str) -> Path:
     """Return a copy with the diff in it; end with what git says where it has to be mended."""
-    copy = Path(tempfile.mkdtemp()) / "copy"
+    copy = Path(tempfile.mkdtemp()) / recipe
     revision = git(ROOT, "stash", "create").stdout.strip() or "HEAD"
     commit = git(ROOT, "rev-parse", revision).stdout.strip()
     git(ROOT, "clone", "--quiet", "--shared", "--no-checkout", str(ROOT), str(copy))
     git(copy, "checkout", "--quiet", "--detach", commit)
-    applied = git(copy, "apply", "--3way", "--index", says=worked_diff())
+    applied = git(copy, "apply", "--3way", "--index", says=worked_diff(recipe))
     if applied.returncode:
         again = f"python -m helpers.worked_diff {copy}"
         sys.exit(f"{applied.stderr}Mend these files in {copy}, then: {again}")
@@ -51,8 +52,9 @@ def renew(copy: Path) -> None:
     git(copy, "add", "--all")
     diff = git(copy, "diff", "--cached", "HEAD").stdout
     page = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(BLOCK.sub(lambda _: diff, page), encoding="utf-8")
+    PAGE.write_text(page.replace(worked_diff(copy.name), diff), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    renew(Path(sys.argv[1]) if sys.argv[1:] else changed_copy())
+    for copy in [Path(sys.argv[1])] if sys.argv[1:] else list(map(changed_copy, RECIPES)):
+        renew(copy)

@@ -13,11 +13,12 @@ from helpers.sessions import free_session, prompt_sender, start_plan
 
 from trainer.boat.calls import Rank
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS, load_exercise
+from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
 from trainer.io.orders.help import help_text
-from trainer.io.orders.table import TOPICS
+from trainer.io.orders.table import HELP_TOPICS
+from trainer.io.orders.words import CREW_ROLES, HAND_AXES
 from trainer.io.recording.absence import NoRecording
 from trainer.session.attendance import Introduction
 from trainer.session.options import RunOptions
@@ -27,7 +28,7 @@ from trainer.session.stations.briefing import (
     hint,
     ranges,
 )
-from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
 from trainer.session.stations.station import Station
 
 LOOK_EVERY = 300.0  # [s]
@@ -112,8 +113,7 @@ def secrets(plan: Plan, name: str) -> set[str]:
 @functools.cache
 def help_on_every_order() -> str:
     """Return the answers to `help ORDER` for each order, in small letters."""
-    heads = [head for topic in TOPICS for head in topic.heads]
-    return "\n".join(line for head in heads for line in help_text(head)).lower()
+    return "\n".join(line for head in HELP_TOPICS for line in help_text(head)).lower()
 
 
 @pytest.mark.slow
@@ -279,9 +279,7 @@ def test_who_comes_late_is_told_the_alerts_that_nobody_has_seen() -> None:
 
 
 @pytest.mark.parametrize("role", ROLES)
-@pytest.mark.parametrize(
-    "hand", [(), ("rudder", "planes"), ("speed", "ballast"), tuple(AUTOMATIC_ORDERS_BY_AXIS)]
-)
+@pytest.mark.parametrize("hand", [(), ("rudder", "planes"), ("speed", "ballast"), HAND_AXES])
 def test_whoever_comes_is_offered_orders_that_he_may_give(role: str, hand: tuple[str, ...]) -> None:
     offered = hint(ROLES[role], frozenset(hand))
     assert len(offered) <= 79

@@ -14,9 +14,10 @@ from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
 from trainer.debrief.episodes import aids_used
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.schedule import ScheduledOrder
+from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.briefing import hint
-from trainer.session.stations.roles import CREW_ROLES, ROLES, Access
+from trainer.session.stations.roles import ROLES, Access
 from trainer.session.stations.station import Station
 
 

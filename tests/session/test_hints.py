@@ -11,11 +11,11 @@ from helpers.line import Line
 from trainer.boat.casualties import broken_gauges
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
+from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording
 from trainer.session.hints import COMPARE_TEXT, NOTHING_TEXT
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.stations.roles import CREW_ROLES
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 

@@ -24,7 +24,7 @@ from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.core.update import update
 from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
 from trainer.session.header import differences
 from trainer.session.layout import LAYOUT

@@ -21,10 +21,11 @@ from simulation.disk import Disk, log_of
 from simulation.machine import SECOND_NS, Machine
 from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
 from trainer.session.agenda import Plans
-from trainer.session.dispatch import ORDERS, Dispatch
+from trainer.session.dispatch import Dispatch
 from trainer.session.event_log import MAX_OPEN_ALERTS
 from trainer.session.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
@@ -164,7 +165,7 @@ class Witness:
             if changed := before.changed(after):
                 reason = self._reply.reason
                 self.docket.enter(Law.REFUSED, f"{text}: refused ({reason}), and {changed}")
-        elif elsewhere and not ORDERS[name].watching:
+        elif elsewhere and not ORDER_WORDS[name].watching:
             self.docket.enter(Law.COMMAND, f"{text}: obeyed without command")
         elif before.over:
             self._check_end(session, name, text)
@@ -174,7 +175,7 @@ class Witness:
 
     def _check_end(self, session: Session, name: str, text: str) -> None:
         """L6, after an order that was obeyed where the exercise was over."""
-        ending, rule = session.conduct.ending, ORDERS[name]
+        ending, rule = session.conduct.ending, ORDER_WORDS[name]
         at_end = session.history.tick >= ending.last_tick
         if ending.over or session.history.flown.replaying:
             return
@@ -191,11 +192,11 @@ class Witness:
         if name == "snapshot" and not isinstance(reply, Refused):
             self.docket.snapshots[asked.order.subject].add(session.boat.plain.tobytes())
         refused = isinstance(reply, Refused)
-        journalled = ORDERS[name].journalled and session.history.after != self._before
+        journalled = ORDER_WORDS[name].journalled and session.history.after != self._before
         if (refused and not journalled) or session.history.recording.trouble:
             return  # "(not recorded)"
         tick = session.history.tick
-        if ORDERS[name].journalled:
+        if ORDER_WORDS[name].journalled:
             kind = "refused" if refused else "order"
             promise = Promise(station.who, session.crew.meant(asked.order).text, tick, kind)
         elif name == "mark":

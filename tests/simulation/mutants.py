@@ -24,6 +24,7 @@ from trainer.boat.world.contacts import ContactState
 from trainer.io.connection import MAX_WAITING_LINES, Connection
 from trainer.io.lines import OverlongLine
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
@@ -100,7 +101,8 @@ def leave_mark_waiting(patch: pytest.MonkeyPatch) -> None:
 def run_after_end(patch: pytest.MonkeyPatch) -> None:
     """Let time go on after the end of an exercise."""
     for word in ("run", "step"):
-        patch.setitem(dispatch.ORDERS, word, dispatch.ORDERS[word]._replace(after_end=True))
+        ended = replace(ORDER_WORDS[word], after_end=True)
+        patch.setitem(ORDER_WORDS, word, ended)
 
 
 def refuse_too_late(patch: pytest.MonkeyPatch) -> None:

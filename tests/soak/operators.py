@@ -15,7 +15,6 @@ from trainer.io.orders.grammar import MAX_LINE_LETTERS, Order, parse
 from trainer.io.orders.quantities import Number
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.orders.table import (
-    BOAT_ORDERS,
     FORMS,
     Form,
     Name,
@@ -25,6 +24,7 @@ from trainer.io.orders.table import (
     heading_word,
     variants,
 )
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, Role
 
 AROUND: Final = {*WORLD_PARTS} - {"scope"}  # orders to what is around the boat

@@ -42,7 +42,8 @@ from trainer.core.state import MAX_CASUALTIES, SCRATCH, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
-from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
+from trainer.io.orders.table import FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
 from trainer.session.journal import order_of

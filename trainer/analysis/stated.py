@@ -23,7 +23,7 @@ from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.session.exercise import LossMonitor, is_met
 from trainer.session.plan import Plan
 

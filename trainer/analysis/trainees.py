@@ -20,6 +20,7 @@ from trainer.boat.crew_hands import GaugeHistory
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew, RuleProgress
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRow, CrewRule
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.words import CREW_TALK
 from trainer.session.manning import in_hand
 from trainer.session.plan import Plan
 
@@ -35,6 +36,7 @@ OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
     ("left", "right"),
     ("flood", "pump"),
 )
+EVENT_ORDERS: Final = CREW_TALK | {"casualty"}  # of a plan: what a crew has to answer
 FORGOTTEN_ORDER: Final = GivenOrder("", "")
 
 
@@ -259,5 +261,5 @@ def _moments(moment: Moment, plan: Plan) -> tuple[float, ...]:
         return (BEGIN_S,)
     if moment is Moment.EVER:
         return tuple(np.arange(FIRST_TWITCH_S, end, TWITCH_S))
-    events = {e.seconds for e in plan.schedule if e.order.name in ("order", "tell", "casualty")}
+    events = {e.seconds for e in plan.schedule if e.order.name in EVENT_ORDERS}
     return tuple(sorted(each + ANSWER_S for each in events))

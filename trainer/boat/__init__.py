@@ -2,8 +2,9 @@
 
 Begin with ``assemble``, which turns a vessel file into the core's records, and ``boat``, which
 ticks them; ``machine_code`` calls the compiled kernels. Orders are carried out, or refused with a
-reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``. ``limits``, ``depths``,
-``grounding`` and ``pilot`` look at each tick and call out (``calls`` says how urgent).
+reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what only writes numbers
+has a row in ``effects``. ``limits``, ``depths``, ``grounding`` and ``pilot`` look at each tick and
+call out (``calls`` says how urgent).
 ``reference_crew`` flies an exercise by its rules. ``linear`` and ``stability`` judge a boat.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes

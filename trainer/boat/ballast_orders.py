@@ -1,6 +1,6 @@
 """Orders about tanks and air: valves, pumps, and the boat's standing words surface and dive.
 
-``helm.obey_order`` calls ``order_ballast``. An order writes levers and pump orders into the state;
+``helm.obey_order`` finds them in ``DUTIES``. An order writes levers and pump orders into the state;
 water and air then move in the ticks (``core/ballast``). docs/ballast.md has the table of what each
 sets. ``session/crew`` reports by PumpMonitor what pumps have done, and a plan puts the boat out of
 trim at its start, because the exercise asks for it.
@@ -13,24 +13,20 @@ from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import limit_refusal
+from trainer.boat.effects import MAIN_TANKS, SPACE_NAMES, holds, write_effect
 from trainer.core.autopilot.ascent import NO_ASCENT
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import MAX_WAY_SPEED, SURE_PUMP_SHARE, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
-    BLOWN_TANKS,
-    COMPARTMENTS,
     DEPTH_CONTROL_PUMP,
     FIRST_DRY,
     MAIN_BANK,
-    NEGATIVE_TANK,
     PUMPED_TANKS,
     TANKS,
 )
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-MAIN_TANKS: Final = BLOWN_TANKS[:NEGATIVE_TANK]
-SPACE_NAMES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
 TRIM_TANKS: Final = ("trim_forward", "trim_aft")
 TANKS_OF: Final = (TRIM_TANKS, ("auxiliary",), ("depth_control",))  # by pump
 PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
@@ -40,20 +36,14 @@ WAVELESS_DEPTH_M: Final = 300.0  # [m] below all waves
 EMPTY_BANK_SHARE: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
-def order_ballast(boat: Boat, order: Order) -> Reply:
-    """Carry out an order about tanks or air."""
+def lacking(boat: Boat, order: Order) -> Refused | None:
+    """Return that the boat lacks a tank or compressor that it needs, None if not."""
     if not boat.vessel.fitted:
         return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
-    return _lacking(boat, order) or _DUTIES[order.name](boat, order)
-
-
-def _lacking(boat: Boat, order: Order) -> Refused | None:
-    """Return that the boat lacks a tank or compressor which an order needs, None if not."""
     if order.name == "compressor" and not boat.vessel.compressor_rate:
         return Refused("this boat has no compressor")
-    held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
     for name in _needs(order):
-        if not held[name]:
+        if not holds(boat, name):
             kind = " tank" * (name in PUMPED_TANKS)
             return Refused(f"this boat has no {name.replace('_', ' ')}{kind}")
     return None
@@ -70,91 +60,39 @@ def _needs(order: Order) -> tuple[str, ...]:
     return (first,) if first in TANKS else ()
 
 
-def _main_ballast(boat: Boat, *, groups: tuple[str, ...], blow: float, vent: float) -> None:
-    """Set blow valves and vents of groups of main ballast [-].
-
-    Both at once, because a vent that stays open lets the air of a blow out.
-    """
-    for group in groups:
-        boat.state[f"blow_{group}"] = blow
-        boat.state[f"vent_{group}"] = vent
-
-
-def _blow(boat: Boat, order: Order) -> Reply:
-    if order.word == "stop":
-        boat.state.blow[:] = 0.0
-        boat.state.negative_flood = 0.0
-        return "all blow valves shut"
-    groups = MAIN_TANKS if order.word == "all" else (order.word,)
-    _main_ballast(boat, groups=groups, blow=1.0, vent=0.0)
-    return f"blowing {' and '.join(groups)} main ballast, vents shut"
-
-
-def _emergency(boat: Boat, _order: Order) -> Reply:
-    _main_ballast(boat, groups=MAIN_TANKS, blow=2.0, vent=0.0)
-    return "emergency blow: all main ballast, both banks"
-
-
-def _vent(boat: Boat, order: Order) -> Reply:
-    group, _, position = order.word.partition("_")
-    for name in MAIN_TANKS if group == "all" else (group,):
-        boat.state[f"vent_{name}"] = float(position == "open")
-    return f"{group} main vents {position}"
-
-
-def _negative(boat: Boat, order: Order) -> Reply:
-    s = boat.state
-    flooding = order.word == "flood"
-    s.negative_flood = 1.0
-    s.vent[NEGATIVE_TANK], s.blow[NEGATIVE_TANK] = float(flooding), float(not flooding)
-    return f"negative tank {'flooding' if flooding else 'being blown'}"
-
-
-def _pump(boat: Boat, order: Order) -> Reply:
+def _move(boat: Boat, order: Order) -> Reply:
+    """Move water, within the boat or between it and the sea."""
+    hovers = bool(boat.state.hover) and order.word == "depth_control"
+    answer = write_effect(boat, order)
     if order.word.startswith("trim"):
-        boat.state.move_trim = order.value if order.word == "trim_forward" else -order.value
-        return f"{order.text}: pumping"
-    return _move(boat, order, -1.0)
+        return answer
+    waits = _waits_for(boat, order.word, pumps=order.name == "pump")
+    return f"{order.text}: {waits or 'under way'}{', hovering off' * hovers}"
 
 
-def _move(boat: Boat, order: Order, sign: float) -> Reply:
-    """Let water in, or pump it out where ``sign`` is negative."""
-    s = boat.state
-    s[f"move_{order.word}"] = sign * order.value
-    reply = f"{order.text}: {_waits_for(boat, order.word, sign) or 'under way'}"
-    if order.word == "depth_control" and s.hover:
-        s.hover = 0.0  # hovering orders the same pump at every tick
-        return f"{reply}, hovering off"
-    return reply
-
-
-def _waits_for(boat: Boat, tank: str, sign: float) -> str:
+def _waits_for(boat: Boat, tank: str, *, pumps: bool) -> str:
     """Return what an order to a pump waits for, "" where it works at once."""
     index = int(boat.state.drained) - 1
     if tank == "auxiliary" and index >= 0:
         return f"waits, its pump drains the {SPACE_NAMES[index]} compartment; drain stop frees it"
-    if sign < 0.0 and boat.state.z >= boat.vessel.shutoff_depth:
+    if pumps and boat.state.z >= boat.vessel.shutoff_depth:
         return f"waits, the pump delivers nothing below {boat.vessel.shutoff_depth:g} m"
     return ""
 
 
 def _drain(boat: Boat, order: Order) -> Reply:
-    s = boat.state
+    answer = write_effect(boat, order)
     if order.word == "stop":
-        s.drained = 0.0
-        return "draining stopped"
-    index = SPACE_NAMES.index(order.word)
-    s.drained = 1.0 + index
-    tonnes = float(s.water[FIRST_DRY + index]) / 1000.0
+        return answer
+    tonnes = float(boat.state.water[FIRST_DRY + SPACE_NAMES.index(order.word)]) / 1000.0
     return f"draining the {order.word} compartment, {tonnes:.1f} t in it"
 
 
 def _compressor(boat: Boat, order: Order) -> Reply:
-    boat.state.compressor = float(order.word == "on")
-    reach = float(boat.vessel.intake_depth)
+    answer, reach = write_effect(boat, order), float(boat.vessel.intake_depth)
     if order.word == "on" and float(boat.state.z) > reach:
         return f"compressor on; it has air at {reach:.3g} m or less"
-    return f"compressor {order.word}"
+    return answer
 
 
 def _hover(boat: Boat, order: Order) -> Reply:
@@ -198,10 +136,8 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
     )
 
 
-def _surface(boat: Boat, _order: Order) -> Reply:
-    _main_ballast(boat, groups=MAIN_TANKS, blow=1.0, vent=0.0)
-    boat.state.ordered_depth = 0.0
-    boat.state.hover = 0.0
+def _surface(boat: Boat, order: Order) -> Reply:
+    write_effect(boat, order)
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
     if bank < EMPTY_BANK_SHARE:
         return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
@@ -212,26 +148,22 @@ def _surface(boat: Boat, _order: Order) -> Reply:
 def _dive(boat: Boat, _order: Order) -> Reply:
     """Open the vents; keep at least periscope depth, or the planes would hold the boat up."""
     s = boat.state
-    _main_ballast(boat, groups=MAIN_TANKS, blow=0.0, vent=1.0)
+    for tank in MAIN_TANKS:
+        s[f"blow_{tank}"], s[f"vent_{tank}"] = 0.0, 1.0
     s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)
     s.ascent = NO_ASCENT
     return f"diving: main vents open, keeping depth {s.ordered_depth:g} m"
 
 
-_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
-    "blow": _blow,
-    "emergency": _emergency,
-    "vent": _vent,
-    "negative": _negative,
-    "flood": lambda boat, order: _move(boat, order, 1.0),
-    "pump": _pump,
+DUTIES: Final[dict[str, Callable[[Boat, Order], Reply]]] = {
+    "flood": _move,
+    "pump": _move,
     "drain": _drain,
     "compressor": _compressor,
     "hover": _hover,
     "surface": _surface,
     "dive": _dive,
 }
-ORDERS: Final = frozenset(_DUTIES)
 
 
 @dataclass

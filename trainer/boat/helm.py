@@ -11,33 +11,40 @@ from dataclasses import replace
 
 from trainer.boat import ballast_orders, casualties, crew_orders, sea_orders
 from trainer.boat.boat import Boat
+from trainer.boat.effects import SURFACE_NAMES, effect_of, write_effect
 from trainer.boat.sea_orders import order_sea
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.words import BOAT_ORDERS, ORDER_WORDS
 from trainer.units import KNOT
 
-DEPTH_LAWS = {
-    "trainer": (OWN_LAW, "this trainer's own law"),
-    "report": (REPORT_LAW, "the report's law"),
-    "literal": (REPORT_LITERAL, "the report's law as it is printed"),
-}
 MIN_SWING_RATE = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
 MIN_MEETING_RUDDER = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
-SURFACE_NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
-# What the autopilot alone can do. "depth" is not here, because a depth too deep for the boat is
-# refused before the lack of an autopilot.
-AUTOPILOT_WORDS = frozenset({"course", "course-to", "course-by", "speed", "autopilot", "trim"})
 LEVER_SHARES = {"stern": 0.6, "bow": 1.0}  # [-] of one lever's angle, for each pair of planes
 
 
 def obey_order(boat: Boat, order: Order) -> Reply:
     """Carry ``order`` out; return what now holds, or why it was refused."""
-    if order.name in AUTOPILOT_WORDS and not boat.automatic:
+    word = ORDER_WORDS[order.name]
+    if word.needs_autopilot(order.word) and not boat.automatic:
         return _without_autopilot(boat)
-    return _DUTIES[order.name](boat, order)
+    if word.needs == "ballast" and (refusal := ballast_orders.lacking(boat, order)):
+        return refusal
+    return DUTIES.get(order.name, _plain_effect)(boat, order)
+
+
+def _plain_effect(boat: Boat, order: Order) -> Reply:
+    """Write what an order asks for that has no function of its own; its words are the answer."""
+    try:
+        effect = effect_of(boat, order)
+    except KeyError:
+        return Refused(f"this boat has nothing that obeys `{order.words}`")
+    if not effect.takes(order.value) and (number := effect.number):
+        ends = sorted((number.low / number.size, number.high / number.size))
+        return Refused(f"this boat takes {ends[0]:g} to {ends[1]:g}")
+    return write_effect(boat, order)
 
 
 def _without_autopilot(boat: Boat) -> Refused:
@@ -47,37 +54,22 @@ def _without_autopilot(boat: Boat) -> Refused:
     )
 
 
-def _by_hand(boat: Boat, surface: str, angle: float) -> None:
-    boat.state[f"ordered_{SURFACES[surface]}"] = angle
-    boat.state[f"{surface}_by_hand"] = 1.0
-
-
 def _surface(boat: Boat, order: Order) -> Reply:
     """Put a surface to an angle or in hand, or give it to the autopilot."""
-    sign = boat.toward[order.name]
-    limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
+    said = SURFACE_NAMES[order.name]
     if not boat.carries(order.name):
-        return Refused(f"this boat has no {SURFACE_NAMES[order.name]}")
-    if order.word == "auto":
-        return _automatic(boat, order.name)
-    if order.word == "manual":
-        _by_hand(boat, order.name, float(boat.state[f"delta_{SURFACES[order.name]}"]))
-        return f"{SURFACE_NAMES[order.name]} by hand"
-    text, angle = order.text, order.value
+        return Refused(f"this boat has no {said}")
     if order.word in ("ease", "shift", "meet"):
         rudder = _by_the_rudder(boat, order)
         if isinstance(rudder, Refused):
             return rudder
-        text, angle = f"rudder {_to_a_side(rudder)}", rudder
-    if order.word == "full":
-        angle = math.copysign(limit, angle)
-    if abs(angle) > limit + 1e-12:  # forgives the rounding of degrees
-        return Refused(
-            f"the limit of the {SURFACE_NAMES[order.name]} is {math.degrees(limit):g} degrees, "
-            f"not {math.degrees(abs(angle)):g}"
-        )
-    _by_hand(boat, order.name, sign * angle)
-    return f"{text}, by hand"
+        text = f"rudder {_to_a_side(rudder)}"
+        order = replace(order, value=rudder, text=text, words=text.rpartition(" ")[0])
+    if not effect_of(boat, order).takes(order.value):
+        limit = math.degrees(boat.vessel[f"limit_{SURFACES[order.name]}"])
+        asked = math.degrees(abs(order.value))
+        return Refused(f"the limit of the {said} is {limit:g} degrees, not {asked:g}")
+    return write_effect(boat, order)
 
 
 def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
@@ -109,31 +101,6 @@ def _to_a_side(angle: float) -> str:
     return f"{'right' if angle > 0.0 else 'left'} {math.degrees(abs(angle)):.3g}"
 
 
-def _automatic(boat: Boat, *surfaces: str) -> Reply:
-    """Give surfaces to the autopilot; one the boat lacks is passed over."""
-    if not boat.automatic:
-        return _without_autopilot(boat)
-    s = boat.state
-    carried = [surface for surface in surfaces if boat.carries(surface)]
-    for surface in carried:
-        s[f"{surface}_by_hand"] = 0.0
-    if "rudder" in carried:
-        # the ordered course is steered the short way, however often the boat has turned
-        s.ordered_psi = s.psi + math.remainder(s.ordered_psi - s.psi, math.tau)
-    return " and ".join(SURFACE_NAMES[surface] for surface in carried) + " automatic"
-
-
-def _planes(boat: Boat, order: Order) -> Reply:
-    """Both pairs of planes by hand, or automatic."""
-    if order.word == "auto":
-        return _automatic(boat, "stern", "bow")
-    zero = order.word == "zero"
-    for surface in ("stern", "bow"):
-        angle = 0.0 if zero else float(boat.state[f"delta_{SURFACES[surface]}"])
-        _by_hand(boat, surface, angle)
-    return "planes zero, by hand" if zero else "planes by hand"
-
-
 def _lever(boat: Boat, order: Order) -> Reply:
     """Both pairs of planes by hand, by one lever; each stops at its own limit."""
     carried = [surface for surface in LEVER_SHARES if boat.carries(surface)]
@@ -142,7 +109,8 @@ def _lever(boat: Boat, order: Order) -> Reply:
     for surface in carried:
         limit = float(boat.vessel[f"limit_{SURFACES[surface]}"])
         angle = min(max(LEVER_SHARES[surface] * order.value, -limit), limit)
-        _by_hand(boat, surface, boat.toward[surface] * angle)
+        boat.state[f"ordered_{SURFACES[surface]}"] = boat.toward[surface] * angle
+        boat.state[f"{surface}_by_hand"] = 1.0
     return f"{order.text}, by hand"
 
 
@@ -157,10 +125,7 @@ def _depth(boat: Boat, order: Order) -> Reply:
         refusal = ballast_orders.cannot_hover(boat, order.value)
         if refusal:
             return refusal
-    if order.word != "auto":
-        boat.state.ordered_depth = order.value
-        boat.state.ascent = 0.0  # afloat after a blow, this is the order to leave it
-    _automatic(boat, "stern", "bow")
+    write_effect(boat, order)
     return f"keeping depth {boat.state.ordered_depth:g} m"
 
 
@@ -174,19 +139,23 @@ def _periscope(boat: Boat, order: Order) -> Reply:
 
 def _course(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the short way, with the rudder automatic."""
-    s = boat.state
-    _automatic(boat, "rudder")
-    if order.word == "steady":  # the course that the helmsman reads; a broken gyro deceives him
-        s.ordered_psi = casualties.instrument_readings(boat).heading
-    elif order.word != "auto":
-        s.ordered_psi = s.psi + math.remainder(order.value - s.psi, math.tau)
-    return f"keeping course {_degrees(s.ordered_psi)}"
+    if order.word != "steady":
+        write_effect(boat, order)
+    else:  # the course that the helmsman reads; a broken gyro deceives him
+        _steer_by_autopilot(boat)
+        boat.state.ordered_psi = casualties.instrument_readings(boat).heading
+    return f"keeping course {_degrees(boat.state.ordered_psi)}"
+
+
+def _steer_by_autopilot(boat: Boat) -> None:
+    """Give the rudder to the autopilot, which keeps the course that is ordered."""
+    write_effect(boat, Order("course", 0.0, "auto", "course auto", words="course auto"))
 
 
 def _course_to(boat: Boat, order: Order) -> Reply:
     """Keep a course, turning the way ordered, with the rudder automatic."""
     side, start = order.side, boat.state.psi
-    _automatic(boat, "rudder")
+    _steer_by_autopilot(boat)
     # a whole turn more where the short way is to the other side than the one ordered
     change = math.remainder(abs(order.value) - start, math.tau)
     boat.state.ordered_psi = start + change + (side * math.tau if change * side < 0.0 else 0.0)
@@ -198,7 +167,7 @@ def _course_by(boat: Boat, order: Order) -> Reply:
     s = boat.state
     # by hand it is the compass that the change starts from
     start = casualties.instrument_readings(boat).heading if s.rudder_by_hand else s.ordered_psi
-    _automatic(boat, "rudder")
+    _steer_by_autopilot(boat)
     s.ordered_psi = start + order.value
     return f"{order.text}: keeping course {_degrees(s.ordered_psi)}"
 
@@ -210,81 +179,49 @@ def _degrees(angle: float) -> str:
 
 def _speed(boat: Boat, order: Order) -> Reply:
     """Keep a speed; the propeller answers like an engine order."""
-    s = boat.state
-    if order.word != "auto":
-        if refusal := crew_orders.limit_refusal(boat, "speed", order.value):
-            return refusal
-        s.ordered_speed = order.value
-    s.speed_by_hand = 0.0
-    return f"keeping speed {s.ordered_speed / KNOT:g} kn"
+    refusal = order.word != "auto" and crew_orders.limit_refusal(boat, "speed", order.value)
+    if refusal:
+        return refusal
+    write_effect(boat, order)
+    return f"keeping speed {boat.state.ordered_speed / KNOT:g} kn"
 
 
-def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
-    """Hold the revolutions of command speed ``u_c`` [m/s]."""
-    c, s = boat.vessel, boat.state
-    if not c.u_c_astern - 1e-9 <= u_c <= c.u_c_ahead + 1e-9:
-        per_knot = boat.file.propulsion.rps_per_mps * KNOT * 60.0
+def _revolutions(boat: Boat, order: Order) -> Reply:
+    """Hold the revolutions of a command speed, of revolutions a minute or of a bell."""
+    c, bells, per_mps = boat.vessel, boat.file.propulsion.bells_kn, boat.file.propulsion.rps_per_mps
+    if order.name == "bell" and order.word not in ("stop", *bells):
+        known = ", ".join(name.replace("_", " ") for name in bells)
+        return Refused(f"this boat's telegraph has {known} and stop")
+    effect = effect_of(boat, order)
+    if not effect.takes(order.value):
+        per_knot = per_mps * KNOT * 60.0
         return Refused(
             f"turns must be {c.u_c_astern / KNOT:g} to {c.u_c_ahead / KNOT:g} kn, "
             f"{c.u_c_astern / KNOT * per_knot:.0f} to {c.u_c_ahead / KNOT * per_knot:.0f} rpm"
         )
-    s.ordered_u_c = u_c
-    s.speed_by_hand = 1.0
-    return f"{said}turns for {u_c / KNOT:.3g} kn"
+    effect.write(boat, order.value)
+    said = "" if order.name == "turns" else f"{order.text}: "
+    return f"{said}turns for {boat.state.ordered_u_c / KNOT:.3g} kn"
 
 
-def _bell(boat: Boat, order: Order) -> Reply:
-    if order.word == "stop":
-        return _revolutions(boat, 0.0, f"{order.text}: ")
-    bells = boat.file.propulsion.bells_kn
-    if order.word not in bells:
-        known = ", ".join(name.replace("_", " ") for name in bells)
-        return Refused(f"this boat's telegraph has {known} and stop")
-    return _revolutions(boat, bells[order.word] * KNOT, f"{order.text}: ")
-
-
-def _autopilot(boat: Boat, order: Order) -> Reply:
-    """Everything automatic or by hand, or another law of depth keeping."""
-    s = boat.state
-    if order.word in DEPTH_LAWS:
-        s.depth_law, law = DEPTH_LAWS[order.word]
-        return f"depth is kept by {law}"
-    if order.word == "on":
-        s.speed_by_hand = s.trim_by_hand = 0.0
-        _automatic(boat, "rudder", "stern", "bow")
-        return "everything automatic"
-    for surface, letter in SURFACES.items():
-        _by_hand(boat, surface, float(s[f"delta_{letter}"]))
-    s.ordered_u_c, s.speed_by_hand, s.trim_by_hand = s.u_c, 1.0, 1.0
-    return "everything by hand, as it stands"
-
-
-def _trim(boat: Boat, order: Order) -> Reply:
-    """Leave trim to the pumps and what the planes show, or to hands."""
-    boat.state.trim_by_hand = float(order.word == "manual")
-    return "trim by hand" if order.word == "manual" else "trim automatic, in steady level flight"
-
-
-_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
-    **dict.fromkeys(WORLD_PARTS, lambda boat, order: boat.world.obey(order, boat.ticks)),
+# What obeys an order that does more than write its effect, or answers in other words.
+DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
+    **dict.fromkeys(
+        WORLD_PARTS.keys() & BOAT_ORDERS, lambda boat, order: boat.world.obey(order, boat.ticks)
+    ),
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,
     "course-to": _course_to,
     "speed": _speed,
-    "turns": lambda boat, order: _revolutions(boat, order.value, ""),
-    "rpm": lambda boat, order: _revolutions(
-        boat, order.value / boat.file.propulsion.rps_per_mps, f"{order.text}: "
-    ),
-    "bell": _bell,
+    "turns": _revolutions,
+    "rpm": _revolutions,
+    "bell": _revolutions,
     "rudder": _surface,
     "stern": _surface,
     "bow": _surface,
-    "planes": _planes,
     "lever": _lever,
-    "autopilot": _autopilot,
     "periscope": _periscope,
-    "trim": _trim,
     "order": crew_orders.order_crew,
     "sea": order_sea,
     "casualty": lambda boat, order: casualties.insert_casualty(
@@ -293,5 +230,5 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "clear": lambda boat, order: casualties.clear_casualty(boat, order.subject),
     "hold": sea_orders.hold_part,
     "release": sea_orders.release_part,
-    **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),
+    **ballast_orders.DUTIES,
 }

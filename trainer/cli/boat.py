@@ -28,7 +28,7 @@ from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrderMemory
 from trainer.io.recording.facts import station
 from trainer.io.recording.recording import Moment, RecordedOrder

@@ -5,13 +5,11 @@ import click
 from trainer.cli.types import Word
 from trainer.io.orders.grammar import HELP_HEAD, BadOrder, parse
 from trainer.io.orders.help import help_text
-from trainer.io.orders.table import TOPICS
-
-ORDER_WORDS = [head for topic in TOPICS for head in topic.heads]
+from trainer.io.orders.table import HELP_TOPICS
 
 
 @click.command("help")
-@click.argument("words", type=Word(ORDER_WORDS), nargs=-1, metavar="[WORD]...")
+@click.argument("words", type=Word(HELP_TOPICS), nargs=-1, metavar="[WORD]...")
 @click.pass_context
 def explain(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show help for a command, or for an order of a session.

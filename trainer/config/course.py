@@ -15,7 +15,7 @@ from trainer.config.files import (
     shipped_path,
 )
 
-HAND_AXES: Final = {  # all that a crew may have in hand, and the station that works it
+AXIS_STATIONS: Final = {  # of the hand axes: the station that works it
     "rudder": "helm",
     "planes": "planes",
     "speed": "helm",
@@ -46,7 +46,7 @@ class Lesson(NamedTuple):
     @property
     def in_hand(self) -> str:
         """Return what is worked by hand, in words."""
-        automatic = [axis for axis in HAND_AXES if axis not in self.hand]
+        automatic = [axis for axis in AXIS_STATIONS if axis not in self.hand]
         if len(automatic) > 1:
             return ", ".join(self.hand)
         return " but ".join(("all", *automatic))
@@ -54,7 +54,7 @@ class Lesson(NamedTuple):
     @property
     def stations(self) -> tuple[str, ...]:
         """Return the stations that share what is worked by hand."""
-        return tuple(dict.fromkeys(HAND_AXES[axis] for axis in self.hand))
+        return tuple(dict.fromkeys(AXIS_STATIONS[axis] for axis in self.hand))
 
 
 def course() -> list[Lesson]:

@@ -55,16 +55,9 @@ from trainer.config.words import EQUATION_SETS
 from trainer.config.world import WORLD_READERS, WorldTables, read_world
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder
-from trainer.io.orders.table import UNSCHEDULED_WORDS
+from trainer.io.orders.words import AUTOMATIC_ORDERS_BY_AXIS, HAND_AXES, ORDER_WORDS
 
-# What a crew works by hand, and the orders that hand it over to the autopilot or to automatic trim.
 # ``allowed`` names those that an exercise permits all the same.
-AUTOMATIC_ORDERS_BY_AXIS: Final[Mapping[str, tuple[str, ...]]] = {
-    "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
-    "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
-    "speed": ("speed", "autopilot on"),
-    "ballast": ("autopilot on", "hover", "trim auto"),
-}
 AUTOMATIC_ORDERS: Final = tuple(
     dict.fromkeys(name for names in AUTOMATIC_ORDERS_BY_AXIS.values() for name in names)
 )
@@ -108,9 +101,7 @@ class ExerciseHeading:
     instructor: str | None = optional(
         LongText(4000, "for the instructor alone: what is hidden, the cure")
     )
-    hand: tuple[str, ...] | None = optional(
-        Choices(tuple(AUTOMATIC_ORDERS_BY_AXIS), "what the crew works by hand")
-    )
+    hand: tuple[str, ...] | None = optional(Choices(HAND_AXES, "what the crew works by hand"))
     hand_from_s: float | None = optional(Quantity("s", within(0, MAX_TIME_S), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(
         Choices(AUTOMATIC_ORDERS, "automatic orders that are allowed all the same")
@@ -463,7 +454,7 @@ def _read_order(text: str, position: Position) -> Order:
     order = parse(text)
     if not isinstance(order, Order):
         raise ConfigError(position.wrong("order", text, order.reason if order else "is no order"))
-    if order.name in UNSCHEDULED_WORDS:
+    if not ORDER_WORDS[order.name].scheduled:
         raise ConfigError(position.wrong("order", text, "has no place in a schedule"))
     return to_the_crew(order)
 

@@ -29,7 +29,7 @@ from trainer.config.schema import (
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.schedule import MAX_TIME_S
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.words import ORDER_WORDS, Obeyer
 
 RULES_FORM: Final = "2"  # of the rules of marking; counted up where a run's marks would change
 OWN_UNIT: Final = ""  # the unit of a measure that is a quantity's
@@ -43,15 +43,12 @@ AIR_BANKS: Final = ("bank_main", "bank_emergency")
 TIMELESS_MEASURES: Final = ("response",)  # they take the whole record, without a window
 WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
-# These answer no casualty: the instructor gives them, or they are only words.
 HINT_ORDER: Final = "hint"
-INSTRUCTOR_ORDERS: Final = (
-    frozenset({"casualty", "clear", "sea", "current", "contact", "hold", "release"})
-    | frozenset({"ghost", "predictor", "role", HINT_ORDER})
-    | CREW_TALK
-)
 MARK_PARTS: Final = ("task", "answer", "keeping")
-ANSWER_ORDERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTOR_ORDERS))
+# Only these answer a casualty: the rest is the instructor's to give, or only words.
+ANSWER_ORDERS: Final = tuple(
+    sorted(w.name for w in ORDER_WORDS.values() if w.obeyer is Obeyer.BOAT and w.control.roles)
+)
 VALUE_MEASURES: Final = ("final", "largest")  # of the quantity itself, if there is no target
 # Keys that only some measures take.
 OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW_KEYS)

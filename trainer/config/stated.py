@@ -25,7 +25,7 @@ from trainer.config.schema import (
 from trainer.config.score_rules import MeasuredQuantity, parse_quantity
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.schedule import MAX_TIME_S, ScheduledOrder, parse_entry
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 
 FLYER_KINDS: Final = ("nobody", "crew")
 STATED_MEASURES: Final = ("value", "lowest", "highest")

@@ -25,13 +25,15 @@ from trainer.config.schema import (
 )
 from trainer.config.sound_rows import Readers, sound_rows
 from trainer.io.orders.grammar import Order, parse, to_the_crew
-from trainer.io.orders.table import BOAT_ORDERS, UNSCHEDULED_WORDS
+from trainer.io.orders.words import ORDER_WORDS
 
 LIGHTED_INSTRUMENTS: Final = (  # that a step may light up
     *("depth", "heading", "speed", "pitch", "rudder", "stern", "bow", "bell", "tanks"),
 )
 MISSED_AGAIN, MISSED_ON = "again", "on"
-GIVEN_ORDERS: Final = (BOAT_ORDERS | {"tell"}) - UNSCHEDULED_WORDS  # by the exercise
+GIVEN_ORDERS: Final = frozenset(  # by the exercise
+    name for name, word in ORDER_WORDS.items() if word.planned and word.journalled
+)
 TYPED_ORDER: Final = re.compile(r"`([^`]+)`")
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.config.course import AXIS_STATIONS
 from trainer.config.loss_words import word_loss
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
@@ -109,7 +110,6 @@ LIMIT_TEXTS: Final = {
     "validity_level_max": "validity level {} at most",
     "cpa_m_min": "no nearer than {} m to a ship",
 }
-AXIS_STATIONS: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
 # of a greeting: what no briefing needs
 PASSING_PATTERN: Final = re.compile("^by hand: | has come$")
 PAGE_LETTERS: Final = 60  # [characters] from which a line was broken because the page ended

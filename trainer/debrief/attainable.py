@@ -52,6 +52,7 @@ from trainer.debrief.rehearsal import (
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.plan import Plan
@@ -61,8 +62,8 @@ BETTER_TIME_S: Final = 30.0  # [s] from a moment, for which the better orders ar
 MAX_BETTER_ORDERS: Final = 2  # told of one moment
 CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
 HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
-    "planesman": ("planes", frozenset({"stern", "bow", "planes"})),
-    "helmsman": ("rudder", frozenset({"rudder"})),
+    hand: (axis, frozenset(w.name for w in ORDER_WORDS.values() if w.works == axis))
+    for hand, axis in (("planesman", "planes"), ("helmsman", "rudder"))
 }
 FILE_GIVER: Final = Giver(GiverKind.SCHEDULE, "schedule", "the file of orders")
 COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again

@@ -15,7 +15,7 @@ import numpy as np
 from trainer.config.casualties import Casualty
 from trainer.config.exercise import AIDS
 from trainer.config.files import ConfigError
-from trainer.config.score_rules import COURSE_QUANTITY, HINT_ORDER, INSTRUCTOR_ORDERS
+from trainer.config.score_rules import ANSWER_ORDERS, COURSE_QUANTITY, HINT_ORDER
 from trainer.core.casualties import KINDS
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.trajectory import (
@@ -111,7 +111,7 @@ def crew_orders(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:
         if entry.giver.kind is not GiverKind.SCHEDULE and entry.accepted is not False
     ]
     stations = [each for each in orders if each.giver.role != INSTRUCTOR_ROLE]
-    return tuple(each for each in stations or orders if each.name not in INSTRUCTOR_ORDERS)
+    return tuple(each for each in stations or orders if each.name in ANSWER_ORDERS)
 
 
 def hints_told(trajectory: Trajectory) -> tuple[RecordedOrder, ...]:

@@ -20,9 +20,9 @@ from trainer.debrief.attainable import ChangeCause, MarkChange
 from trainer.debrief.data import DebriefData, compare_debrief
 from trainer.debrief.page import read_dossier
 from trainer.io.orders.grammar import name_of
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.header import exercise_of
 
-TRIM_ORDERS: Final = ("flood", "pump", "trim", "drain", "hover", "negative", "compressor")
 CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
     ChangeCause.MISSING: "late",
     ChangeCause.STEERING: "overshoot",
@@ -58,7 +58,8 @@ def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
     costs = dict.fromkeys(COST_KINDS, 0.0)
     for change in changes:
         if change.marks < 0.0:
-            trims = name_of(change.order) in TRIM_ORDERS
+            name = name_of(change.order)
+            trims = name in ORDER_WORDS and ORDER_WORDS[name].works == "ballast"
             costs["trim" if trims else CAUSE_KINDS[change.cause]] -= change.marks
     return {kind: round(marks, 1) for kind, marks in costs.items()}
 

@@ -32,7 +32,7 @@ from trainer.core.kernel import Numbers, Record
 from trainer.debrief.ships_met import LOOKOUT_ROLE
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, FlownRows, Trajectory
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
     REFERENCE_GIVER,

@@ -25,6 +25,7 @@ from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.words import HAND_AXES
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.html import paragraph, table
@@ -50,7 +51,6 @@ EVENT_TICK: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that s
 VALUE_DIGITS: Final = 4  # digits of a value that count
 MIN_SHOWN_DEVIATION: Final = 0.5  # [%] of a deviation
 SURE_DEVIATIONS: Final = 2.8  # between two runs: docs/debrief.md, "How sure a mark is"
-CREW_AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 
 
 def format_value(value: float | None) -> str:
@@ -140,7 +140,7 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
 def by_hand(debrief: DebriefData) -> str:
     """Return in words which axes the crew worked, and which were automatic."""
     plan = debrief.plan
-    automatic = [axis for axis in CREW_AXES if axis not in plan.hand]
+    automatic = [axis for axis in HAND_AXES if axis not in plan.hand]
     sentence = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
     if plan.allowed:
         sentence += f"; allowed: {', '.join(plan.allowed)}"

@@ -10,11 +10,12 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.io.orders.grammar import Refused, Reply
+from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment
 from trainer.session.command import Command
 from trainer.session.event_log import EventLog
 from trainer.session.manning import unmanned_axes
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE
 from trainer.session.stations.station import Fact, LongAnswer, Request, Station
 
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too

@@ -24,6 +24,7 @@ from trainer.boat.crew_orders import ordered_fact, standing_order
 from trainer.boat.helm import obey_order
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
+from trainer.io.orders.words import CREW_TALK, ORDER_WORDS
 from trainer.io.recording.facts import (
     GUARD_GIVER,
     NO_CREW_FACT,
@@ -34,8 +35,8 @@ from trainer.io.recording.facts import (
     meeting,
 )
 from trainer.session.manning import (
-    PLANE_AXES,
     REPEATING_ROLES,
+    STEERING_ORDERS,
     WORDS_AXIS,
     HandWork,
     axis_of,
@@ -45,14 +46,17 @@ from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Saying
 
 REPEAT_TIMEOUT_S: Final = 10.0  # [s] without a repeat, after which the order is shown again
-RUDDER_AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
+RUDDER_AMIDSHIPS: Final = Order(
+    "rudder", 0.0, "amidships", "rudder amidships", words="rudder amidships"
+)
 # [rad], [m]: closer than this an order counts as carried out, and neither way is wrong.
 REACHED_MARGINS: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}
-WORKED_AXES: Final = {"course": ("rudder",), "depth": PLANE_AXES, "pitch": PLANE_AXES}
-STEERING_WORDS: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
-MOVING_WORDS: Final = frozenset(PLANE_AXES) | STEERING_WORDS
-WATER_WORDS: Final = frozenset({"flood", "pump"})
-CREW_WORDS: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report"}) | MOVING_WORDS
+RUDDER_ORDERS: Final = frozenset(  # by hand, and to the autopilot
+    word.name for word in ORDER_WORDS.values() if "rudder" in (word.works, *word.gives_up)
+)
+MOVING_ORDERS: Final = RUDDER_ORDERS.union(*STEERING_ORDERS.values())
+PUMPED_ORDERS: Final = ("flood", "pump")  # whose end is reported
+CREW_WORDS: Final = CREW_TALK | MOVING_ORDERS
 
 
 class CrewMessage(NamedTuple):
@@ -184,12 +188,12 @@ class CrewTalk:
         """Note an order or repeat with its fact; return the messages that follow."""
         role = giver.role
         # nobody reports on pumps that a schedule has set to work
-        if order.name in WATER_WORDS and giver != SCHEDULE_GIVER:
+        if order.name in PUMPED_ORDERS and giver != SCHEDULE_GIVER:
             self.pumps.note(self.boat, order, role)
             self._look_ahead()
         if order.name not in CREW_WORDS:
             return []
-        if order.name in MOVING_WORDS:
+        if order.name in MOVING_ORDERS:
             return self._moved(order, role)
         if fact.news is CrewNews.ORDERED:
             return self._ordered(order, role, tick, fact.order)
@@ -297,7 +301,7 @@ class CrewTalk:
         Only the first one within ``REPEAT_TIMEOUT_S`` is judged, because later ones may rightly
         go the other way, to stop the swing.
         """
-        for axis, surfaces in WORKED_AXES.items():
+        for axis, surfaces in STEERING_ORDERS.items():
             spoken = self._spoken.get(axis)
             if spoken is None or spoken.begun or order.name not in surfaces:
                 continue
@@ -311,10 +315,10 @@ class CrewTalk:
 
     def _moved(self, order: Order, role: str) -> list[CrewMessage]:
         """Note that a surface was moved, and whether the helm now meets a swing."""
-        for axis, surfaces in WORKED_AXES.items():
+        for axis, surfaces in STEERING_ORDERS.items():
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis] = replace(self._spoken[axis], begun=True)
-        if order.name in STEERING_WORDS:
+        if order.name in RUDDER_ORDERS:
             self.meeting = meeting(role) if order.word == "meet" else None
         return []
 

@@ -24,14 +24,13 @@ that: the roles say who may give it, the tables of ``io/orders`` how it is worde
 An order of a recording that is replayed goes in at 5: it was journalled when it was given.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
-from typing import Final, NamedTuple
+from typing import Final
 
 from trainer.boat.helm import obey_order
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK, UNSCHEDULED_WORDS
+from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK, ORDER_WORDS, Obeyer
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
     SCHEDULE_GIVER,
@@ -55,45 +54,6 @@ from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Sa
 Gate = Callable[[Order, Station | None, Parts], Refused | None]
 
 
-class Obeyer(Enum):
-    """Who obeys an order. The value is the name in the documents."""
-
-    LINE = "the line"
-    BOAT = "the boat"
-    CREW = "the crew"
-    PLANS = "the plans"
-    TIME = "time"
-    PAST = "the past"
-    RECORD = "the record"
-    EXERCISE = "the exercise"
-    AIDS = "the aids"
-    COMMAND = "command"
-    CHAIR = "the chair"
-    QUESTION = "a question"
-
-
-class Rule(NamedTuple):
-    """Who obeys an order word, and the gates that are open to it."""
-
-    obeyer: Obeyer
-    watching: bool = False  # an instructor without command may give it
-    in_replay: bool = True
-    after_end: bool = True  # of the exercise
-    jumps: bool = False  # to another moment, where a new branch begins
-
-    @property
-    def journalled(self) -> bool:
-        """Return whether the order is written into the journal before it acts."""
-        return self.obeyer in JOURNALLED_OBEYERS
-
-    @property
-    def passed_on(self) -> bool:
-        """Return whether others hear the order with its answer. The rest send news of their own."""
-        return self.journalled or self.obeyer in (Obeyer.TIME, Obeyer.PAST, Obeyer.RECORD)
-
-
-JOURNALLED_OBEYERS: Final = (*(Obeyer.BOAT, Obeyer.CREW, Obeyer.PLANS, Obeyer.AIDS, Obeyer.CHAIR),)
-WATCH_RULE: Final = Rule(Obeyer.QUESTION, watching=True)
 # that everybody hears of
 NEWS_KINDS: Final = {
     Obeyer.TIME: "time",
@@ -105,36 +65,6 @@ NEWS_KINDS: Final = {
 GUIDED_OBEYERS: Final = (Obeyer.TIME, Obeyer.PAST, Obeyer.EXERCISE, Obeyer.AIDS)
 # who obeys while the reference crew shows the way
 OPEN_OBEYERS: Final = (Obeyer.LINE, Obeyer.QUESTION, Obeyer.TIME, Obeyer.COMMAND)
-RULE_GROUPS: Final[Sequence[tuple[Rule, Iterable[str]]]] = (
-    (
-        Rule(Obeyer.LINE, watching=True),
-        ("help", "name", "subscribe", "unsubscribe", "detach"),
-    ),
-    (Rule(Obeyer.CHAIR, watching=True, in_replay=False), ("role",)),
-    (WATCH_RULE, ("status", "briefing", "casualties", "plans", "log", "who", "history")),
-    (WATCH_RULE, ("branches", "snapshots", "mark", "ack")),
-    (WATCH_RULE._replace(in_replay=False, after_end=False), ("what-if",)),
-    (Rule(Obeyer.BOAT, in_replay=False, after_end=False), BOAT_ORDERS - CREW_TALK),
-    (Rule(Obeyer.CREW, in_replay=False, after_end=False), BOAT_ORDERS & CREW_TALK),
-    (Rule(Obeyer.CREW, in_replay=False), CREW_TALK - BOAT_ORDERS),
-    (Rule(Obeyer.PLANS, in_replay=False, after_end=False), ("plan",)),
-    (Rule(Obeyer.PLANS, in_replay=False), ("cancel",)),
-    (Rule(Obeyer.TIME), ("freeze", "time", "quit")),
-    (Rule(Obeyer.TIME, after_end=False), ("run", "step")),
-    (
-        Rule(Obeyer.PAST, jumps=True),
-        ("backtrack", "restore", "reset", "again", "restart", "branch"),
-    ),
-    (Rule(Obeyer.PAST), ("replay", "take")),
-    (Rule(Obeyer.RECORD), ("snapshot",)),
-    (Rule(Obeyer.EXERCISE, in_replay=False, after_end=False), ("end", "hint")),
-    (Rule(Obeyer.EXERCISE), ("release-marks", "debrief", "next", "ready")),
-    (Rule(Obeyer.EXERCISE, after_end=False), ("demonstrate",)),
-    (Rule(Obeyer.AIDS, in_replay=False, after_end=False), ("ghost", "predictor")),
-    (Rule(Obeyer.COMMAND, watching=True), ("command",)),
-    (Rule(Obeyer.COMMAND), ("give", "keep")),
-)
-ORDERS: Final[Mapping[str, Rule]] = {word: rule for rule, words in RULE_GROUPS for word in words}
 
 
 # The gates: each says why it is shut, None where it is open.
@@ -145,7 +75,7 @@ def command_gate(order: Order, station: Station | None, session: Parts) -> Refus
 
     Without it an instructor watches, asks and marks.
     """
-    if station is None or station.role is not INSTRUCTOR_ROLE or ORDERS[order.name].watching:
+    if station is None or station.role is not INSTRUCTOR_ROLE or ORDER_WORDS[order.name].watching:
         return None
     return session.conduct.command.elsewhere(station)
 
@@ -171,7 +101,7 @@ def lost_gate(order: Order, _station: Station | None, session: Parts) -> Refused
 def trainee_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that an instructor is here, whose time and exercise it is."""
     trains = station is not None and station.role is TRAINEE_ROLE
-    guided = ORDERS[order.name].obeyer in GUIDED_OBEYERS
+    guided = ORDER_WORDS[order.name].obeyer in GUIDED_OBEYERS
     if not (trains and guided and session.event_log.attended(INSTRUCTOR_ROLE.name)):
         return None
     return Refused("an instructor is here: time and the exercise are the instructor's")
@@ -180,7 +110,7 @@ def trainee_gate(order: Order, station: Station | None, session: Parts) -> Refus
 def end_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that the exercise is over, after which the boat obeys nobody."""
     role = station.role if station else INSTRUCTOR_ROLE
-    return session.conduct.ending.barred(order, role, after_end=ORDERS[order.name].after_end)
+    return session.conduct.ending.barred(order, role, after_end=ORDER_WORDS[order.name].after_end)
 
 
 def chair_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
@@ -205,11 +135,11 @@ def replay_gate(order: Order, _station: Station | None, session: Parts) -> Refus
 
     Only recorded orders, or the reference crew, move the boat then.
     """
-    flown, rule = session.history.flown, ORDERS[order.name]
+    flown, word = session.history.flown, ORDER_WORDS[order.name]
     if flown.shows_way:
-        stays_open = rule.in_replay and rule.obeyer in OPEN_OBEYERS
+        stays_open = word.in_replay and word.obeyer in OPEN_OBEYERS
         return None if stays_open or order.name == "demonstrate" else flown.barred
-    return None if rule.in_replay else flown.barred
+    return None if word.in_replay else flown.barred
 
 
 ORDER_GATES: Final[Sequence[Gate]] = (
@@ -261,7 +191,7 @@ class Dispatch:
         session, station = self.session, asked.station
         order = session.crew.meant(asked.order)
         shut = refusal(order, station, session)
-        if ORDERS[order.name].passed_on:
+        if ORDER_WORDS[order.name].passed_on:
             answer = shut or self._carried_out(order, station.giver, station)
             kept_answer = session.event_log.as_kept(answer)
             station.answer(asked, kept_answer, *self._unheard(order, station, answer))
@@ -296,16 +226,16 @@ class Dispatch:
         ``entry`` is its index in the schedule, None if it is from elsewhere. ``speaker`` gave the
         order and gets the answer, and therefore not the news that all others get.
         """
-        session, rule = self.session, ORDERS[order.name]
-        recorded = rule.journalled or entry is not None or giver.kind is GiverKind.PLAN
+        session, word = self.session, ORDER_WORDS[order.name]
+        recorded = word.journalled or entry is not None or giver.kind is GiverKind.PLAN
         number = session.history.order(giver, order, entry) if recorded else None
         answer, fact = self._obeyed(order, giver, entry, speaker)
         if number is not None:
             session.history.answered(number, answer, fact)
             session.standing.keep()
-        if rule.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
+        if word.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
             follow_jump(session)
-        if rule.obeyer in (Obeyer.PAST, Obeyer.TIME):
+        if word.obeyer in (Obeyer.PAST, Obeyer.TIME):
             session.shown.show()
         return answer
 
@@ -323,9 +253,9 @@ class Dispatch:
         self, order: Order, giver: Giver, entry: int | None, speaker: Station | None = None
     ) -> tuple[Reply, CrewFact]:
         """Have an order obeyed by who obeys it; return the answer, and its crew fact."""
-        if entry is not None and order.name in UNSCHEDULED_WORDS:
+        if entry is not None and not ORDER_WORDS[order.name].scheduled:
             return Refused(f"{order.text} has no place in a schedule"), NO_CREW_FACT
-        if ORDERS[order.name].journalled:
+        if ORDER_WORDS[order.name].journalled:
             return self.obey(order, giver, speaker)
         return self.session.control.obey(order, giver.words), NO_CREW_FACT
 
@@ -337,7 +267,7 @@ class Dispatch:
         Return the answer, and the crew fact of the order.
         """
         session, role, fact = self.session, giver.role, NO_CREW_FACT
-        obeyer = ORDERS[order.name].obeyer
+        obeyer = ORDER_WORDS[order.name].obeyer
         if obeyer is Obeyer.PLANS:
             return session.agenda.obey(order), fact
         if obeyer is Obeyer.AIDS:
@@ -438,12 +368,12 @@ class Dispatch:
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Tell the others of an order and its answer; after a jump also the orders that wait."""
-        session, rule = self.session, ORDERS[order.name]
+        session, word = self.session, ORDER_WORDS[order.name]
         accepted = not isinstance(answer, Refused)
-        if not (rule.obeyer is Obeyer.CREW and accepted):  # ``say`` has announced those
-            what = "back" if rule.jumps else "order"
-            session.event_log.pass_on(order, answer, station, NEWS_KINDS.get(rule.obeyer), what)
-        if rule.jumps and accepted:
+        if not (word.obeyer is Obeyer.CREW and accepted):  # ``say`` has announced those
+            what = "back" if word.jumps else "order"
+            session.event_log.pass_on(order, answer, station, NEWS_KINDS.get(word.obeyer), what)
+        if word.jumps and accepted:
             session.event_log.recall(session.crew.unrepeated)
         self.tell_plans()
         session.event_log.tell_trouble()
@@ -452,7 +382,7 @@ class Dispatch:
         """Announce the answer to an order that was due, unless ``say`` has announced the order."""
         wrong = f"{order.text}: refused: {answer.reason}" if isinstance(answer, Refused) else ""
         text = f"{when}: {wrong or answer}"
-        if wrong or ORDERS[order.name].obeyer is not Obeyer.CREW:
+        if wrong or ORDER_WORDS[order.name].obeyer is not Obeyer.CREW:
             fact = None if wrong else Fact("order", order.text)
             saying = Saying("schedule", wrong or str(answer))
             self.session.event_log.tell("exercise", text, fact=fact, saying=saying)

@@ -19,7 +19,7 @@ from typing import IO, Any, Final, cast
 
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
 from trainer.session.aside import BackgroundTask, begin_aside

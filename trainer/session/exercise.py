@@ -20,11 +20,12 @@ from trainer.config.derived import Condition, Loss
 from trainer.config.loss_words import word_loss
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.facts import OVER_WORDS
 from trainer.io.recording.recording import Moment
 from trainer.session.control import PRESENT_MOMENT, Control
 from trainer.session.event_log import EventLog
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE, Role
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role
 from trainer.session.stations.station import Fact, Request
 
 CAPSIZE_ANGLES_RAD: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost

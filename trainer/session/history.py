@@ -15,7 +15,7 @@ from typing import Final
 from trainer.boat.helm import obey_order
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.schedule import ScheduledOrder
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import Moment, RecordedEvent, RecordedOrder, RecordingError
 from trainer.session.journal import Journal, order_of

@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
-from trainer.config.exercise import AUTOMATIC_ORDERS_BY_AXIS
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_autopilot
-from trainer.session.stations.roles import CREW_ROLES, INSTRUCTOR_ROLE, ROLES, TRAINEE
+from trainer.io.orders.words import CREW_ROLES, HAND_AXES, ORDER_WORDS, TRAINEE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
 
 WORDS_AXIS: Final = "words"  # the axis of an order in words
 STEERING_ROLES: Final = ("helm", "pilot", TRAINEE)
@@ -35,9 +35,11 @@ BY_HAND: Final = {
 }
 # the axis in hand that carries out an order on another axis; others are carried out by themselves
 STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}
-
-
-PLANE_AXES: Final = ("stern", "bow", "lever")
+# the orders by hand that carry it out, to a side
+STEERING_ORDERS: Final = {
+    axis: frozenset(w.name for w in ORDER_WORDS.values() if w.works == hand and w.has_sides)
+    for axis, hand in STEERED_BY_HAND.items()
+}
 
 
 class HandAxis(NamedTuple):
@@ -52,7 +54,7 @@ class HandWork:
     """The axes that the exercise has worked by hand, and those let go."""
 
     boat: Boat
-    hand: frozenset[str] = frozenset()  # of AUTOMATIC_ORDERS_BY_AXIS
+    hand: frozenset[str] = frozenset()  # of HAND_AXES
     hand_from: float = 0.0  # [s]
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
     guard: DepthGuard = field(default_factory=DepthGuard)
@@ -94,7 +96,7 @@ class HandWork:
 
         An order to the planes is refused while the depth guard holds them.
         """
-        planes = order.name in (*PLANE_AXES, "planes")
+        planes = ORDER_WORDS[order.name].works == "planes"
         if planes and "planes" in self.worked and self.guard.holds(self.boat):
             deepest = self.guard.deepest
             return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
@@ -126,25 +128,17 @@ class HandWork:
 
 def in_order(axes: Collection[str]) -> list[str]:
     """Return axes in the order in which people are told of them."""
-    return [axis for axis in AUTOMATIC_ORDERS_BY_AXIS if axis in axes]
+    return [axis for axis in HAND_AXES if axis in axes]
 
 
 def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> HandAxis | None:
     """Return the axis worked by hand that an order would make automatic, None for none."""
     names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
-    taken = [axis for axis in automatic_axes(order) if axis in hand]
+    taken = [axis for axis in ORDER_WORDS[order.name].automates(order.word) if axis in hand]
     if names.intersection(allowed) or not taken:
         return None
     says, example = BY_HAND[taken[0]]
     return HandAxis(taken[0], f"{says} in hand in this exercise: {example}")
-
-
-def automatic_axes(order: Order) -> list[str]:
-    """Return the axes that an order gives to the autopilot."""
-    if order.word == "off":
-        return []
-    names = {order.name, f"{order.name} {order.word}"}
-    return [axis for axis, orders in AUTOMATIC_ORDERS_BY_AXIS.items() if names & set(orders)]
 
 
 def axis_of(order: Order) -> str:
@@ -159,7 +153,7 @@ def unmanned_axes(hand: Collection[str], attends: Callable[[str], bool]) -> list
     """
     return [
         axis
-        for axis in AUTOMATIC_ORDERS_BY_AXIS
+        for axis in HAND_AXES
         if axis in hand and not any(map(attends, (*workers(axis), TRAINEE)))
     ]
 

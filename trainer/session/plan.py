@@ -39,7 +39,7 @@ from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
-from trainer.io.orders.table import UNSCHEDULED_WORDS
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
@@ -54,7 +54,8 @@ OVERRULED_SETTINGS: Final = {
     "seed": "seed",
     "duration": "duration_s",
 }
-HAND_AXES: Final = {  # the orders that put an axis in hand; surfaces and water stay as they are
+# the orders that put an axis in hand; surfaces and water stay as they are
+INTO_HAND_ORDERS: Final = {
     "rudder": ("rudder manual",),
     "planes": ("planes manual",),
     "ballast": ("trim manual", "hover off"),
@@ -224,7 +225,7 @@ def into_hand(exercise: Exercise, file: VesselFile) -> list[ScheduledOrder]:
         return []
     speed = exercise.initial.speed_kn
     speed = file.run.start_speed_kn if speed is None else speed
-    words = {**HAND_AXES, "speed": (f"turns {speed:g}",)}  # turns for the speed of the start
+    words = {**INTO_HAND_ORDERS, "speed": (f"turns {speed:g}",)}  # turns for the speed of the start
     orders = [parse(text) for axis in heading.hand for text in words[axis]]
     at = heading.hand_from_s or 0.0
     return [ScheduledOrder(at, order, 0) for order in orders if isinstance(order, Order)]
@@ -274,7 +275,7 @@ def read_schedule(path: Path | None) -> list[ScheduledOrder]:
     if isinstance(schedule, BadSchedule):
         raise ConfigError(str(schedule))
     for entry in schedule:
-        if entry.order.name in UNSCHEDULED_WORDS:
+        if not ORDER_WORDS[entry.order.name].scheduled:
             raise ConfigError(
                 f"{path.name}:{entry.line_number}: {entry.order.text} has no place in a schedule"
             )

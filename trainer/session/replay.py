@@ -22,7 +22,7 @@ from trainer.config.files import ConfigError, collecting, json_text
 from trainer.core.kernel import Record
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import GiverKind
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import (

@@ -19,7 +19,7 @@ from trainer.boat.world.scope import periscope_of
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.schedule import ScheduledOrder
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage

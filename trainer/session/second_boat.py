@@ -24,7 +24,7 @@ from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.session.history import History
 from trainer.session.journal import order_of

@@ -18,7 +18,7 @@ from trainer.config.course import course
 from trainer.config.course import lessons as step_lessons
 from trainer.io.orders.help import limits_and_units, usage
 from trainer.io.orders.quantities import NUMBER_KINDS
-from trainer.io.orders.table import FORMS, Form, heading_word
+from trainer.io.orders.table import FORMS, word_of
 from trainer.web.words import said_in_page, translated
 
 WEB_FOLDER: Final = Path(__file__).parent
@@ -124,18 +124,13 @@ def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
     ``taken`` has the names of the orders that the page takes; without it they are all orders.
     """
     wanted = [
-        form for form in FORMS if not form.refusal and (taken is None or name_of(form) in taken)
+        form for form in FORMS if not form.refusal and (taken is None or word_of(form) in taken)
     ]
     forms = [(usage(form), form.says) for form in wanted]
     return {
         "forms": forms,
         "numbers": {name: limits_and_units(n) for name, n in NUMBER_KINDS.items()},
     }
-
-
-def name_of(form: Form) -> str:
-    """Return the name of the order that a form words."""
-    return form.name or heading_word(form)
 
 
 @cache  # each page is rendered twice

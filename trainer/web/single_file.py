@@ -15,6 +15,7 @@ from functools import partial
 from html import escape
 from typing import Any, Final
 
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.web.modules import (
     ASSETS_FOLDER,
     SCRIPT_TAG,
@@ -30,15 +31,7 @@ REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
 CARD_SCRIPT: Final = "js/tab/card.js"
 # Orders that such a page takes, beside the boat's own rows, which only write numbers.
-# fmt: off
-TAB_ORDERS: Final = frozenset(
-    (
-        "sea", "casualty", "clear", "casualties", "freeze", "run", "step", "time", "snapshot",
-        "snapshots", "restore", "reset", "backtrack", "replay", "take", "branches", "branch",
-        "mark", "log", "status", "history",
-    )
-)
-# fmt: on
+TAB_ORDERS: Final = {word.name for word in ORDER_WORDS.values() if word.in_page}
 TAB_NOTE: Final = (
     "A boat in a file: it is flown by this page alone. "
     "Marks are not judged here; nothing is sent or kept."

@@ -20,13 +20,12 @@ from trainer.config.sea import load_sea
 from trainer.config.vessel import read_vessel
 from trainer.debrief.rehearsal import ByReference
 from trainer.debrief.rehearsal import Flight as UnderWay
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.plan import Plan, into_hand
 
 CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
 STATE_COLUMNS: Final = tuple("tick" if name == "t" else name for name in MOTION_COLUMNS)
-SPOKEN_ORDERS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     schedule = [
         scheduled
         for scheduled in (*into_hand(exercise, file), *exercise.schedule_of(seed))
-        if scheduled.order.name not in SPOKEN_ORDERS
+        if scheduled.order.name not in CREW_TALK - BOAT_ORDERS  # said to people, it moves nothing
     ]
     said, table = exercise.heading, study.method
     study_fields = {  # the study's word over the exercise's

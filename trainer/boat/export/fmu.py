@@ -28,8 +28,8 @@ import numpy as np
 from trainer import __version__
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.effects import NumberRange, effects_of_boat
 from trainer.boat.export.header import field_comments, fields_of, record_members
-from trainer.boat.export.orders import order_rows
 from trainer.boat.export.targets import lacking_linker
 from trainer.boat.machine_code import shipped_object
 from trainer.boat.platforms import (
@@ -54,11 +54,12 @@ MAX_SEED: Final = 2**31 - 1  # because an Integer of FMI has 32 bits
 STATE_DOUBLES: Final = STATE.itemsize // 8
 ORDER_UNITS: Final = {unit.factor: unit.names[0] for unit in (METRES, DEGREES, KNOTS, TONNES)}
 MOTION_UNITS: Final = re.compile(r"^# (.*)\nMOTION", re.MULTILINE)  # a comment in ``core.state``
-STATED_UNIT: Final = re.compile(r"\[(.*?)\] ?")  # as comments there begin
+STATED_UNIT: Final = re.compile(r"^\[(.*?)\] ?")  # as comments there begin
 COMPILER_OPTIONS: Final = (
     *("-std=c99", "-Os", "-ffp-contract=off", "-shared", "-s", "-o", "boat.so"),
     *("face.c", "core.o", "-lm"),
 )
+NO_NUMBER: Final = NumberRange(0.0, 0.0, 0.0)  # of an order that has none
 LIBRARY_ENDINGS: Final = {"linux": ".so", "windows": ".dll"}  # by system
 SYSTEM_OPTIONS: Final = {
     "linux": ("-fPIC", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
@@ -100,27 +101,19 @@ class Variable:
         return f"{{{words}, {', '.join(map(repr, (*numbers, *self.ramps)))}}}"
 
 
-def order_rules(boat: Boat) -> Iterator[tuple[str, list[float], dict[int, tuple[str, float]]]]:
-    """Yield words, numbers and rules by offset of each order; ``orders`` has their meaning."""
-    for row in order_rows(boat):
-        words, *limits, writes = row.split(";")
-        rules = (re.split("[=:]", write) for write in writes.split(","))
-        by_offset = {int(offset): (kind, float(argument)) for offset, kind, argument in rules}
-        yield words, [float(number or 0.0) for number in limits], by_offset
-
-
 def order_inputs(boat: Boat, names: dict[int, str]) -> Iterator[Variable]:
     """Yield an input for each number of the state that orders can change."""
     comments = field_comments(state)
     found: dict[int, Variable] = {}
     zeros: dict[int, list[int]] = {}  # other fields that an order of numbers makes 0
-    for words, (low, high, factor, turn), rules in order_rules(boat):
-        zeroed = [at for at, rule in rules.items() if rule == ("const", 0.0)]
-        for at, (kind, x) in rules.items():
+    for effect in effects_of_boat(boat):
+        low, high, factor, turn = effect.number or NO_NUMBER
+        zeroed = [at for at, *rule in effect.writes if rule == ["const", 0.0]]
+        for at, kind, x in effect.writes:
             meaning = STATED_UNIT.sub("", comments.get(names[at], ""))
             each = found.get(at, Variable(names[at], meaning, at, "Integer", "input", "NUMBER"))
             if kind == "short":
-                each = replace(each, type="Real", rule="COURSE", high=turn, scale=factor)
+                each = replace(each, type="Real", rule="COURSE", high=float(turn), scale=factor)
                 each = replace(each, unit=ORDER_UNITS[factor])
             elif kind == "number":  # positive is right, rise, ahead, in, forward
                 scale, zeros[at] = each.scale if each.unit else x * abs(factor), zeroed
@@ -128,7 +121,7 @@ def order_inputs(boat: Boat, names: dict[int, str]) -> Iterator[Variable]:
                 ends = (*before, *(round(x * end / scale, 6) for end in (low, high)))
                 each = replace(each, type="Real", scale=scale, unit=ORDER_UNITS[abs(factor)])
                 each = replace(each, low=min(ends) + 0.0, high=max(ends))
-                each = replace(each, meaning=each.meaning or f"order: {words}")
+                each = replace(each, meaning=each.meaning or f"order: {effect.words}")
             elif kind == "const" and not each.unit:
                 each = replace(each, high=max(each.high, x))
             elif kind == "shorter" and len(zeroed) == 1:  # one surface goes to the autopilot

@@ -22,7 +22,6 @@ from trainer.io.orders.quantities import NUMBER_KINDS, Number, RefusedError, Uni
 from trainer.io.orders.table import (
     FORMS,
     MEANT_ORDERS,
-    PLANNABLE_WORDS,
     SIDE_SIGNS,
     WORD_SETS,
     Form,
@@ -35,6 +34,7 @@ from trainer.io.orders.table import (
     spellings,
     variants,
 )
+from trainer.io.orders.words import ORDER_WORDS
 
 HIDDEN_TOKEN = "***"  # noqa: S105
 ROLE_BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(WORD_SETS["ROLE"])}))
@@ -94,7 +94,7 @@ class Order:
     given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
     `subject` too, and never in `text`. `crew` is what a phrase means when it is given to the crew,
     where that is another order. `side` is -1 for left or dive, 1 for right or rise, 0 for neither;
-    `unit` is that of the last number.
+    `unit` is that of the last number; `words` are the text without its numbers and names.
     """
 
     name: str
@@ -106,6 +106,7 @@ class Order:
     crew: str = field(default="", compare=False)
     side: float = field(default=0.0, compare=False)
     unit: Unit | None = field(default=None, compare=False)
+    words: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -188,7 +189,7 @@ def planned_order(said: re.Match[str]) -> Order:
     if not isinstance(inner, Order):
         raise RefusedError(inner.reason if inner else f"{said[0].strip()}: no order")
     inner = to_the_crew(inner)
-    if inner.name not in PLANNABLE_WORDS:
+    if not ORDER_WORDS[inner.name].planned:
         raise RefusedError(f"{inner.text} cannot be planned: give it when it is time")
     if said["condition"]:
         text = f"when {' '.join(said['condition'].lower().split())} then {inner.text}"
@@ -477,9 +478,9 @@ def order(reading: PartialReading) -> Order:
     word = "_".join(words).replace("-", "_")
     # Adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike.
     value = sign * (numbers[-1] if numbers else form.value) + 0.0
-    whole = " ".join((*text, *rest))
+    whole, kept = " ".join((*text, *rest)), " ".join((*text, *words))
     return Order(
-        form.name or head, value, word, whole, tuple(numbers), subject, side=side, unit=unit
+        form.name or head, value, word, whole, tuple(numbers), subject, "", side, unit, kept
     )
 
 

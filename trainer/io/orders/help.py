@@ -11,16 +11,14 @@ from collections.abc import Sequence
 
 from trainer.io.orders.quantities import NUMBER_KINDS, Number
 from trainer.io.orders.table import (
-    BOAT_TOPICS,
     FORMS,
+    HELP_TOPICS,
     SESSION_TOPIC,
-    SESSION_TOPICS,
-    TOPICS,
     WORD_SETS,
     Form,
-    Topic,
     heading_word,
 )
+from trainer.io.orders.words import BOAT_TOPICS, SESSION_TOPICS, Topic
 
 HELP_WIDTH = 79  # [characters]
 # for a line that has no role yet; screens, which say theirs themselves, show none of it
@@ -38,9 +36,8 @@ def help_text(topic: str) -> list[str]:
         ]
     if topic == SESSION_TOPIC:
         return overview(f"Orders about {SESSION_SUBJECTS}:", SESSION_TOPICS)
-    topics = [head for entry in TOPICS for head in entry.heads]
-    if topic not in topics:
-        near = difflib.get_close_matches(topic, topics, n=1)
+    if topic not in HELP_TOPICS:
+        near = difflib.get_close_matches(topic, HELP_TOPICS, n=1)
         return [f'no order "{topic}"' + (f"; did you mean {near[0]}?" if near else "")]
     forms = [form for form in FORMS if heading_word(form) == topic and not form.refusal]
     lines = [f"{topic}, in full:"]

@@ -7,7 +7,7 @@ secret (TOKEN). The first word heads the order.
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from trainer.io.orders.quantities import NUMBER_KINDS, Number
@@ -55,34 +55,6 @@ MEANT_ORDERS = {
     **dict.fromkeys(("throttle", "engine", "engines", "propeller"), "bell"),
     **dict.fromkeys(("where", "show", "state"), "status"),
 }
-# What the boat obeys, by the names of the orders; all else is the session's.
-# fmt: off
-BOAT_ORDERS = frozenset(
-    (
-        "depth", "course", "course-by", "speed", "turns", "rpm", "bell", "rudder", "stern", "bow",
-        "planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency",
-        "vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor",
-        "sea", "current", "contact", "scope",
-        "casualty", "clear", "hold", "release", "order", "course-to",
-    )
-)
-# fmt: on
-# What is said between those who order the crew, the crew and the instructor: journalled as well.
-CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
-PLANNABLE_WORDS = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
-# No schedule holds them: they answer whoever asks, or are a person's to say or to decide.
-# fmt: off
-UNSCHEDULED_WORDS = frozenset(
-    (
-        "help", "status", "briefing", "casualties", "plans", "log", "who", "history",
-        "branches", "snapshots", "mark", "ack", "role", "name", "subscribe", "unsubscribe",
-        "detach", "aye", "belay", "allow", "plan", "cancel", "again", "restart", "branch",
-        "end", "release-marks", "debrief", "next", "ready", "command", "give", "keep",
-        "demonstrate", "hint", "ghost", "predictor",
-        "what-if",
-    )
-)
-# fmt: on
 
 
 @dataclass(frozen=True)
@@ -125,15 +97,6 @@ class Form:
     refusal: str = ""
 
 
-@dataclass(frozen=True)
-class Topic:
-    """One line of the overview: heads of orders, how to type them, what they do."""
-
-    heads: tuple[str, ...]
-    example: str
-    says: str
-
-
 NAME_SLOTS = {
     "NAME": Name("the name of a casualty"),
     "SHIP_NAME": Name("the name of a contact"),
@@ -146,83 +109,6 @@ NAME_SLOTS = {
     "ORDER": Name("an order"),  # both of many words: see trainer.io.orders.grammar
     "REMARK": Name("words"),  # of any kind: see trainer.io.orders.grammar
 }
-
-# One line each in an overview, which must fit in 24 lines of 79 columns.
-BOAT_TOPICS = (
-    Topic(("depth",), "depth 80 | 260 ft | auto", "keep a depth"),
-    Topic(("course",), "course 090 | left 30 | auto", "keep a course, or change it"),
-    Topic(("speed",), "speed 12 | 6 m/s | auto", "keep a speed, in knots"),
-    Topic(("turns", "rpm"), "turns 12 | rpm 80", "revolutions, held constant"),
-    Topic(("bell",), "bell ahead standard | stop", "engine order; `ahead 2/3` is enough"),
-    Topic(("rudder",), "rudder left 15 | amidships", "also right, full, manual, auto"),
-    Topic(("stern",), "stern planes dive 10", "also rise, zero, manual, auto"),
-    Topic(("bow",), "bow planes rise 10", "also dive, zero, manual, auto"),
-    Topic(("planes", "lever"), "planes zero | auto | lever dive 8", "both pairs of planes at once"),
-    Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
-    Topic(
-        ("surface", "dive", "periscope", "scope"),
-        "surface | dive | periscope depth",
-        "come up; flood; scope raise",
-    ),
-    Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
-    Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
-    Topic(
-        ("flood", "pump", "trim", "drain"),
-        "flood auxiliary 5 | pump | trim auto",
-        "tonnes to be moved; drain",
-    ),
-    Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
-    Topic(
-        ("sea", "current"),
-        "sea state 5 | current off",
-        "also wind 30, calm; set 090 drift 2",
-    ),
-    Topic(
-        ("casualty", "clear", "casualties", "contact"),
-        "casualty NAME | clear all",
-        "also NAME 0.5 ramp 30; contact TUG ...",
-    ),
-    Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
-    Topic(("status",), "status", "everything about the boat, once"),
-    Topic(("help",), "help rudder", "all about one order"),
-    Topic(("quit",), "quit", "end the session"),
-)
-SESSION_TOPICS = (
-    Topic(("time",), "time x2 | max", "speed of time"),
-    Topic(("release",), "freeze depth | release all", "hold depth, position or tanks"),
-    Topic(("snapshot", "snapshots"), "snapshot before-jam | snapshots", "keep a moment; list them"),
-    Topic(("restore", "reset"), "restore before-jam | reset", "back to it, or to the start"),
-    Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
-    Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
-    Topic(("branches", "branch"), "branches | branch 1", "what was left behind; back to its end"),
-    Topic(("end", "debrief"), "end exercise | release marks | debrief", "and what came of it"),
-    Topic(("again", "restart", "next"), "again | again from here | next", "once more; others"),
-    Topic(
-        ("demonstrate", "hint", "ghost", "predictor"),
-        "demonstrate | hint | ghost on",
-        "the way shown; help that costs marks",
-    ),
-    Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
-    Topic(
-        ("role", "ready"), "role helm | role helm TOKEN | ready", "what a line may do; it is ready"
-    ),
-    Topic(
-        ("in", "at", "when", "plans", "cancel"),
-        "in 30 s depth 80 | plans | cancel 1",
-        "also at 2 min, when depth > 60 then",
-    ),
-    Topic(("order", "belay", "allow"), "order course 045 | belay | allow planes", "to the crew"),
-    Topic(("tell", "report", "aye"), "tell ready | report ready | aye", "to and from the crew"),
-    Topic(("mark", "what"), "mark good recovery | what if blow all", "a remark; marks with it"),
-    Topic(("log", "ack"), "log 20 | ack 3 | ack all", "what has happened; alerts seen"),
-    Topic(("briefing",), "briefing", "what the exercise is about"),
-    Topic(("who", "name"), "who | name wall", "stations attached; what one is called"),
-    Topic(("subscribe", "unsubscribe"), "subscribe diving at 2 hz", "have a channel sent, or not"),
-    Topic(("history",), "history diving 60 min", "what a channel has shown so far"),
-    Topic(("detach",), "detach", "leave; the session goes on"),
-)
-TOPICS = BOAT_TOPICS + SESSION_TOPICS
-
 
 FORMS = (
     Form("depth DEPTH", "keep this depth"),
@@ -409,10 +295,8 @@ def read_slot(text: str) -> Word | Number | Name | Secret:
 def topic_slot() -> Word:
     """Return the slot for what help may be asked about."""
     heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
-    names = {head for topic in TOPICS for head in topic.heads}
-    words = dict(pair for head in heads for pair in spellings(WORD_SETS.get(head, head)))
-    known = tuple((said, word) for said, word in words.items() if word in names)
-    return Word((*known, (SESSION_TOPIC, SESSION_TOPIC)))
+    known = dict(pair for head in heads for pair in spellings(WORD_SETS.get(head, head)))
+    return Word((*known.items(), (SESSION_TOPIC, SESSION_TOPIC)))
 
 
 def spellings(text: str) -> Iterator[tuple[str, str]]:
@@ -440,3 +324,16 @@ def heading_word(form: Form) -> str:
     """Return the word that heads the form, also where it may be left out."""
     first = form.pattern.split()[0].strip("[]")
     return next(word for _, word in spellings(WORD_SETS.get(first, first)))
+
+
+def word_of(form: Form) -> str:
+    """Return the name of the order that a form words."""
+    return form.name or heading_word(form)
+
+
+# The wordings of each order, without those that are refused.
+FORMS_BY_WORD: Mapping[str, Sequence[Form]] = {
+    name: tuple(form for form in FORMS if word_of(form) == name and not form.refusal)
+    for name in dict.fromkeys(word_of(form) for form in FORMS if not form.refusal)
+}
+HELP_TOPICS = tuple(dict.fromkeys(heading_word(form) for form in FORMS if not form.refusal))

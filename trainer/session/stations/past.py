@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from trainer.io.orders.grammar import Refused
+from trainer.io.orders.words import ANEW_ORDERS
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.aside import BackgroundTask
 from trainer.session.event_log import EventLog
@@ -29,8 +30,6 @@ MAX_ROWS: Final = 360  # rows of a channel: one in ten seconds of an hour, as me
 SLICE_ROWS: Final = 12  # rows sent at once
 # [s] between slices, and for room: ticks and other lines have their turn
 SLICE_PAUSE_S: Final = 0.01
-# orders that undo even what happened at the tick gone back to
-RESET_WORDS: Final = ("reset", "restart", "again")
 # Channels with values that no recorded state holds: they have no past.
 PRESENT_CHANNELS: Final = ("time", "ledger", "scope", "swell", "lookout", "predictor")
 
@@ -195,5 +194,5 @@ def still_stands(kept: News, back: News) -> bool:
 
     An event of the very tick gone back to stays, unless the run began anew there.
     """
-    anew = back.fact is not None and back.fact.subject in RESET_WORDS
+    anew = back.fact is not None and back.fact.subject in ANEW_ORDERS
     return kept.tick < back.tick or (kept.tick == back.tick and not (anew and kept.fact))

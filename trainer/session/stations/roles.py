@@ -16,30 +16,13 @@ from typing import Final
 from trainer.config.files import ConfigError, nearest
 from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
-from trainer.io.orders.table import FORMS, heading_word
+from trainer.io.orders.words import CREW_ROLES, EVERYBODY, ORDER_WORDS, STRANGER, TRAINEE
 
-# every order of the grammar
-ALL_ORDERS: Final = frozenset(form.name or heading_word(form) for form in FORMS if not form.refusal)
 COMMON_ORDERS: Final = frozenset(
-    {
-        "role",
-        "help",
-        "status",
-        "briefing",
-        "log",
-        "ack",
-        "history",
-        "subscribe",
-        "unsubscribe",
-        "detach",
-        "who",
-        "name",
-    }
+    word.name for word in ORDER_WORDS.values() if set(EVERYBODY.roles) <= set(word.control.roles)
 )
-CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-TRAINEE: Final = "trainee"  # who trains alone: all of the crew in one, and time
-ALL_ROLES: Final = (*CREW_ROLES, "observer", "visitor", TRAINEE)
+ALL_ROLES: Final = EVERYBODY.roles
 EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "time": ("time stopped, let go on or made faster; the end", ALL_ROLES),
     "moment": ("gone back to a moment, replayed, taken over", ALL_ROLES),
@@ -78,41 +61,6 @@ MAX_MACHINES: Final = 1000  # machines remembered, the latest
 
 
 @dataclass(frozen=True)
-class RoleControl:
-    """One permission: its words, its orders, and who has it beside the instructor.
-
-    The words end in the verb, as in "the rudder is", so that a refusal can name whose it is.
-    """
-
-    says: str
-    orders: tuple[str, ...]
-    roles: tuple[str, ...]
-
-
-ROLE_CONTROLS: Final = (
-    RoleControl("the rudder is", ("rudder",), ("helm", "pilot")),
-    RoleControl("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
-    RoleControl("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
-    RoleControl("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
-    RoleControl("the lever is", ("lever",), ("visitor",)),
-    RoleControl("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
-    RoleControl("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
-    RoleControl("the negative tank is", ("negative",), ("ballast", "diving")),
-    RoleControl("trim water is", ("flood", "pump", "trim", "drain"), ("ballast", "diving")),
-    RoleControl("hovering is", ("hover",), ("ballast", "diving")),
-    RoleControl("the compressor is", ("compressor",), ("ballast", "diving")),
-    RoleControl("surfacing and diving are", ("surface", "dive"), ("diving",)),
-    RoleControl("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
-    RoleControl("reports and repeats are", ("report", "aye"), CREW_ROLES),
-    RoleControl("the periscope is", ("scope",), ("scope",)),
-    RoleControl("the record is", ("mark",), ("observer", "scope")),
-    RoleControl("to be ready is", ("ready",), CREW_ROLES),
-    RoleControl("the dive from the start is", ("restart",), ("visitor",)),
-    RoleControl("the autopilot as a whole is", ("autopilot",), ()),
-)
-
-
-@dataclass(frozen=True)
 class Role:
     """One part in the session.
 
@@ -134,17 +82,21 @@ class Role:
         return f"{PART_VERBS[verb]} {rest}"
 
 
+def orders_of(*roles: str) -> frozenset[str]:
+    """Return the names of the orders that any of these roles may give."""
+    return frozenset(
+        word.name for word in ORDER_WORDS.values() if not set(roles).isdisjoint(word.control.roles)
+    )
+
+
 def _role(name: str, title: str, part: str, *channels: str) -> Role:
     """Return a role with its orders, its events, and its channels beside the common ones."""
-    own_orders = {
-        order for control in ROLE_CONTROLS if name in control.roles for order in control.orders
-    }
     heard = frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if name in roles)
     return Role(
         name,
         title,
         part,
-        COMMON_ORDERS | own_orders,
+        orders_of(name),
         ("teletype", "gauges", "orders", *channels, "time", *AID_NAMES),
         heard,
     )
@@ -154,7 +106,7 @@ INSTRUCTOR_ROLE: Final = Role(
     "instructor",
     "the instructor's",
     "are an instructor",
-    COMMON_ORDERS | ALL_ORDERS,
+    frozenset(ORDER_WORDS),
     (
         *("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
         *TRUTH_CHANNELS,
@@ -188,17 +140,11 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
 }
 
 # All that the crew may order and see, and time, so that nobody else is needed; nothing hidden.
-TRAINEE_ORDERS: Final = frozenset(
-    {
-        *("run", "freeze", "step", "time", "again", "backtrack", "next", "end", "quit", "debrief"),
-        *("autopilot", "demonstrate", "hint", "ghost", "predictor"),
-    }
-)
 TRAINEE_ROLE: Final = Role(
     TRAINEE,
     "the trainee's",
     "are a trainee",
-    TRAINEE_ORDERS.union(*(_OTHER_ROLES[name].commands for name in CREW_ROLES)),
+    orders_of(TRAINEE, *CREW_ROLES),
     ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
     frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if TRAINEE in roles),
 )
@@ -206,7 +152,7 @@ ROLES: Final[Mapping[str, Role]] = {**_OTHER_ROLES, TRAINEE: TRAINEE_ROLE}
 
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER_ROLE: Final = Role(
-    "stranger", "nobody's", "are nobody yet", frozenset({"role", "help", "detach"}), (), frozenset()
+    STRANGER, "nobody's", "are nobody yet", orders_of(STRANGER), (), frozenset()
 )
 
 
@@ -216,9 +162,9 @@ def refusal(role: Role, order: Order) -> Refused | None:
         return None
     if role is STRANGER_ROLE:
         return Refused(ROLE_FIRST_TEXT)
-    control = next((each for each in ROLE_CONTROLS if order.name in each.orders), None)
-    says = control.says if control else f'"{order.text}" is'
-    owners = [ROLES[name].title for name in control.roles] if control else []
+    control = ORDER_WORDS[order.name].control
+    says = control.says or f'"{order.text}" is'
+    owners = [ROLES[name].title for name in control.roles if name != TRAINEE]
     whose = " or ".join(owners or [INSTRUCTOR_ROLE.title])
     return Refused(f"{says} {whose}; you {role.part}")
 

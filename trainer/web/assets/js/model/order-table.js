@@ -107,7 +107,7 @@ export const HEADS = {
 };
 
 /** Orders after which nothing of their moment stands. @type {string[]} */
-export const ANEW = ["reset", "restart", "again"];
+export const ANEW = ["reset", "again", "restart"];
 
 /** Who repeats what the crew is told in words. @type {string[]} */
 export const CREW = ["helm", "planes", "pilot", "ballast", "diving", "scope", "trainee"];
