@@ -287,6 +287,7 @@ def test_the_instructor_sees_motion_with_the_rates_that_move_it_on(boat: Boat) -
 
     assert motion["depth"] == f"{s.z:.2f}"
     assert motion["north"] == f"{s.x:.1f}"
+    boat.tick()  # the rates that the next tick begins with are those of the motion told
     assert float(motion["turn_rate"]) == pytest.approx(math.degrees(s.psidot), abs=6e-4)
     assert float(motion["east_rate"]) == pytest.approx(s.ydot, abs=6e-3)
     assert abs(float(motion["turn_rate"])) > 0.01

@@ -173,22 +173,23 @@ def test_what_cannot_be_done_is_refused_and_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("vessel", BOATS)
-def test_every_channel_shows_what_a_station_shows(vessel: str) -> None:
+@pytest.mark.parametrize("ticks", [8, 300])  # 8: rates of the tick before would be others
+def test_every_channel_shows_what_a_station_shows(vessel: str, ticks: int) -> None:
     boat = boat_at_start(RunOptions(vessel=vessel, sea="sea-state-2"))
     page = boat_for_page(boat, "instructor")
     orders = ("course 200", "depth 8", "casualty depth-gauge-biased", "casualty rudder-slow 0.4")
     for words in orders:
         answer_of(boat, words)
-    for _ in range(300):
+    for _ in range(ticks):
         boat.tick()
     reader = StateReader(boat, Ledger(boat.method.step).summary)
-    frame = reader.frame(Picture(300, boat.records.state.tobytes(), Pace()))
+    frame = reader.frame(Picture(ticks, boat.records.state.tobytes(), Pace()))
     channels = page["channels"]  # of those the periscope's have no past
     shown = [name for name in channels if name not in PRESENT_CHANNELS]
     assert len(shown) == len(CHANNELS) - len(PRESENT_CHANNELS) - 1  # the ghost's
     deeds = [("order", words) for words in orders]
 
-    values = fly(page, *deeds, ("fly", 300), *(("values", name) for name in shown))
+    values = fly(page, *deeds, ("fly", ticks), *(("values", name) for name in shown))
 
     for name, found in zip(shown, values[len(orders) + 1 :], strict=True):
         for field, text in zip(CHANNELS[name].fields, found, strict=True):

@@ -13,6 +13,7 @@ import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, count_before
+from trainer.boat.motion_rates import read_rates
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, charted_at, is_charted
 from trainer.core.bottom import SOUNDING_STATIONS
@@ -20,8 +21,8 @@ from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
 BOTTOM_NAMES: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDING_COUNT))
-# beside those of conditions
-STATE_NAMES: Final = (*BOTTOM_NAMES, "bottom_load", "aground", "q", "xdot", "ydot")
+# beside those of conditions and motion
+STATE_NAMES: Final = (*BOTTOM_NAMES, "bottom_load", "aground")
 # As docs/world.md has it (Aground). The speeds, the pitch and the loads are estimates.
 AGROUND_TICKS: Final = 2.0  # [-] ticks in a row in which the ground carries the boat
 RECALL_AFLOAT_S: Final = 30.0  # [s] off the ground, after which touching it is news again
@@ -35,9 +36,8 @@ STOPPED_SCREW_SPEED: Final = 0.1  # [m/s] command speed of a screw that stands
 # a number of one moment's state [SI], by its name in the layout
 StateReader = Callable[[str], float]
 _OFFSETS: Final = {
-    name: STATE_OFFSETS[name.partition("[")[0]]
-    + (BOTTOM_NAMES.index(name) if name in BOTTOM_NAMES else 0)
-    for name in (*STATE_NAMES, "theta", "zdot")
+    **STATE_OFFSETS,
+    **{name: STATE_OFFSETS["bottom"] + i for i, name in enumerate(BOTTOM_NAMES)},
 }
 
 
@@ -71,15 +71,14 @@ def clearance(boat: Boat) -> float:
 
 def touch_of(read: StateReader, length: float) -> GroundTouch:
     """Return how a boat of that ``length`` [m] moves, a moment before it touches."""
-    pitch = read("theta")
-    north, east = read("xdot"), read("ydot")
+    pitch, rates = read("theta"), read_rates(read)
     closing = 0.0
     for i, x in enumerate(SOUNDING_STATIONS):
-        down = read("zdot") - x * length * math.cos(pitch) * read("q")
+        down = rates.down - x * length * math.cos(pitch) * read("q")
         slopes = read(f"bottom[1,{i}]"), read(f"bottom[2,{i}]")
-        into = down - slopes[0] * north - slopes[1] * east
+        into = down - slopes[0] * rates.north - slopes[1] * rates.east
         closing = max(closing, into / math.sqrt(1.0 + slopes[0] ** 2 + slopes[1] ** 2))
-    return GroundTouch(closing, math.hypot(north, east), read("zdot"), pitch)
+    return GroundTouch(float(closing), float(rates.way), float(rates.down), pitch)
 
 
 def lies_well(load_t: float, u_c: float) -> bool:

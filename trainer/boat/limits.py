@@ -16,6 +16,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.grounding import clearance
+from trainer.boat.motion_rates import NumberReader, read_rates
 from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of
@@ -37,6 +38,7 @@ HEIGHT_OFFSET, OMEGA_OFFSET, DIRECTION_OFFSET, COSINES_OFFSET = (
     STATE_OFFSETS[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
 HEIGHT_ERROR_M, RATIO_ERROR = 1e-6, 1e-9  # of what is computed for many ticks at once
+LIMIT_ERRORS: Final = {"clearance_m": HEIGHT_ERROR_M, "speed_over_ground_kn": 1e-9}  # likewise
 FULL_BALLAST_SHARE: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
 
 
@@ -67,27 +69,13 @@ LIMIT_WORDS: Final = {  # what passing each limit is called; depth grows downwar
 }
 
 
-def over_ground(s: Any) -> float:
-    """Return the speed [m/s] over the ground, 0 while the position is held.
-
-    A frozen boat sails on unseen, which nobody is to be told.
-    """
-    return 0.0 if s.held_position else math.hypot(s.xdot, s.ydot)
-
-
-def way_over_ground(read: Callable[[str], Any]) -> Any:
-    """Return the same as ``over_ground``, of one state or of many."""
-    north, east = read("xdot"), read("ydot")
-    return np.sqrt(north * north + east * east) * (read("held_position") == 0.0)
-
-
 # from the number of a state by its name, or those of many states
-LIMIT_READERS: Final[dict[str, Callable[[Callable[[str], Any]], Any]]] = {
+LIMIT_READERS: Final[dict[str, Callable[[NumberReader], Any]]] = {
     "depth_m": lambda read: read("z"),
     "pitch_deg": lambda read: abs(read("theta") / DEGREE),
     "heel_deg": lambda read: abs(read("phi") / DEGREE),
     "speed_kn": lambda read: read("u") / KNOT,
-    "speed_over_ground_kn": lambda read: way_over_ground(read) / KNOT,
+    "speed_over_ground_kn": lambda read: read_rates(read).way / KNOT,
     "validity_level": lambda read: read("validity"),
 }
 
@@ -235,7 +223,8 @@ class LimitMonitor:
         for name, limit in self._set:
             key, _, end = name.rpartition("_")
             value = self._values(boat, flown, ranges, key)
-            for error in (-HEIGHT_ERROR_M, HEIGHT_ERROR_M) if key == "clearance_m" else (0.0,):
+            most = LIMIT_ERRORS.get(key, 0.0)
+            for error in {-most, most}:
                 passed = value + error > limit if end == "max" else value + error < limit
                 mask |= passed != (name in self.beyond)
         return min(count_before(mask), self.encounters.quiet_ticks(flown, ranges))

@@ -236,7 +236,8 @@ class Boat:
         """Return a copy of the state by the core's names, in SI and radians.
 
         ``u`` [m/s] is the speed ahead, ``z`` [m] the depth, ``psi`` [rad] the heading, ``theta``
-        [rad] the pitch; the names are those of a recording's columns.
+        [rad] the pitch; the names are those of a recording's columns. Rates such as ``psidot`` are
+        those with which the last tick began.
         """
         return dict(zip(LAYOUT, self._boat.plain.tolist(), strict=True))
 

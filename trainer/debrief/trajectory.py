@@ -18,6 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import STATE_NAMES
+from trainer.boat.motion_rates import MOTION_NAMES, WATER_NAMES, read_rates
 from trainer.boat.world.bottom import ground_under, heights_of_keel, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE_UNITS, STATE_QUANTITIES
@@ -47,8 +48,8 @@ CASUALTY_AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(MAX_CASUA
 # fields of the state beside those that conditions are about
 # fmt: off
 PASSAGE_FIELDS: Final = (
-    "x", "y", "xdot", "ydot", "held_position",
-    "psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed",
+    *MOTION_NAMES, "x", "y", "held_position",
+    "weight", "ordered_depth", "ordered_psi", "ordered_speed",
     "ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b",
     "rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand",
     "blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth",
@@ -60,7 +61,11 @@ PASSAGE_FIELDS: Final = (
 CREW_ORDERS: Final = {
     axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(CREW_AXES)
 }
-NEWER_COLUMNS: Final = (*(name for both in CREW_ORDERS.values() for name in both), *STATE_NAMES)
+NEWER_COLUMNS: Final = (
+    *(name for both in CREW_ORDERS.values() for name in both),
+    *STATE_NAMES,
+    *WATER_NAMES,
+)
 NEEDED_COLUMNS: Final = tuple(
     dict.fromkeys(
         (*(q.field for q in STATE_QUANTITIES.values() if q.field != "tick"), *PASSAGE_FIELDS)
@@ -196,9 +201,8 @@ def keel_clearance(trajectory: Trajectory) -> Numbers:
 
 def over_ground(trajectory: Trajectory) -> Numbers:
     """Return the speed [m/s] over the ground, 0 while the position is held."""
-    column = trajectory.columns
-    speed: Numbers = np.hypot(column["xdot"], column["ydot"])
-    return np.where(column["held_position"] != 0.0, 0.0, speed)
+    speed: Numbers = read_rates(trajectory.columns.__getitem__).way
+    return speed
 
 
 QUANTITY_FUNCTIONS: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {

@@ -13,7 +13,8 @@ from typing import Final
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
-from trainer.boat.limits import height_showing, is_deep, over_ground
+from trainer.boat.limits import height_showing, is_deep
+from trainer.boat.motion_rates import read_rates
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss
@@ -79,7 +80,7 @@ def quantity_of(boat: Boat, name: str) -> float:
         vessel = boat.vessel
         return (boat.plain[STATE_OFFSETS["weight"]] - float(vessel.buoyancy)) / float(vessel.g)
     if name == "speed_over_ground":
-        return over_ground(boat.state)
+        return float(read_rates(lambda name: boat.plain[STATE_OFFSETS[name]]).way)
     factor = scale_of(boat, name)
     return boat.plain[STATE_OFFSETS[STATE_QUANTITIES[name].field]] / factor if factor else math.nan
 

@@ -43,12 +43,12 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         ),
         (
             f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
-            f"rate {s.zdot:+.2f} m/s down"
+            f"rate {frame.rates.down:+.2f} m/s down"
         ),
         (
             f"heading {course(seen.course_deg, 2):>8}     "
             f"ordered {course(math.degrees(s.ordered_psi), 1)}   "
-            f"rate {math.degrees(s.psidot):+.2f} deg/s"
+            f"rate {math.degrees(frame.rates.heading):+.2f} deg/s"
         ),
         (
             f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "

@@ -27,7 +27,8 @@ HEADER_START: Final = """\
    {boat}
    {equations} set, {rates} rates, {integrator} at {step:g} s, for {cpu}
 
-   SI and radians: u v w [m/s], p q r [rad/s], phi theta psi [rad], x y z [m], dots their rates.
+   SI and radians: u v w [m/s], p q r [rad/s], phi theta psi [rad], x y z [m], dots their rates
+   when the last tick began.
    Body axes x forward, y starboard, z to the keel; earth axes x north, y east, z down. psi is
    positive to starboard, theta bow up, phi starboard side down. Plane signs are carried by the
    coefficients.

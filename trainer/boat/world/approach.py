@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.motion_rates import read_rates
 from trainer.boat.world.tracks import ShipMotion, situation
 from trainer.core.kernel import Numbers
 
@@ -38,9 +39,9 @@ class OwnMotion(NamedTuple):
         if state["held_position"]:
             # without way there is no course over the ground: the heading stands for it
             return cls(float(state["x"]), float(state["y"]), float(state["psi"]), 0.0, 0.0)
-        north, east = float(state["xdot"]), float(state["ydot"])
-        speed, turning = math.hypot(north, east), float(state["psidot"])
-        return cls(float(state["x"]), float(state["y"]), math.atan2(east, north), speed, turning)
+        rates, (x, y) = read_rates(state.__getitem__), (float(state["x"]), float(state["y"]))
+        course = math.atan2(rates.east, rates.north)
+        return cls(x, y, course, float(rates.way), float(rates.heading))
 
     def velocity(self) -> tuple[float, float]:
         """Return the velocity [m/s] over the ground, north and east."""

@@ -12,12 +12,11 @@ from typing import Final, NamedTuple
 
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.casualties import SOUNDER_RANGE
-from trainer.core.kinematics import MIN_PITCH_COSINE
 from trainer.core.surfaces import SURFACES
 from trainer.io.chart import Chart
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
 from trainer.session.nmea.orders import BELL_POSITIONS
-from trainer.session.stations.channels import set_and_drift, track_and_speed
+from trainer.session.stations.channels import set_and_drift, way_made
 from trainer.session.stations.panels import (
     bank_fields,
     bell,
@@ -61,7 +60,7 @@ def over_water_and_ground(frame: Frame) -> tuple[float, float, float]:
 
     To starboard is positive.
     """
-    north, east, _ = motion_now(frame)
+    north, east = frame.rates.north, frame.rates.east
     cosine, sine = math.cos(frame["psi"]), math.sin(frame["psi"])
     ahead, across = north * cosine + east * sine, east * cosine - north * sine
     return frame["v"] / KNOT, ahead / KNOT, across / KNOT
@@ -82,43 +81,16 @@ def sounding(frame: Frame, unit: float = 1.0) -> float | None:
 
 def turn_rate(frame: Frame) -> float:
     """Return the rate of turn [deg/min], to starboard positive."""
-    return math.degrees(motion_now(frame)[2]) * 60.0
-
-
-def way_told(frame: Frame) -> tuple[float, float]:
-    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
-    return track_and_speed(frame, *motion_now(frame)[:2])
-
-
-def motion_now(frame: Frame) -> tuple[float, float, float]:
-    """Return the speeds [m/s] north and east, and of the heading [rad/s], of this tick.
-
-    Those in the state are of when the tick began: a reader that takes the heading's own change for
-    the truth finds the rate a tick late. Here they follow from the motion as it stands, [ASSES]
-    (7), and from the current.
-    """
-    phi, theta, psi = (frame[name] for name in ("phi", "theta", "psi"))
-    across = frame["v"] * math.cos(phi) - frame["w"] * math.sin(phi)
-    down = frame["v"] * math.sin(phi) + frame["w"] * math.cos(phi)
-    along = frame["u"] * math.cos(theta) + down * math.sin(theta)
-    level = math.copysign(max(math.cos(theta), MIN_PITCH_COSINE, key=abs), math.cos(theta))
-    turn = (frame["q"] * math.sin(phi) + frame["r"] * math.cos(phi)) / level
-    if frame["held_position"]:
-        return 0.0, 0.0, turn
-    north = along * math.cos(psi) - across * math.sin(psi)
-    east = along * math.sin(psi) + across * math.cos(psi)
-    water_north = frame["water_north"] + frame["shear_north"] * frame["z"]
-    water_east = frame["water_east"] + frame["shear_east"] * frame["z"]
-    return north + water_north, east + water_east, turn
+    return math.degrees(frame.rates.heading) * 60.0
 
 
 # Angles are in degrees, speeds in knots, unless said otherwise.
 READINGS: Final[Mapping[str, NmeaReading]] = {
     "north": NmeaReading(lambda f: f["x"], 1, FARTHEST_M),  # [m] of the origin
     "east": NmeaReading(lambda f: f["y"], 1, FARTHEST_M),  # [m]
-    "track": NmeaReading(lambda f: way_told(f)[0], 2, 359.99),  # over the ground
-    "over_ground": NmeaReading(lambda f: way_told(f)[1], 2, 99.99),
-    "over_ground_kmh": NmeaReading(lambda f: way_told(f)[1] * KNOT_KM_H, 2, 99.99 * KNOT_KM_H),
+    "track": NmeaReading(lambda f: way_made(f)[0], 2, 359.99),  # over the ground
+    "over_ground": NmeaReading(lambda f: way_made(f)[1], 2, 99.99),
+    "over_ground_kmh": NmeaReading(lambda f: way_made(f)[1] * KNOT_KM_H, 2, 99.99 * KNOT_KM_H),
     "across": NmeaReading(lambda f: over_water_and_ground(f)[0], 2, -99.99),  # through the water
     "ahead_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[1], 2, -99.99),
     "across_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[2], 2, -99.99),

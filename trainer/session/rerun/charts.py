@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.motion_rates import read_rates
 from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, COMPARTMENTS, PUMPED_TANKS, TANKS
 from trainer.core.casualties import KINDS
@@ -152,8 +153,8 @@ def depth_kept(block: Block) -> Numbers:
 
 def over_ground(block: Block) -> Numbers:
     """Return the speed [kn] over the ground, 0 while the position is held."""
-    speed = np.hypot(block["xdot"], block["ydot"]) / KNOT
-    return np.where(block["held_position"] > 0.0, 0.0, speed)
+    speed: Numbers = read_rates(block.__getitem__).way / KNOT
+    return speed
 
 
 def drift(block: Block) -> Numbers:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from trainer.boat.casualties import describe_amount
+from trainer.boat.motion_rates import MotionRates
 from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
@@ -37,12 +38,9 @@ TELETYPE_CHANNEL: Final = "teletype"  # the state in one line of 79 columns, und
 EVENTS_CHANNEL: Final = "events"  # what happens, when it happens
 
 
-def rate_unless_held(held: str, rate: str) -> Callable[[Frame], Value]:
-    """Return a reader of a rate [SI]. It reads 0 while that part of the boat is held.
-
-    A held boat sails on unseen, so its rate in the state is not what a display shows.
-    """
-    return lambda frame: 0.0 if frame[held] else frame[rate]
+def rate(name: str, read: Callable[[MotionRates], float]) -> Field:
+    """Return a field of the rate of an angle."""
+    return Field(name, "deg/s", 3, lambda frame: math.degrees(read(frame.rates)))
 
 
 def excess_weight(frame: Frame) -> Value:
@@ -56,20 +54,11 @@ def clearance(frame: Frame) -> Value:
     return None if math.isinf(height) else height
 
 
-def way_over_ground(frame: Frame) -> tuple[float, float]:
-    """Return the speed [m/s] north and east, 0 while the position is held."""
-    return (0.0, 0.0) if frame["held_position"] else (frame["xdot"], frame["ydot"])
-
-
 def way_made(frame: Frame) -> tuple[float, float]:
     """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
-    return track_and_speed(frame, *way_over_ground(frame))
-
-
-def track_and_speed(frame: Frame, north: float, east: float) -> tuple[float, float]:
-    """Return ``way_made`` at speeds [m/s] north and east."""
-    speed = math.hypot(north, east) / KNOT
-    angle = math.atan2(east, north) if speed >= MIN_SHOWN_SPEED_KN else frame["psi"]
+    rates = frame.rates
+    speed = float(rates.way) / KNOT
+    angle = math.atan2(rates.east, rates.north) if speed >= MIN_SHOWN_SPEED_KN else frame["psi"]
     return compass(angle, 2), speed
 
 
@@ -150,13 +139,14 @@ INSTRUCTOR_CHANNELS: Final = (
             degrees("heel", "phi", decimals=2),
             metres("north", "x"),
             metres("east", "y"),
-            Field("depth_rate", "m/s", 3, rate_unless_held("held_depth", "zdot")),
-            degrees("turn_rate", "psidot", "deg/s", 3),
+            Field("depth_rate", "m/s", 3, lambda frame: frame.rates.down),
+            rate("turn_rate", lambda rates: rates.heading),
+            # an acceleration is of the forces within a tick: it is that of the tick before
             knots("speed_rate", "udot", "kn/s", 4),
-            degrees("pitch_rate", "thetadot", "deg/s", 3),
-            degrees("heel_rate", "phidot", "deg/s", 3),
-            Field("north_rate", "m/s", 2, rate_unless_held("held_position", "xdot")),
-            Field("east_rate", "m/s", 2, rate_unless_held("held_position", "ydot")),
+            rate("pitch_rate", lambda rates: rates.pitch),
+            rate("heel_rate", lambda rates: rates.heel),
+            Field("north_rate", "m/s", 2, lambda frame: frame.rates.north),
+            Field("east_rate", "m/s", 2, lambda frame: frame.rates.east),
             Field("heavy", "t", 1, excess_weight),
             Field("clearance", "m", 1, clearance),
         ),

@@ -15,6 +15,7 @@ import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
+from trainer.boat.motion_rates import MotionRates, read_rates
 from trainer.boat.world.bottom import keel_of
 from trainer.core.casualties import instruments
 from trainer.core.state import SOUNDING_COUNT, new_scratch, new_state
@@ -101,6 +102,11 @@ class Frame:
     def ledger(self) -> Summary:
         """Return the summary of the ticks."""
         return self.summary()
+
+    @cached_property
+    def rates(self) -> MotionRates:
+        """Return the rates of attitude and location at this tick [SI]."""
+        return read_rates(self.__getitem__)
 
     @property
     def tick(self) -> int:

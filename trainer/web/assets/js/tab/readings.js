@@ -21,6 +21,7 @@ const PARTS = ["depth", "position", "tanks"];
 const LETTERS = { rudder: "r", stern: "s", bow: "b" };
 const ROUND = 350 * DEGREE;
 const SLOWEST = 0.005; // [kn] that is not written as zero
+const STEEPEST = 0.02; // of |cos pitch|: the equations are singular at 90 degrees
 
 /** Returns an angle [rad] as a course below 360 when written. @param {number} angle */
 function compass(angle, decimals = 1) {
@@ -206,8 +207,6 @@ function ballast(r) {
 /** The truth, and the sea. @param {Readings} r @returns {Record<string, () => Value>} */
 function truth(r) {
   const { fittings } = r;
-  const unless = (/** @type {string} */ held, /** @type {string} */ rate) => () => (r.get(held) ? 0 : r.get(rate));
-  const degrees = (/** @type {string} */ place) => () => r.get(place) / DEGREE;
   const overSail = () => {
     const [x, z] = fittings.sail;
     const [pitch, heel] = [r.get("theta"), r.get("phi")];
@@ -221,13 +220,13 @@ function truth(r) {
     "motion.speed": () => r.get("u") / fittings.knot,
     north: () => r.get("x"),
     east: () => r.get("y"),
-    depth_rate: unless("held_depth", "zdot"),
-    "motion.turn_rate": degrees("psidot"),
+    depth_rate: () => rates(r).down,
+    "motion.turn_rate": () => rates(r).heading / DEGREE,
     speed_rate: () => r.get("udot") / fittings.knot,
-    pitch_rate: degrees("thetadot"),
-    heel_rate: degrees("phidot"),
-    north_rate: unless("held_position", "xdot"),
-    east_rate: unless("held_position", "ydot"),
+    pitch_rate: () => rates(r).pitch / DEGREE,
+    heel_rate: () => rates(r).heel / DEGREE,
+    north_rate: () => rates(r).way[0],
+    east_rate: () => rates(r).way[1],
     heavy: () => (r.get("weight") - fittings.buoyancy) / fittings.g / TONNE,
     ...sea(r, "sea", ""),
     ...sea(r, "sea_target", "ordered_"),
@@ -249,12 +248,41 @@ function sea(r, block, before) {
   };
 }
 
+/** The current at the boat [m/s], north and east. @param {Readings} r @returns {[number, number]} */
+function water(r) {
+  const depth = r.get("z");
+  return [r.get("water_north") + r.get("shear_north") * depth, r.get("water_east") + r.get("shear_east") * depth];
+}
+
+/** The rates of this tick [rad/s, m/s], as motion_rates.py has them: those of the state are of the tick before. @param {Readings} r */
+function rates(r) {
+  const [u, v, w, p, q, turning] = ["u", "v", "w", "p", "q", "r"].map((name) => r.get(name));
+  const [phi, theta, psi] = ["phi", "theta", "psi"].map((name) => r.get(name));
+  const [sinHeel, cosHeel, sinPitch, cosPitch] = [Math.sin(phi), Math.cos(phi), Math.sin(theta), Math.cos(theta)];
+  const level = Math.max(Math.abs(cosPitch), STEEPEST) * (cosPitch < 0 ? -1 : 1);
+  const heading = (q * sinHeel + turning * cosHeel) / level;
+  const [across, down] = [v * cosHeel - w * sinHeel, v * sinHeel + w * cosHeel];
+  const along = u * cosPitch + down * sinPitch;
+  const [north, east] = water(r);
+  /** @type {[number, number]} */
+  const way = [
+    along * Math.cos(psi) - across * Math.sin(psi) + north,
+    along * Math.sin(psi) + across * Math.cos(psi) + east,
+  ];
+  return {
+    heel: p + heading * sinPitch,
+    pitch: q * cosHeel - turning * sinHeel,
+    heading,
+    way: /** @type {[number, number]} */ (r.get("held_position") ? [0, 0] : way),
+    down: r.get("held_depth") ? 0 : down * cosPitch - u * sinPitch,
+  };
+}
+
 /** The water at the boat, and her way over the ground. @param {Readings} r @returns {Record<string, () => Value>} */
 function ground(r) {
   const knots = (/** @type {[number, number]} */ [north, east]) => Math.hypot(north, east) / r.fittings.knot;
-  const water = (/** @type {string} */ side) => r.get(`water_${side}`) + r.get(`shear_${side}`) * r.get("z");
-  const current = () => /** @type {[number, number]} */ ([water("north"), water("east")]);
-  const way = () => /** @type {[number, number]} */ (r.get("held_position") ? [0, 0] : [r.get("xdot"), r.get("ydot")]);
+  const current = () => water(r);
+  const way = () => rates(r).way;
   const goes = (/** @type {[number, number]} */ [north, east]) => Math.atan2(east, north);
   return {
     set: () => (knots(current()) >= SLOWEST ? compass(goes(current()), 1) : null),
