@@ -28,7 +28,7 @@ from trainer.analysis.estimate.coefficients import (
     sail_vortex,
 )
 from trainer.analysis.estimate.geometry import Spheroid, integral, smooth
-from trainer.analysis.estimate.survey import fly_turns
+from trainer.analysis.estimate.survey import fly_turn
 from trainer.analysis.estimate.uncertainty import (
     TWIN_COEFFICIENTS,
     Estimate,
@@ -105,7 +105,7 @@ def test_remus_turns_as_the_prototype_flew_it() -> None:
     """Rudder 4 deg at 3 kn: 20.7 m, the thesis 17.7 m, at sea about 17 m."""
     made = write_boat(shipped_hull("remus100"), Path("remus.toml"))
 
-    (turn,) = fly_turns([made.file], math.radians(4.0))
+    turn = fly_turn(made.file, math.radians(4.0))
 
     assert turn
     assert turn["steady diameter"] == pytest.approx(20.7, abs=0.05)

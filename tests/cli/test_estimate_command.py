@@ -1,8 +1,10 @@
 """The command trainer boat estimate: what it writes sails; what is wrong is told in one line."""
 
+import io
 import json
 import math
 import re
+import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -34,7 +36,7 @@ from trainer.boat.boat import Boat
 from trainer.cli.estimate import estimate
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.hull import read_hull
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel, read_vessel
 from trainer.units import KNOT
 
 HULL = """
@@ -397,3 +399,52 @@ def test_a_compact_set_is_searched_for_quickly_in_the_file_that_is_written(
     assert done.exit_code == 0, done.output
     assert asked == [[str(boat), "--write", "--quick"]]
     assert boat.exists()
+
+
+# How far it is
+
+
+def test_the_bar_moves_with_each_boat_that_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hull of 36 surfaces took four times as long to make its boats as to fly them all."""
+    written = write_boat(open_hull("small-boat"), Path("boat.toml"))
+    boats, moves = [0], []
+
+    def note_boat(*given: Any) -> VesselFile:
+        boats[-1] += 1
+        return read_vessel(*given)
+
+    def hear(turns: int) -> None:
+        moves.append(turns)
+        boats.append(0)
+
+    monkeypatch.setattr(survey, "read_vessel", note_boat)
+    survey.survey_boat(written, 3, hear)
+
+    assert sum(moves) == survey.turns_of(written, 3)
+    assert sum(boats) > 60
+    assert max(boats) == 1
+
+
+class Terminal(io.StringIO):
+    """A terminal that keeps what is written to it."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("stderr", [Terminal, io.StringIO])
+def test_how_far_it_is_is_shown_on_a_terminal_alone(
+    stderr: type[io.StringIO], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    screen = stderr()
+    monkeypatch.setattr(sys, "stderr", screen)
+    estimate.main(["small-boat", "--draws", "1"], standalone_mode=False)
+    shown = screen.getvalue()
+
+    if stderr is Terminal:
+        assert "turning" in shown
+        assert "50%" in shown
+        assert "100%" in shown
+    else:
+        assert shown == ""

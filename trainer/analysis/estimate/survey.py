@@ -5,9 +5,9 @@ the method's uncertainty makes of it. The influences say which numbers of the dr
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, replace
-from itertools import chain
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -46,6 +46,7 @@ STATION_SHIFT: Final = 0.01  # [lengths] of a station, aft and forward
 SHIFTED_STATIONS: Final = ("le_root", "cg_from_nose")  # what is shifted
 FOLLOWING_STATIONS: Final = {"le_root": "le_tip"}  # what is shifted with it
 NOT_VARIED: Final = ("reference_length", "le_tip", "design_kn", "length", "rho", "nu")
+KEPT_TABLES: Final = ("run", "autopilot")  # of the estimate, by boats of changed hulls
 MAX_INPUTS: Final = 10  # inputs shown, those that matter most
 # of the design speed: a stern plane reversal above it is reported
 REVERSAL_SPEED_SHARE: Final = 0.7
@@ -106,27 +107,27 @@ class Survey:
 
 def turns_of(written: WrittenBoat, draws: int) -> int:
     """Return how many turns a survey flies at most."""
-    return 2 + draws + 2 * len(inputs_of(written.made.hull.file))
+    return 1 + draws + 2 * len(inputs_of(written.made.hull.file))
 
 
 def survey_boat(written: WrittenBoat, draws: int, heard: Callable[[int], object]) -> Survey:
     """Return what there is to say about a boat, with ``draws`` of its coefficients.
 
-    ``heard`` is called with the number of turns flown since its last call.
+    ``heard`` is called with the number of turns flown since its last call. Each boat is made when
+    its turn comes, because boats of many panels take longer to make than to fly.
     """
     file, hull = written.file, written.made.hull
-    numbers = range(1, draws + 1)
     tables = parse_toml(written.text, file.path.name)
-    boats = (
-        read_vessel(drawn_tables(written.made, tables, number), written.text, file.path)
-        for number in numbers
-    )
-    turns = fly_turns(chain([file], boats), half_rudder(file), heard)
-    drawn = [written.made.draw(number) for number in numbers]
+    own_turn, turns, by_draw = fly_turn(file), [], []
+    heard(1)
+    for number in range(1, draws + 1):
+        drawn = read_vessel(drawn_tables(written.made, tables, number), written.text, file.path)
+        turns.append(fly_turn(drawn))
+        by_draw.append(margins(drawn))
+        heard(1)
     (flight,) = straight_flights(file, [file.run.start_speed_kn])
     rolls = (mode.period_s for mode in flight.modes if mode.name.startswith("roll"))
-    flown = [each for each in turns[1:] if each is not None]
-    by_draw = [margins(replace(file, coefficients=c)) for c in drawn]
+    flown = [each for each in turns if each is not None]
     critical = critical_speeds(file)
     return Survey(
         vessel=file.name,
@@ -145,12 +146,12 @@ def survey_boat(written: WrittenBoat, draws: int, heard: Callable[[int], object]
         speed_kn=file.run.start_speed_kn,
         rudder_deg=math.degrees(half_rudder(file)),
         turn=tuple(
-            _band(name, unit, (turns[0] or {}).get(name), [each.get(name) for each in flown])
+            _band(name, unit, (own_turn or {}).get(name), [each.get(name) for each in flown])
             for name, unit in MEASURE_UNITS.items()
         ),
         draws=draws,
         flown=len(flown),
-        influences=tuple(influences(written, turns[0], heard)),
+        influences=tuple(influences(written, own_turn, heard)),
         defaulted=list_defaults(hull.file),
         warnings=tuple(warnings(written, critical)),
     )
@@ -161,22 +162,15 @@ def half_rudder(file: VesselFile) -> float:
     return math.radians(TURN_RUDDER_SHARE * file.surfaces.rudder_limit_deg)
 
 
-def fly_turns(
-    files: Iterable[VesselFile], rudder: float, heard: Callable[[int], object] = int
-) -> list[dict[str, float] | None]:
-    """Return the measures of each boat's turn, None of one that cannot; ``rudder`` in rad."""
-    turns = []
-    for file in files:
-        turns.append(_fly_turn(file, rudder))
-        heard(1)
-    return turns
+def fly_turn(file: VesselFile, rudder: float | None = None) -> dict[str, float] | None:
+    """Return the measures of a turn by the full set, None without one.
 
-
-def _fly_turn(file: VesselFile, rudder: float) -> dict[str, float] | None:
-    """Return the measures of a turn by the full set, None if it cannot be flown."""
+    ``rudder`` [rad] is half the limit where it is not given.
+    """
     method = Method("full", "lagged", "exact", "adams2", file.run.step_s)
     speed = file.run.start_speed_kn * KNOT
     time = min(TURN_LENGTHS * file.hull.length / speed, MAX_TURN_TICKS * method.step)
+    rudder = half_rudder(file) if rudder is None else rudder
     turn = Turn(angle_deg=math.degrees(rudder), duration_s=max(time, MIN_TURN_S))
     boat = Submarine(file, method, Rig("own", "own", "trainer"))
     try:
@@ -289,13 +283,17 @@ def influences(
     if own_diameter is None:
         return []
     file = written.made.hull.file
-    wanted = [(one, sign) for one in inputs_of(file) for sign in (-1.0, 1.0)]
-    boats = {each: boat for each in wanted if (boat := _changed_boat(written, *each)) is not None}
-    turns = fly_turns([written.file, *boats.values()], half_rudder(written.file), heard)
+    own_tables = parse_toml(written.text, written.file.path.name)
+    kept: dict[str, Any] = {key: own_tables[key] for key in KEPT_TABLES if key in own_tables}
+    rudder = half_rudder(written.file)
     effect: dict[HullInput, dict[float, float]] = {}
-    for (one, sign), each in zip(boats, turns[1:], strict=True):
-        if each is not None and DIAMETER_MEASURE in each:
-            effect.setdefault(one, {})[sign] = each[DIAMETER_MEASURE] / own_diameter - 1.0
+    for one, sign in product(inputs_of(file), (-1.0, 1.0)):
+        boat = _changed_boat(written, kept, one, sign)
+        changed_turn = None if boat is None else fly_turn(boat, rudder)
+        if changed_turn is not None and DIAMETER_MEASURE in changed_turn:
+            share = changed_turn[DIAMETER_MEASURE] / own_diameter - 1.0
+            effect.setdefault(one, {})[sign] = share
+        heard(1)
     ranked = []
     for one, by_sign in effect.items():
         change = f"{STATION_SHIFT * file.length:.3g} m" if one.shifted else f"{INPUT_CHANGE:.0%}"
@@ -304,12 +302,12 @@ def influences(
     return sorted(ranked, key=lambda each: -each.size)[:MAX_INPUTS]
 
 
-def _changed_boat(written: WrittenBoat, one: HullInput, sign: float) -> VesselFile | None:
-    """Return the boat of a changed hull, with the gains of the estimate; None without such."""
-    own_tables = parse_toml(written.text, written.file.path.name)
+def _changed_boat(
+    written: WrittenBoat, kept: dict[str, Any], one: HullInput, sign: float
+) -> VesselFile | None:
+    """Return the boat of a changed hull, with those tables of the estimate; None without such."""
     try:
         made = estimate_of(hull_of(change_hull(written.made.hull.file, one, sign)))
-        kept = {key: own_tables[key] for key in ("run", "autopilot") if key in own_tables}
         return read_vessel(boat_tables(made) | kept, "", written.file.path)
     except ConfigError:
         return None
