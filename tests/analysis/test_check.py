@@ -508,7 +508,7 @@ def test_a_turn_that_cannot_be_flown_says_why() -> None:
 
 def test_a_turn_that_loses_its_numbers_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     # a boat in trim hardly can any more
-    monkeypatch.setattr("trainer.analysis.check.Boat.tick", lambda _: 4)
+    monkeypatch.setattr("trainer.analysis.check.Boat.fly", lambda *_: 4)
     turn = compare_turns(load_vessel("sdv-mk9"))
 
     assert turn.full is None

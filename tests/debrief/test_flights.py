@@ -14,6 +14,7 @@ from trainer.analysis.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory, PlanesHand, RudderHand, TicksAhead
+from trainer.boat.due_orders import entries_due
 from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
@@ -25,7 +26,6 @@ from trainer.debrief.rehearsal import (
     ByReference,
     Flight,
     Rehearsal,
-    due_orders,
     fly_rehearsal,
     last_tick,
 )
@@ -175,9 +175,10 @@ def test_a_boat_that_is_lost_on_the_way_is_where_it_was_lost(
 
 def test_a_member_of_a_sweep_flies_as_tick_by_tick() -> None:
     plan = plan_of("course-changes")
-    outing, due = go_out(plan), due_orders(plan)
+    outing = go_out(plan)
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
+    due = entries_due(boat, plan.schedule)
     rows = [boat.numbers(MOTION_COLUMNS)]
     for tick in range(last_tick(plan)):
         for place in due.get(tick, ()):

@@ -9,8 +9,9 @@ import numpy as np
 from helpers.givers import giver_at
 from helpers.orders import read_order
 from helpers.sessions import begin_run
+from trainer.boat.due_orders import entries_due
 from trainer.boat.helm import obey_order
-from trainer.debrief.rehearsal import due_orders, last_tick
+from trainer.debrief.rehearsal import last_tick
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
@@ -55,7 +56,7 @@ def record(
         return obey_order(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
 
     with np.errstate(all="ignore"):
-        due = due_orders(plan)
+        due = entries_due(boat, plan.schedule)
         for tick in range(last_tick(plan)):
             for place in due.get(tick, ()):
                 give(SCHEDULE_GIVER, plan.schedule[place].order, place)

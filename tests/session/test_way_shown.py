@@ -6,8 +6,9 @@ import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.sessions import start_plan
 
+from trainer.boat.due_orders import entries_due
 from trainer.boat.mute_crew import MuteCrew
-from trainer.debrief.rehearsal import Departure, due_orders, fly
+from trainer.debrief.rehearsal import Departure, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.options import RunOptions
@@ -76,7 +77,7 @@ def test_what_is_shown_is_what_the_debrief_would_have_the_crew_do_from_there(jam
     boat = start_plan(plan)
     due = {
         tick: [order_of_schedule(plan, place, tick) for place in places]
-        for tick, places in due_orders(plan).items()
+        for tick, places in entries_due(boat, plan.schedule).items()
     }
     start = Departure(0, boat.snapshot(), (), MuteCrew(boat, plan.crew))
     last = JAMMED + SHOWN_TICKS

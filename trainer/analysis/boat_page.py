@@ -25,9 +25,10 @@ from trainer.boat.depths import (
     LEVEL_PITCH,
     RELEASE_MARGIN_M,
 )
+from trainer.boat.due_orders import fly_ticks, obey_all, orders_due
 from trainer.boat.export.header import fields_of
 from trainer.boat.export.wasm import numbers_of, shipped_module
-from trainer.boat.helm import LEVER_SHARES, obey_order
+from trainer.boat.helm import LEVER_SHARES
 from trainer.boat.sea_orders import fully_developed, standing_sea
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.casualties import Casualty, clause_of
@@ -43,7 +44,6 @@ from trainer.core.surfaces import SURFACES
 from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
-from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
 from trainer.session.journal import order_of
@@ -269,19 +269,17 @@ def way_from(
     mute = follow_run(plan, orders, (), begun)
     boat, crew = mute.crew.boat, mute.speak()
     start, last = boat.records.state.tobytes(), begun + round(WAY_S / plan.method.step)
-    due = [e for e in plan.schedule if boat.ticks_in(e.seconds) >= begun]
+    was = boat.state.whole.copy()
     before: list[tuple[int, StateWrites]] = []
     spoken: list[tuple[int, str]] = []
-    for tick in range(begun, last):
-        was = boat.state.whole.copy()
-        while due and boat.ticks_in(due[0].seconds) <= boat.ticks:
-            if due[0].order.name in BOAT_ORDERS:
-                obey_order(boat, due[0].order)
-            del due[0]
-        spoken += [(tick, plain(each.text)) for each in crew.look()]
+
+    def look(_: object) -> None:
+        spoken.extend((boat.ticks, plain(each.text)) for each in crew.look())
         if written := state_changes(was, boat.state.whole):
-            before.append((tick, written))
-        boat.tick()
+            before.append((boat.ticks, written))
+
+    for _ in fly_ticks(boat, last, orders_due(boat, plan.schedule), look):
+        was[:] = boat.state.whole
     state = base64.b64encode(start).decode("ascii")
     branch = {"number": number, "parent": parent.id, "begun": begun, "last": last, "after": []}
     branch |= {"why": "the way, shown by the reference crew", "state": state, "before": before}
@@ -383,8 +381,7 @@ def apply_orders(orders: deque[RecordedOrder], tick: int, boat: Boat, plan: Plan
     was = boat.state.whole.copy()
     while orders and orders[0].tick <= tick:
         order = order_of(orders.popleft(), plan.schedule)
-        if order is not None and order.name in BOAT_ORDERS:
-            obey_order(boat, order)
+        obey_all(boat, [] if order is None else [order])
     return state_changes(was, boat.state.whole)
 
 
@@ -411,9 +408,7 @@ def boat_of_visitors(options: RunOptions) -> tuple[Boat, dict[str, Any]]:
         raise ConfigError(
             f"{plan.file.path.name}: a kiosk needs planes, and an autopilot that levels the boat"
         )
-    for entry in plan.schedule:
-        if entry.seconds <= 0.0 and entry.order.name in BOAT_ORDERS:
-            obey_order(boat, entry.order)
+    obey_all(boat, orders_due(boat, plan.schedule).get(0, ()))
     limits = {surface: float(boat.vessel[f"limit_{SURFACES[surface]}"]) for surface in planes}
     return boat, {
         "shares": [(surface, LEVER_SHARES[surface], limits[surface]) for surface in planes],

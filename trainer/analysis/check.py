@@ -13,7 +13,7 @@ from itertools import starmap
 import numpy as np
 
 from trainer.boat.assemble import Method, scheme_record
-from trainer.boat.boat import Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import bounded_keys, is_clipped, surface_modes
 from trainer.boat.linear import Mode, bring_to, measure_response, modes
 from trainer.boat.stability import (
@@ -35,6 +35,7 @@ TURN_RUDDER_DEG = 15.0  # [deg]
 TURN_LENGTHS = 90.0  # boat lengths at the first speed: long enough to settle,
 AVERAGED_LENGTHS = 20.0  # the last of which are averaged
 MAX_TURN_TICKS = 20_000  # at whatever speed
+TURN_OFFSETS = np.array([STATE_OFFSETS[name] for name in ("u", "v", "psidot", "phi")])
 MAX_YAW_RATE_SPREAD = 0.02  # [-] of the yaw rate over them: more is not steady
 PLANE_NAMES = ("stern", "bow")
 # [ASSES] equations (2), (4), (6)
@@ -82,12 +83,9 @@ def steady_turn(file: VesselFile, equations: str, rudder: float) -> SteadyTurn:
     s.ordered_r = rudder
     settled = math.ceil(TURN_LENGTHS * file.hull.length / speed / boat.method.step)
     ticks = min(settled, MAX_TURN_TICKS)
-    seen = np.zeros((ticks, 4))
-    for tick in range(ticks):
-        status = boat.tick()
-        if status:
-            raise ConfigError(f"{equations}: {boat.failure(status)}")
-        seen[tick] = s.u, s.v, s.psidot, s.phi
+    seen = np.empty((ticks, len(TURN_OFFSETS)))
+    if status := boat.fly(TURN_OFFSETS, seen):
+        raise ConfigError(f"{equations}: {boat.failure(status)}")
     last = seen[-math.ceil(ticks * AVERAGED_LENGTHS / TURN_LENGTHS) :]
     u, v, yaw, heel = (float(mean) for mean in last.mean(axis=0))
     if np.ptp(last[:, 2]) >= MAX_YAW_RATE_SPREAD * abs(yaw):

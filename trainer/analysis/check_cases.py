@@ -5,7 +5,6 @@ difference is told with the spread that the case states; who is right, nobody ca
 terminal has tables, the page all runs in one plot.
 """
 
-import math
 import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +17,7 @@ from markupsafe import Markup
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.helm import obey_order
+from trainer.boat.due_orders import entries_due, obey_all
 from trainer.boat.world.world import world_of
 from trainer.config.check_case import (
     ANGLE_CHANNELS,
@@ -32,7 +31,6 @@ from trainer.config.files import ConfigError, nearest
 from trainer.core.digest import core_digest
 from trainer.core.kernel import Numbers
 from trainer.debrief.rehearsal import stretches
-from trainer.io.orders.grammar import Refused
 from trainer.report import html, text
 from trainer.report.columns import DEPTH_COLUMNS
 from trainer.report.panels import draw_panel, legend
@@ -187,9 +185,7 @@ def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
     """Return a run flown; ConfigError if an order is refused, or the boat lost."""
     boat, step = boat_of_run(case, run), run.step_s or 0.0
     offsets = np.array([STATE_OFFSETS[CASE_CHANNELS[name].state] for name in case.spread], np.int64)
-    due: dict[int, list[int]] = defaultdict(list)
-    for i, entry in enumerate(case.orders):
-        due[math.ceil(entry.seconds / step - 1e-9)].append(i)
+    due = entries_due(boat, case.orders)
     ticks = round(case.heading.duration_s / step)
     rows = np.empty((ticks + 1, offsets.size))
     rows[0] = boat.records.state.view(np.float64)[offsets]
@@ -197,22 +193,15 @@ def fly_run(case: CheckCase, run: CaseRun) -> CaseOutputs:
     begun = time.perf_counter()
     with np.errstate(all="ignore"):  # a lost boat is told below
         for tick, until in stretches(0, ticks, due):
-            _give_orders(case, boat, due.get(tick, ()))
+            for entry in due.get(tick, ()):
+                for words, why in obey_all(boat, [case.orders[entry].order]):
+                    raise case.problem(f"[orders[{entry}]] order = {words!r}: refused: {why}")
             if status := boat.fly(offsets, rows[tick + 1 : until + 1]):
                 raise case.problem(f"run {run.name}: {boat.failure(status)}")
     spent = time.perf_counter() - begun
     rows = rows[:: round(case.heading.sample_s / step)]
     columns = {name: rows[:, i] * CASE_CHANNELS[name].factor for i, name in enumerate(case.spread)}
     return CaseOutputs(run.name, columns, ticks, spent)
-
-
-def _give_orders(case: CheckCase, boat: Boat, indices: Sequence[int]) -> None:
-    """Give orders of a case; ConfigError with the line of one that is refused."""
-    for i in indices:
-        order = case.orders[i].order
-        reply = obey_order(boat, order)
-        if isinstance(reply, Refused):
-            raise case.problem(f"[orders[{i}]] order = {order.text!r}: refused: {reply.reason}")
 
 
 def compare(

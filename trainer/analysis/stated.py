@@ -15,15 +15,13 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
+from trainer.boat.due_orders import obey_all, orders_due
 from trainer.config.files import Position
 from trainer.config.stated import StatedValue
 from trainer.config.steps import Step
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
-from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.words import BOAT_ORDERS
 from trainer.session.exercise import LossMonitor, is_met
 from trainer.session.plan import Plan
 
@@ -113,20 +111,17 @@ def fly_steps(plan: Plan, boat: Boat, reading_s: float) -> list[StepFlight]:
     [s] after a step has begun its orders are typed.
     """
     guards = [LossMonitor(each, boat.ticks_in(each.seconds)) for each in plan.lost]
-    timed = iter([*plan.schedule])
-    coming = next(timed, None)
+    due = orders_due(boat, plan.schedule)
     flights: list[StepFlight] = []
     for step in plan.steps:
-        begun, held, refused = boat.time, 0, list(_refusals(boat, step.given))
+        begun, held, refused = boat.time, 0, obey_all(boat, step.given)
         typed = done = False
         lost: list[str] = []
         while not (done or lost) and boat.time - begun < step.row.within_s:
-            while coming and coming.seconds <= boat.time:
-                obey_order(boat, coming.order)
-                coming = next(timed, None)
+            obey_all(boat, due.get(boat.ticks, ()))
             if not typed and boat.time - begun >= reading_s:
                 typed = True
-                refused += _refusals(boat, step.typed)
+                refused += obey_all(boat, step.typed)
             boat.tick()
             lost = [each.loss.text for each in guards if each.look(boat)]
             holds = all(is_met(each, boat) for each in step.conditions)
@@ -151,14 +146,6 @@ def _beyond(plan: Plan, step: Step, number: int, position: Position) -> Iterator
         if asked > most or (each.strict and asked == most):
             why = f"this boat's {surface} goes to {math.degrees(most):g} deg: it never ends"
             yield position.inside(f"steps[{number}]").wrong("when", each.text, why)
-
-
-def _refusals(boat: Boat, orders: tuple[Order, ...]) -> Iterator[tuple[str, str]]:
-    """Have the boat obey; yield each order that it refuses, and why."""
-    for order in orders:
-        answer = obey_order(boat, order) if order.name in BOAT_ORDERS else ""
-        if isinstance(answer, Refused):
-            yield order.text, answer.reason
 
 
 def step_problems(plan: Plan, position: Position) -> Iterator[str]:

@@ -5,8 +5,8 @@ ticks them; ``machine_code`` calls the compiled kernels. Orders are carried out,
 reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what only writes numbers
 has a row in ``effects``. ``limits``, ``depths``, ``grounding`` and ``pilot`` look at each tick and
 call out (``calls`` says how urgent).
-``reference_crew`` flies an exercise by its rules. ``motion_rates`` are those that others are told.
-``linear`` and ``stability`` judge a boat.
+``reference_crew`` flies an exercise by its rules, ``due_orders`` a boat without a session.
+``motion_rates`` are those that others are told. ``linear`` and ``stability`` judge a boat.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
 machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
@@ -17,8 +17,8 @@ from outside the core, stays here.
 # fmt: off
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
-    "crew_orders", "depths", "envelope", "export", "flown_ticks", "grounding", "helm", "limits",
-    "linear", "machine_code", "motion_rates", "mute_crew", "pilot", "platforms", "reference_crew",
-    "sea_orders", "ship", "stability", "world",
+    "crew_orders", "depths", "due_orders", "envelope", "export", "flown_ticks", "grounding",
+    "helm", "limits", "linear", "machine_code", "motion_rates", "mute_crew", "pilot", "platforms",
+    "reference_crew", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

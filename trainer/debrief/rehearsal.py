@@ -6,10 +6,9 @@ stations and no clock. It is flown from its start, or from any moment of another
 
 import functools
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -19,6 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.depths import collapse_of, is_crushed
+from trainer.boat.due_orders import entries_due
 from trainer.boat.flown_ticks import count_before
 from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
@@ -211,7 +211,7 @@ class Flight:
 
     def fly_schedule(self) -> None:
         """Fly from start to end by the schedule, whoever is aboard at work."""
-        due = due_orders(self.plan)
+        due = entries_due(self.boat, self.plan.schedule)
         for tick, until in stretches(0, last_tick(self.plan), due):
             self.give_scheduled(due.get(tick, ()))
             if not self.fly_to(until):
@@ -360,18 +360,6 @@ def stretches(first: int, last: int, due: Iterable[int]) -> Iterator[tuple[int, 
     return pairwise(sorted({first, *(tick for tick in due if first < tick < last), last}))
 
 
-def due_orders(plan: Plan) -> dict[int, list[int]]:
-    """Return the entries of the orders due, by tick.
-
-    An order is due in the first tick not before its time, and not before those ahead of it.
-    """
-    due: dict[int, list[int]] = defaultdict(list)
-    ticks = accumulate((due_tick(plan, entry) for entry in range(len(plan.schedule))), max)
-    for entry, tick in enumerate(ticks):
-        due[max(tick, 0)].append(entry)
-    return due
-
-
 def due_tick(plan: Plan, entry: int) -> int:
     """Return the tick in which the order at an entry of the schedule is due."""
     return math.ceil(plan.schedule[entry].seconds / plan.method.step - 1e-9)
@@ -409,22 +397,8 @@ class Journal:
         fact: CrewFact = NO_CREW_FACT,
     ) -> RecordedOrder:
         """Write an order down with its reply; return it as it is written."""
-        refused = isinstance(reply, Refused)
-        answer = reply.reason if isinstance(reply, Refused) else reply
-        number = len(self.entries) + 1
-        order = RecordedOrder(
-            number,
-            1,
-            self.boat.ticks,
-            giver,
-            text,
-            entry,
-            not refused,
-            answer,
-            crew=NO_CREW_FACT if refused else fact,
-        )
-        self.entries.append(order)
-        return order
+        order = RecordedOrder(0, 1, 0, giver, text, entry, accepted=None, answer="")
+        return self.repeat(order, reply, fact)
 
     def repeat(self, recorded: RecordedOrder, reply: Reply, fact: CrewFact) -> RecordedOrder:
         """Write a recorded order down again, with the reply of now; return it so."""

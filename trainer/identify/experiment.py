@@ -19,7 +19,7 @@ from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
+from trainer.boat.due_orders import obey_all, orders_due
 from trainer.config.files import ConfigError, toml_value
 from trainer.config.sensors import Sensors
 from trainer.config.vessel import VesselFile
@@ -27,7 +27,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import TRAINER_COLUMNS
-from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.units import KNOT
 
@@ -282,17 +282,13 @@ def fly_trial(
     step = file.run.step_s
     boat = Boat(file, method_of(file))
     boat.start(speed, depth, 0.0)
-    waiting = list(schedule)
+    due = orders_due(boat, [*schedule])
     rows = []
-    for _ in range(round(seconds / step) + 1):
-        while waiting and waiting[0].seconds <= boat.time + 1e-9:
-            entry = waiting.pop(0)
-            answer = obey_order(boat, entry.order)
-            if isinstance(answer, Refused):
-                raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")
+    for tick in range(round(seconds / step) + 1):
+        for words, why in obey_all(boat, due.get(tick, ())):
+            raise ConfigError(f"{boat.time:g} s: {words}: {why}")
         rows.append(boat.numbers(tuple(FLOWN_COLUMNS.values())))
-        status = boat.tick()
-        if status:
+        if status := boat.tick():
             raise ConfigError(f"{file.path.name}: {boat.failure(status)}")
     return Record(
         source=f"{file.name} at {speed / KNOT:g} kn",

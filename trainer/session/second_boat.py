@@ -15,16 +15,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
-import numpy as np
-
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
-from trainer.boat.helm import obey_order
+from trainer.boat.due_orders import fly_ticks, orders_due
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.session.history import History
 from trainer.session.journal import order_of
@@ -39,19 +36,14 @@ def fly_ghost(plan: Plan, closing: threading.Event) -> list[GhostReading]:
     """Return what the gauges read at each tick of the reference crew's run."""
     boat = plan.launch_boat()
     crew = ReferenceCrew(boat, plan.crew)
-    due, index, last = plan.schedule, 0, round((plan.duration or MAX_GHOST_S) / plan.method.step)
+    last = round((plan.duration or MAX_GHOST_S) / plan.method.step)
+    due = orders_due(boat, plan.schedule)
     readings = [reading_of(boat)]
-    with np.errstate(all="ignore"):
-        while boat.ticks < last and not closing.is_set():
-            while index < len(due) and boat.ticks_in(due[index].seconds) <= boat.ticks:
-                if due[index].order.name in BOAT_ORDERS:
-                    obey_order(boat, due[index].order)
-                index += 1
-            crew.look()
-            if boat.tick():
-                break
-            readings.append(reading_of(boat))
-            time.sleep(REST_S)
+    for _ in fly_ticks(boat, last, due, lambda _: crew.look()):
+        readings.append(reading_of(boat))
+        time.sleep(REST_S)
+        if closing.is_set():
+            break
     return readings
 
 
@@ -75,16 +67,8 @@ def follow_run(
     """
     boat = plan.launch_boat()
     mute, given = MuteCrew(boat, plan.crew), orders_by_tick(plan, orders, marks)
-    with np.errstate(all="ignore"):
-        while boat.ticks < last_tick:
-            now = given.get(boat.ticks, ())
-            for order in now:
-                if order.name in BOAT_ORDERS:
-                    obey_order(boat, order)
-            mute.follow(now)
-            if boat.tick():
-                break
-            time.sleep(REST_S)
+    for _ in fly_ticks(boat, last_tick, given, mute.follow):
+        time.sleep(REST_S)
     mute.follow(given.get(boat.ticks, ()))
     return mute
 

@@ -23,14 +23,14 @@ from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
+from trainer.boat.due_orders import obey_all, orders_due
 from trainer.boat.export.targets import NATIVE_NAME, find_processor
-from trainer.boat.helm import obey_order
 from trainer.boat.machine_code import way_name
 from trainer.boat.platforms import PROCESSOR_LEVELS
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import load_vessel
-from trainer.io.orders.grammar import Refused
+from trainer.debrief.rehearsal import stretches
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
 from trainer.units import KNOT
 
@@ -105,15 +105,12 @@ def fly_standard_hour(take: TickRunner, last: int = HOUR_TICKS) -> Boat:
     RuntimeError if an order is refused or the boat loses its numbers.
     """
     boat = standard_boat()
-    for entry in (*orders(), None):
-        until = last if entry is None else min(round(entry.seconds / HOUR_METHOD.step), last)
-        status = take(boat.records, until - int(boat.state.tick))
-        if status:
+    due = orders_due(boat, orders())
+    for tick, until in stretches(0, last, due):
+        for words, why in obey_all(boat, due.get(tick, ())):
+            raise RuntimeError(f"{words}: {why}")
+        if status := take(boat.records, until - tick):
             raise RuntimeError(boat.failure(status))
-        if entry is not None and until < last:
-            answer = obey_order(boat, entry.order)
-            if isinstance(answer, Refused):
-                raise RuntimeError(f"{entry.order.text}: {answer.reason}")
     return boat
 
 
