@@ -42,7 +42,6 @@ NOTATIONS = {
 STATES = {
     "trainer/cli/boat.py: lost": "how a boat was lost, for the Python face",
     "trainer/identify/fitted_ship.py: doubt": "a result of a fit, for the Python face",
-    "trainer/identify/ships/results.py: _doubt": "the same, for its page",
     "trainer/io/recording/recording.py: behind": "how the disk keeps up",
 }
 # "Return why nobody may", and then what it is where anybody may

@@ -9,4 +9,4 @@ from trainer.cli.main import cli
 if __name__ == "__main__":
     cli(["identify", "--example"], standalone_mode=False)
     problem, parameters, _ = made_record("mmg")
-    problem.cost(parameters)
+    problem.value(parameters)

@@ -32,8 +32,9 @@ from trainer.config.files import ConfigError
 from trainer.config.ship import FitResult as Fitted
 from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.core.kernel import Numbers
+from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.ships import vehicle
-from trainer.identify.ships.fit import ShipFit, fit_ship, pose_problem, search_minimum
+from trainer.identify.ships.fit import USUAL_SEARCH, ShipFit, fit_ship, pose_problem
 from trainer.identify.ships.likelihood import ShipProblem, prior_of
 from trainer.identify.ships.records import Trial, load_trial
 from trainer.identify.ships.results import predict_record
@@ -67,15 +68,15 @@ def rolling_problem(name: str) -> tuple[ShipProblem, Numbers]:
 @pytest.mark.parametrize("name", MODELS)
 def test_gradient_and_information_are_those_of_differences(name: str) -> None:
     problem, a = rolling_problem(name)
-    _, g, H = problem.slopes(a)
+    (_, g), H = problem.slope(a), problem.information(a)
     known = np.sqrt(np.diag(H))
-    found, e_by = fourth_order(problem.cost, a, 1e-3 / known), []
+    found, e_by = fourth_order(problem.value, a, 1e-3 / known), []
     for e in np.diag(1e-3 / known):
         two = [problem.innovations(a + n * e, 0) for n in (-1, 1)]
         e_by.append((two[1] - two[0])[np.isfinite(two[0])] / 2.0 / e.sum())
 
     assert problem.model.states == 6
-    assert np.isfinite(problem.cost(a))
+    assert np.isfinite(problem.value(a))
     assert known.min() > 0.0
     assert np.max(np.abs((found - g) / known)) < 1e-6
     # where only the error moves, its square is the information
@@ -109,7 +110,7 @@ def found() -> ShipFit:
     problem, begin = pose_problem(
         model, np.array(PLAIN.constants), [trial], prior_of(model, PLAIN)[0], 0.5
     )
-    return fit_ship(problem, begin, lambda *_: None)
+    return fit_ship(problem, begin)
 
 
 def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
@@ -119,7 +120,7 @@ def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     share = dict(zip(found.problem.names, found.prior_share, strict=True))
     of_roll = [name[:2] == "K_" for name in free]
 
-    assert found.found.settled
+    assert found.found.converged
     assert np.max(np.abs(away)) < 4.0
     assert np.mean(away**2) < 2.0
     assert np.mean(away[of_roll] ** 2) < 3.0
@@ -131,7 +132,7 @@ def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
 def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: ShipFit) -> None:
     for angle in (-10.0, -20.0):
         other, _ = rolled_zigzag(angle, seed=7)
-        told = predict_record(found.problem, found.found.a, other, "held back").explained
+        told = predict_record(found.problem, found.found.theta, other, "held back").explained
         assert told[5] is not None
         assert told[5] > 90.0, angle
         assert (told[2] or 0.0) > 97.0, angle
@@ -329,7 +330,7 @@ def test_a_search_from_the_truth_stays_there() -> None:
     )
     truth = np.array([*(HEELED[name] for name in model.free), *np.log(ROLL_NOISE), *first])
 
-    end = search_minimum(problem, truth, lambda *_: None)
+    end = by_scoring(problem, truth, USUAL_SEARCH)
 
-    assert end.settled
-    assert problem.cost(truth) - end.cost < 45.0  # half of 50 parameters, and what books add
+    assert end.converged
+    assert problem.value(truth) - end.cost < 45.0  # half of 50 parameters, and what books add

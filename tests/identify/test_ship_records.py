@@ -36,7 +36,7 @@ from trainer.config.ship import (
     ship_text,
 )
 from trainer.core.kernel import Numbers
-from trainer.identify.ships import fit, vehicle
+from trainer.identify.ships import vehicle
 from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.records import load_trial
 from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships, fly_ship
@@ -415,12 +415,13 @@ def test_a_fit_that_has_no_slope_answers_null_and_says_why(
 ) -> None:
     record, ship = str(write_columns(columns, tmp_path / "a.csv")), tmp_path / "ship.toml"
     ship.write_text(ship_text(SHIP, ""), encoding="utf-8")
-    own = fit.held_slopes
+    own = ShipProblem.slope
 
-    def no_slopes(problem: ShipProblem, a: Numbers) -> tuple[Numbers, Numbers]:
-        return tuple(math.nan * one for one in own(problem, a))  # type: ignore[return-value]
+    def no_slope(problem: ShipProblem, a: Numbers) -> tuple[float, Numbers]:
+        cost, gradient = own(problem, a)
+        return cost, math.nan * gradient
 
-    monkeypatch.setattr(fit, "held_slopes", no_slopes)
+    monkeypatch.setattr(ShipProblem, "slope", no_slope)
     words = ("identify", record, "--model", "linear", "--ship", str(ship))
     page, answer = asked(*words), asked(*words, "--json")
 
@@ -430,10 +431,10 @@ def test_a_fit_that_has_no_slope_answers_null_and_says_why(
     told = json.loads(answer.stdout, parse_constant=refuse)
     assert (page.exit_code, answer.exit_code) == (1, 1)
     assert told["promise"] is None
-    assert "no slope" in told["doubt"]
+    assert "impossible beside it" in told["doubt"]
     assert all(one["deviation"] is None for one in told["coefficients"])
     assert "DID NOT SETTLE" in page.stdout
-    assert "no slope" in page.stdout
+    assert "impossible beside it: intervals do not hold" in page.stdout
 
 
 def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) -> None:

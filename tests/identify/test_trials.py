@@ -20,8 +20,9 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
+from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.record.sources import USUAL_SENSORS
-from trainer.identify.ships.fit import problem_of, search_minimum
+from trainer.identify.ships.fit import USUAL_SEARCH, problem_of
 from trainer.identify.ships.trials import (
     BinaryHelm,
     TrialDesign,
@@ -166,9 +167,9 @@ def scatter(known: ShipFile, found: TrialDesign, count: int) -> Numbers:
             if math.isfinite(width)
         }
         posed = problem_of(problem.model, problem.constants, trials, prior, 1.0)
-        end = search_minimum(posed, expected.a, lambda *_: None)
-        assert end.settled
-        away.append((end.a[:p] - expected.a[:p]) / expected.deviations[:p])
+        end = by_scoring(posed, expected.a, USUAL_SEARCH)
+        assert end.converged
+        away.append((end.theta[:p] - expected.a[:p]) / expected.deviations[:p])
     return np.array(away)
 
 

@@ -443,7 +443,7 @@ class ManoeuvringShip(_ShipDisplay):
     def log_likelihood(self) -> float:
         """Return log L [-], without the prior."""
         fitted = self._found.fit
-        return fitted.problem.penalty(fitted.found.a) - fitted.found.cost  # cost has the prior
+        return fitted.problem.penalty(fitted.found.theta) - fitted.found.cost  # cost has the prior
 
     def predict(self, frame: Frame) -> dict[str, Numbers]:
         """Return speed, sway, yaw rate, heading and any roll (n,) by inputs alone.
@@ -453,7 +453,7 @@ class ManoeuvringShip(_ShipDisplay):
         state is no longer that of a ship under way.
         """
         trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
-        sailed = self._found.fit.problem.sail(self._found.fit.found.a, trial)
+        sailed = self._found.fit.problem.sail(self._found.fit.found.theta, trial)
         units = self._given["units"]
         names = ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS)
         series = {

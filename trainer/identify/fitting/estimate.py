@@ -26,7 +26,7 @@ from trainer.identify.fitting.minimise import (
     settle_minimum,
     stretch_cost,
 )
-from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.problem import Problem, RecordCost
 
 MAX_BOUNDED_SPREAD: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
 MIN_TIME_CONSTANT: Final = 0.5  # [intervals] of a time constant that two readings still show
@@ -90,7 +90,7 @@ MINIMISER_BY_NAME: Final[dict[str, Minimiser]] = {
 
 
 def find_best_minimum(
-    cost: Cost,
+    cost: RecordCost,
     theta: Numbers,
     method: str,
     search: SearchOptions,
@@ -114,7 +114,7 @@ def find_best_minimum(
     return replace(minimum, theta=cost.problem.folded(minimum.theta))
 
 
-def _best(cost: Cost, theta: Numbers, found: SearchResult, restarts: int) -> SearchResult:
+def _best(cost: RecordCost, theta: Numbers, found: SearchResult, restarts: int) -> SearchResult:
     """Return the best minimum, once so many others in a row were no better.
 
     Any other minimum is preferred to one with a mode faster than the readings, whatever its
@@ -133,7 +133,7 @@ def _best(cost: Cost, theta: Numbers, found: SearchResult, restarts: int) -> Sea
     return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
 
 
-def _approach(cost: Cost, begin: Numbers, best: SearchResult) -> SearchResult:
+def _approach(cost: RecordCost, begin: Numbers, best: SearchResult) -> SearchResult:
     """Return where another start leads: by scoring, and settled only where it comes near.
 
     An end with the cost already known is the same minimum, so it is not settled again.
@@ -176,7 +176,7 @@ def _doubt_speed(problem: Problem, found: SearchResult) -> SearchResult:
     return replace(found, converged=False, doubt=doubt)
 
 
-def _others(cost: Cost, theta: Numbers, restarts: int) -> Iterator[Numbers]:
+def _others(cost: RecordCost, theta: Numbers, restarts: int) -> Iterator[Numbers]:
     """Yield other starts with a finite cost, drawn about ``theta`` in three widths.
 
     A width comes from what each number is known to, or from its size. A number with bounds is drawn

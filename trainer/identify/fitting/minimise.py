@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.fitting.problem import Problem
 
 # Costs are minus a log-likelihood: 0.5 is one standard deviation of one parameter. Scoring goes on
 # while a step promises 1e-8; judged apart, 1e-3 counts as settled (docs/identification.md).
@@ -41,11 +40,35 @@ IMPOSSIBLE_NEIGHBOUR: Final = "the model is impossible beside it"
 UPHILL_COST: Final = 10.0  # [-] times 1 + |best cost|: that of an impossible model, above the best
 
 
+class SearchedProblem(Protocol):
+    """What a search must know of the parameters (f,) that it moves.
+
+    A kind is free, or one that keeps a range: variance, error, angle, lag. A logarithm has no end,
+    but may become so small that nothing depends on it.
+    """
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names; free ones at the end may have none."""
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Return how each is bounded."""
+
+    @property
+    def scale(self) -> Numbers:
+        """Return by what each is multiplied to be an angle or a lag [rad]."""
+
+    @property
+    def floors(self) -> Numbers:
+        """Return the least that each variance may be."""
+
+
 class Cost(Protocol):
     """The quantity to minimise: minus a log-likelihood of a problem."""
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> SearchedProblem:
         """Return whose parameters these are."""
 
     def value(self, theta: Numbers) -> float:
@@ -157,12 +180,12 @@ class StretchedCost:
     def at_end(self, eta: Numbers) -> NDArray[np.bool_]:
         """Return which numbers are at an end of their range (f,).
 
-        Every variance counts, because it may always grow.
+        Every variance and logarithm counts, because it may always grow.
         """
         sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
         lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - END_MARGIN)
         angle = (self._kinds == "angle") & (sine > 1.0 - END_MARGIN)
-        return np.asarray(self._positive | lag | angle)
+        return np.asarray(self._positive | (self._kinds == "logarithm") | lag | angle)
 
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
@@ -188,7 +211,7 @@ class StretchedCost:
 def stretch_cost(cost: Cost, theta: Numbers) -> StretchedCost:
     """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
     problem = cost.problem
-    for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
+    for name, kind, value in zip(problem.names, problem.kinds, theta, strict=False):
         if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
     # a little above the floor, because at the floor itself the logarithm has no slope
@@ -252,6 +275,14 @@ def search_by_scoring(
         here = SearchPoint(moved, *problem.slope(moved), problem.information(moved))
         search.progress(SearchResult(problem.theta(moved), here.value, step + 1, converged=False))
     return here.eta, search.most
+
+
+def approach_minimum(cost: Cost, theta: Numbers, search: SearchOptions) -> SearchResult:
+    """Return where scoring leads from ``theta``, not judged."""
+    problem = stretch_cost(cost, theta)
+    eta, steps = search_by_scoring(problem, np.zeros(len(theta)), search)
+    end = problem.theta(eta)
+    return SearchResult(end, cost.value(end), steps, converged=False)
 
 
 def _damp_step(

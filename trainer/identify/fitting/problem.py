@@ -9,12 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
+from trainer.identify.fitting.minimise import Cost
 from trainer.identify.kernels.kernel import Entries
 from trainer.identify.model.models import Plant
 from trainer.identify.model.sampled import SampledSystems, sample_systems, step_aside
@@ -186,6 +187,14 @@ class Problem:
     def on(self, samples: Samples) -> "Problem":
         """Return the same problem on other samples."""
         return replace(self, samples=samples)
+
+
+class RecordCost(Cost, Protocol):
+    """The cost of a linear model's records."""
+
+    @property
+    def problem(self) -> Problem:
+        """Return whose parameters these are."""
 
 
 def problem_of(

@@ -25,8 +25,7 @@ from trainer.identify.fitting.likelihood import (
     own_gain,
     settled_gain,
 )
-from trainer.identify.fitting.minimise import Cost
-from trainer.identify.fitting.problem import FurtherRun, Problem, problem_of
+from trainer.identify.fitting.problem import FurtherRun, Problem, RecordCost, problem_of
 from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Model, Plant, Ship
 from trainer.identify.model.nomoto import SteeringModel, find_steering, rate_coefficients
 from trainer.identify.model.own_systems import NOISE_MATRICES, model_of
@@ -316,7 +315,7 @@ def table_of(study: Study) -> ModelTable:
     return study.model
 
 
-def cost_of(problem: Problem, table: ModelTable) -> Cost:
+def cost_of(problem: Problem, table: ModelTable) -> RecordCost:
     """Return what the study wants minimised; ConfigError for what does not go together."""
     noise, system = table.noise, problem.plant.model.system
     steps = int(table.predict_from), int(table.predict_to)

@@ -24,13 +24,12 @@ from trainer.identify.fitting.likelihood import (
     run_filter,
 )
 from trainer.identify.fitting.minimise import (
-    Cost,
     Progress,
     SearchOptions,
     SearchResult,
     ignore_news,
 )
-from trainer.identify.fitting.problem import Problem
+from trainer.identify.fitting.problem import Problem, RecordCost
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
 from trainer.identify.judge.uncertainty import (
     BOUNDED_PREFIXES,
@@ -62,7 +61,7 @@ class ModelFit:
     record: Record
     others: tuple[Record, ...]  # further runs
     ship: SteeringModel | None  # of the vessel file, if there is one
-    cost: Cost
+    cost: RecordCost
     found: SearchResult
     known: Uncertainty
     rejected: tuple[tuple[int, int], ...]  # run and sample screened out
@@ -206,7 +205,7 @@ def screen_samples(
     return replace(problem, samples=kept_samples[0], others=others), outliers
 
 
-def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
+def _estimate_uncertainty(cost: RecordCost, theta: Numbers) -> Uncertainty:
     """Return what is known of the parameters: by the Hessian, else by the information.
 
     The information serves where a variance has gone to zero, because the Hessian is indefinite

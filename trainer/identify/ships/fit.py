@@ -1,23 +1,26 @@
 """A ship that is not linear, fitted: start, search, standard deviations.
 
 ``results.fit_trials`` calls it for ``trainer identify --model mmg`` and its like. The start is a
-linear regression of smoothed accelerations; the search is Levenberg's, by the expected information
-of the likelihood with the prior; each equation's disturbance is then widened for the coefficients
+linear regression of smoothed accelerations; ``fitting`` searches and judges the minimum of the
+likelihood with the prior; each equation's disturbance is then widened for the coefficients
 fitted in it, because maximum likelihood takes them for known. docs/nonlinear-ships.md has the
 figures that the constants and intervals were judged by.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from trainer.boat.ship.forces import ROLL_RATE_INDEX, ROW_COUNT, STIFFNESS_INDEX, set_terms
 from trainer.boat.ship.models import AXIS_LETTERS, NONLINEAR_NAMES, ShipModel
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.ships.likelihood import Prior, ShipProblem, first_state, floors_of
+from trainer.identify.fitting.estimate import by_scoring
+from trainer.identify.fitting.minimise import SearchOptions, SearchResult, approach_minimum
+from trainer.identify.ships.likelihood import Prior, ShipProblem, first_state, least_errors
 from trainer.identify.ships.records import Trial
 
 # The start is that of the prototype on MARIN's zig-zags of KVLCC2: by itself, without a likelihood,
@@ -31,27 +34,9 @@ START_NOISE_SHARES: Final = (0.03, 0.05)  # [-] of spread: disturbance in ten sa
 # disturbance of sway went to zero in half of 200 made records, and sway's deviations with it.
 LOG_NOISE_WIDTH: Final = 0.7
 UNREAD_NOISE_WIDTH: Final = 1.0  # the same of the error of a channel that was not read
-MAX_STEPS: Final = 200  # steps, beyond which a search has not settled
-PROMISE_TOLERANCE: Final = 1e-6  # promise of a further step
-MAX_REFUSALS: Final = 30  # steps tried from one point, each with four times the damping
 MIN_EIGENVALUE: Final = 1e-12  # eigenvalue of the scaled information that counts
-MAX_LOG_STEP: Final = 1.0  # of a logarithm or first state in a step
+USUAL_SEARCH: Final = SearchOptions(200)  # steps, beyond which a search has not settled
 OTHER_STARTS: Final = 2  # starts beside the regression: a search that settles knows one hill only
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """Where a search ended."""
-
-    a: Numbers
-    cost: float
-    promise: float  # what a further step promises
-    steps: int
-
-    @property
-    def settled(self) -> bool:
-        """Return whether no further step promises to lower the cost."""
-        return self.promise < PROMISE_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +48,8 @@ class ShipFit:
     a: Numbers  # with disturbances freed of what fitting took
     covariance: Numbers
     information: Numbers  # of the records alone
-    others: tuple[float, ...]  # -log L where the other starts ended
+    promise: float = 0.0  # by how much a full step would lower the cost
+    others: tuple[float, ...] = ()  # -log L where the other starts ended
 
     @property
     def deviations(self) -> Numbers:
@@ -113,7 +99,7 @@ def problem_of(
     )
     width[p : p + axes] = LOG_NOISE_WIDTH
     width[p + axes :][~seen] = UNREAD_NOISE_WIDTH
-    return ShipProblem(model, constants, trials, mean, width, floors_of(trials))
+    return ShipProblem(model, constants, trials, mean, width, least_errors(trials))
 
 
 def _roll_rate(trial: Trial) -> Numbers:
@@ -222,22 +208,25 @@ def _solve_axis(
 
 
 def fit_ship(
-    problem: ShipProblem, begin: Numbers, heard: Callable[[int, float], None], seed: int = 1
+    problem: ShipProblem, begin: Numbers, search: SearchOptions = USUAL_SEARCH, seed: int = 1
 ) -> ShipFit:
-    """Return the best of searches from the regression and from draws of the prior."""
+    """Return the best of searches from the regression and from draws of the prior, judged."""
     stream = np.random.default_rng(seed)
     starts = [begin, *(_draw(problem, begin, stream) for _ in range(OTHER_STARTS))]
     ends = [
-        search_minimum(problem, start, heard)
+        approach_minimum(problem, start, search)
         for start in starts
-        if math.isfinite(problem.cost(start))
+        if math.isfinite(problem.value(start))
     ]
     if not ends:
-        ends = [SearchResult(begin, math.inf, math.inf, 0)]
+        raise ConfigError(
+            f"{problem.trials[0].source}: no starting point fits this record: check units and "
+            "signs of the columns, and at the dimensions"
+        )
     best = min(ends, key=lambda end: end.cost)
-    if not best.settled and math.isfinite(best.cost) and math.isfinite(best.promise):
-        best = _go_on(problem, best, heard)
-    return _with_intervals(problem, best, tuple(end.cost for end in ends))
+    judged = by_scoring(problem, best.theta, search)
+    found = replace(judged, steps=best.steps + judged.steps)
+    return _with_intervals(problem, found, tuple(end.cost for end in ends))
 
 
 def _draw(problem: ShipProblem, begin: Numbers, stream: np.random.Generator) -> Numbers:
@@ -253,105 +242,20 @@ def _draw(problem: ShipProblem, begin: Numbers, stream: np.random.Generator) -> 
     return a
 
 
-def _scaled(H: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    """Return the scale of the parameters, and eigenvalues and vectors of the scaled matrix."""
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
-    sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
-    return unit, np.maximum(sizes, MIN_EIGENVALUE), vectors
-
-
-def promise_of(g: Numbers, H: Numbers) -> float:
-    """Return by how much a full step promises to lower the cost.
-
-    A search has settled where that is next to nothing.
-    """
-    unit, sizes, vectors = _scaled(H)
-    return 0.5 * float(np.sum((vectors.T @ (unit * g)) ** 2 / sizes))
-
-
-def held_slopes(problem: ShipProblem, a: Numbers) -> tuple[Numbers, Numbers]:
-    """Return gradient and information, without errors of readings held at their floor.
-
-    Such an error cannot become smaller, so it must not pull the step.
-    """
-    _, g, H = problem.slopes(a)
-    held = (a <= problem.lowest) & (g > 0.0)
-    g[held], H[held], H[:, held] = 0.0, 0.0, 0.0
-    H[held, held] = 1.0
-    return g, H
-
-
-def _limited(problem: ShipProblem, a: Numbers, step: Numbers) -> Numbers:
-    """Return a step shortened so that no number moves too far at once."""
-    p = len(problem.model.free)
-    most = np.full(len(a), MAX_LOG_STEP)
-    most[:p] = np.maximum(0.5, 0.5 * np.abs(a[:p]))
-    return np.asarray(step / max(1.0, float(np.max(np.abs(step) / most))))
-
-
-def search_minimum(
-    problem: ShipProblem, a: Numbers, heard: Callable[[int, float], None]
-) -> SearchResult:
-    """Return where Levenberg's scoring on the expected information ends."""
-    damping, cost, promise = 1e-2, problem.cost(a), math.inf
-    for count in range(MAX_STEPS):
-        g, H = held_slopes(problem, a)
-        if not (np.isfinite(g).all() and np.isfinite(H).all()):
-            return SearchResult(a, cost, math.inf, count)
-        promise = promise_of(g, H)
-        if promise < PROMISE_TOLERANCE:
-            return SearchResult(a, cost, promise, count)
-        unit, sizes, vectors = _scaled(H)
-        for _ in range(MAX_REFUSALS):
-            step = -unit * (vectors @ ((vectors.T @ (unit * g)) / (sizes + damping)))
-            step = np.maximum(_limited(problem, a, step), problem.lowest - a)
-            trial = problem.cost(a + step)
-            if trial < cost:
-                break
-            damping *= 4.0
-        else:
-            return SearchResult(a, cost, promise, count)
-        expected = -float(g @ step + 0.5 * step @ H @ step)
-        gained = (cost - trial) / expected if expected > 0.0 else 0.0
-        damping = damping / 5.0 if gained > 0.5 else damping * 3.0 if gained < 0.2 else damping
-        a, cost = a + step, trial
-        heard(count + 1, cost)
-    return SearchResult(a, cost, promise, MAX_STEPS)
-
-
-def _go_on(
-    problem: ShipProblem, begin: SearchResult, heard: Callable[[int, float], None]
-) -> SearchResult:
-    """Return where scipy's BFGS leads, scaled by the information, then scoring again."""
-    from scipy.optimize import minimize  # noqa: PLC0415
-
-    _, H = held_slopes(problem, begin.a)
-    unit, sizes, vectors = _scaled(H)
-    turn = (unit[:, None] * vectors) / np.sqrt(sizes)
-
-    def cost_and_slope(z: Numbers) -> tuple[float, Numbers]:
-        a = np.maximum(begin.a + turn @ z, problem.lowest)
-        cost = problem.cost(a)
-        if not math.isfinite(cost):
-            return 1e12, np.zeros_like(z)
-        return cost, np.asarray(turn.T @ held_slopes(problem, a)[0])
-
-    ended = minimize(
-        cost_and_slope, np.zeros(len(begin.a)), jac=True, method="BFGS", options={"maxiter": 200}
-    )
-    end = np.maximum(begin.a + turn @ ended.x, problem.lowest)
-    if problem.cost(end) >= begin.cost:
-        return begin
-    again = search_minimum(problem, end, heard)
-    return SearchResult(
-        again.a, again.cost, again.promise, begin.steps + int(ended.nit) + again.steps
-    )
-
-
 def _inverse(H: Numbers) -> Numbers:
     """Return the inverse of an information, whose scales differ by many powers of ten."""
-    unit, sizes, vectors = _scaled(H)
-    return np.asarray(np.outer(unit, unit) * ((vectors / sizes) @ vectors.T))
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
+    sizes, vectors = np.linalg.eigh(H * np.outer(unit, unit))
+    scaled = (vectors / np.maximum(sizes, MIN_EIGENVALUE)) @ vectors.T
+    return np.asarray(np.outer(unit, unit) * scaled)
+
+
+def _held_information(problem: ShipProblem, a: Numbers) -> Numbers:
+    """Return the information, that of an error of readings at its least taken for one."""
+    H, held = problem.information(a).copy(), problem.at_least(a)
+    H[held], H[:, held] = 0.0, 0.0
+    H[held, held] = 1.0
+    return H
 
 
 def _with_intervals(
@@ -363,11 +267,11 @@ def _with_intervals(
     So each equation's disturbance is widened, by the number of coefficients that the record
     determined in it.
     """
-    a = found.a.copy()
-    _, H = held_slopes(problem, a)
-    if not (math.isfinite(found.cost) and np.isfinite(H).all()):
+    a = found.theta.copy()
+    H, g = _held_information(problem, a), problem.slope(a)[1]
+    if not (np.isfinite(g).all() and np.isfinite(H).all()):
         empty = np.full((problem.size, problem.size), math.nan)
-        return ShipFit(problem, found, a, empty, empty, others)
+        return ShipFit(problem, found, a, empty, empty, math.nan, others)
     C, p = _inverse(H), len(problem.model.free)
     share = np.diag(C)[: problem.common] / problem.width**2
     for axis, letters in enumerate(("X", "Y", "Nglkc", "K")[: len(problem.model.driven)]):
@@ -378,21 +282,18 @@ def _with_intervals(
         # the record's precision of log(sigma) is twice the number of errors that it is made from
         freedom = 0.5 * (1.0 / C[index, index] - 1.0 / problem.width[index] ** 2)
         a[index] += 0.5 * math.log1p(max(taken, 0.0) / max(freedom, 1.0))
-    return _known_at(problem, a, found, others)
+    return replace(_known_at(problem, a, found), promise=0.5 * float(g @ C @ g), others=others)
 
 
-def _known_at(
-    problem: ShipProblem, a: Numbers, found: SearchResult, others: tuple[float, ...]
-) -> ShipFit:
+def _known_at(problem: ShipProblem, a: Numbers, found: SearchResult) -> ShipFit:
     """Return the fit with the covariance that the information at ``a`` gives.
 
     The prior's part is taken off the records' information, to tell one from the other.
     """
-    _, H = held_slopes(problem, a)
+    H = _held_information(problem, a)
     records_information = H.copy()
-    indices = np.arange(problem.common)
-    records_information[indices, indices] -= problem.width**-2.0
-    return ShipFit(problem, found, a, _inverse(H), records_information, others)
+    records_information[np.diag_indices(problem.common)] -= problem.width**-2.0
+    return ShipFit(problem, found, a, _inverse(H), records_information)
 
 
 def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:
@@ -400,7 +301,7 @@ def expect_fit(problem: ShipProblem, a: Numbers) -> ShipFit:
 
     The records must be without errors, because the information is then the expected one.
     """
-    return _known_at(problem, a, SearchResult(a, problem.cost(a), 0.0, 0), ())
+    return _known_at(problem, a, SearchResult(a, problem.value(a), 0, converged=True))
 
 
 def describe_roll(fitted: ShipFit) -> Iterator[str]:

@@ -1,9 +1,9 @@
 """The likelihood of a ship's records with what books say: value, gradient and information.
 
-``fit`` searches its minimum. A parameter vector has the free coefficients, the logarithms of the
-disturbances of u, v and r and of the errors of u, v, r and heading, then a first state for each
-record; with roll there are a disturbance, two errors and two states more. Coefficients and noise
-are common to all records.
+``ShipProblem`` is a cost that ``fitting/minimise`` searches and judges. A parameter vector has the
+free coefficients, the logarithms of the disturbances of u, v and r and of the errors of u, v, r and
+heading, then a first state for each record; with roll there are a disturbance, two errors and two
+states more. Coefficients and noise are common to all records.
 
 A record of a few manoeuvres does not determine all coefficients of such a model. The prior holds
 those that it leaves open near what ships of such dimensions have; ``--prior-strength`` widens it.
@@ -11,11 +11,12 @@ those that it leaves open near what ships of such dimensions have; ``--prior-str
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.boat.ship.forces import System, Terms
 from trainer.boat.ship.models import ShipModel
@@ -79,6 +80,7 @@ HULL_RUDDER: Final = 0.31, 0.46  # a_H and -x_H/L, of a full ship
 RUDDER_ARM_LENGTHS: Final = 0.5  # [L] of the rudder aft of midship
 
 NO_SLOPES: Final = np.empty(0), np.empty((0, 0))
+AT_LEAST_SHARE: Final = 0.25  # [-] of an error's square that is its own: below it is at its least
 MIN_ERROR_SHARE: Final = 1e-4  # [-] of a channel's own spread: no error of readings is smaller
 FIRST_STATE_ROWS: Final = 11  # rows that the quadratic of the first state goes through
 
@@ -155,7 +157,29 @@ class ShipProblem:
     trials: tuple[Trial, ...]
     mean: Numbers  # of the common parameters
     width: Numbers
-    floors: Numbers  # of the errors of readings
+    least: Numbers  # errors of readings, to which each is added
+    _last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+
+    @property
+    def problem(self) -> "ShipProblem":
+        """Return whose parameters a search moves."""
+        return self
+
+    @cached_property
+    def kinds(self) -> tuple[str, ...]:
+        """Return how each parameter is bounded: a logarithm may become too small to be seen."""
+        noises = range(len(self.model.free), self.common)
+        return tuple("logarithm" if i in noises else "free" for i in range(self.size))
+
+    @cached_property
+    def scale(self) -> Numbers:
+        """Return the size of each parameter that a search moves: its own."""
+        return np.ones(self.size)
+
+    @cached_property
+    def floors(self) -> Numbers:
+        """Return no floors, because ``least`` is within the likelihood."""
+        return np.zeros(self.size)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -187,8 +211,24 @@ class ShipProblem:
         return dict(zip(self.model.free, map(float, a), strict=False))
 
     def noise(self, a: Numbers) -> Numbers:
-        """Return the standard deviations of disturbances and errors."""
-        return np.exp(a[len(self.model.free) : self.common])
+        """Return the standard deviations of disturbances and errors.
+
+        An error of readings has its ``least`` part beside its own: published readings may be
+        smoothed, and their errors would then go to zero.
+        """
+        noise = np.exp(a[len(self.model.free) : self.common])
+        noise[-self.model.states :] = np.hypot(noise[-self.model.states :], self.least)
+        return noise
+
+    def at_least(self, a: Numbers) -> NDArray[np.bool_]:
+        """Return which parameters (f,) are errors of readings that are as small as may be."""
+        return self.own_share(a) < AT_LEAST_SHARE
+
+    def own_share(self, a: Numbers) -> Numbers:
+        """Return the share of each parameter (f,) in its effect, of small errors below 1."""
+        share, errors = np.ones(len(a)), slice(self.common - self.model.states, self.common)
+        share[errors] = (np.exp(a[errors]) / self.noise(a)[-self.model.states :]) ** 2
+        return share
 
     def first_indices(self, record: int) -> slice:
         """Return the indices of the first state of a record."""
@@ -208,7 +248,7 @@ class ShipProblem:
         away = (a[: self.common] - self.mean) / self.width
         return 0.5 * float(away @ away)
 
-    def cost(self, a: Numbers) -> float:
+    def value(self, a: Numbers) -> float:
         """Return -log L with the prior; infinite where the state is no longer a ship's."""
         if not np.isfinite(a).all():
             return math.inf
@@ -217,12 +257,25 @@ class ShipProblem:
             total += self._filter(a, i, *NO_SLOPES)[0]
         return total
 
-    def slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
-        """Return -log L, its gradient and the information, each with the prior."""
-        total, gradient = self.penalty(a), np.zeros(self.size)
+    def slope(self, a: Numbers) -> tuple[float, Numbers]:
+        """Return -log L and its gradient, with the prior."""
+        return self._slopes(a)[:2]
+
+    def information(self, a: Numbers) -> Numbers:
+        """Return the expected information, with the prior's."""
+        return self._slopes(a)[2]
+
+    def _slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
+        """Return value, gradient and information, from memory if ``a`` is the last point."""
+        key = a.tobytes()
+        if self._last.get("key") != key:
+            self._last.update(key=key, slopes=self._compute_slopes(a))
+        slopes: tuple[float, Numbers, Numbers] = self._last["slopes"]
+        return slopes
+
+    def _compute_slopes(self, a: Numbers) -> tuple[float, Numbers, Numbers]:
+        total, gradient = 0.0, np.zeros(self.size)
         information = np.zeros((self.size, self.size))
-        gradient[: self.common] = (a[: self.common] - self.mean) / self.width**2
-        np.fill_diagonal(information[: self.common, : self.common], self.width**-2.0)
         count = self.common + self.model.states
         for i in range(len(self.trials)):
             own_slopes, known = np.zeros(count), np.zeros((count, count))
@@ -230,7 +283,11 @@ class ShipProblem:
             indices = np.r_[: self.common, self.first_indices(i)]
             gradient[indices] += own_slopes
             information[np.ix_(indices, indices)] += np.tril(known) + np.tril(known, -1).T
-        return total, gradient, information
+        share = self.own_share(a)
+        gradient, information = gradient * share, information * np.outer(share, share)
+        gradient[: self.common] += (a[: self.common] - self.mean) / self.width**2
+        information[np.diag_indices(self.common)] += self.width**-2.0
+        return total + self.penalty(a), gradient, information
 
     def _filter(self, a: Numbers, record: int, *slopes: Numbers) -> tuple[float, Numbers]:
         """Return -log L and errors with their variances (n, states, 2) of one record.
@@ -258,14 +315,6 @@ class ShipProblem:
         out[last:] = math.nan
         return out
 
-    @cached_property
-    def lowest(self) -> Numbers:
-        """Return the lower limits of the parameters; only errors of readings have one."""
-        limits = np.full(self.size, -math.inf)
-        with np.errstate(divide="ignore"):
-            limits[self.common - self.model.states : self.common] = np.log(self.floors)
-        return limits
-
 
 def first_state(trial: Trial) -> Numbers:
     """Return the first state, by a quadratic through the first readings of each channel."""
@@ -281,11 +330,8 @@ def first_state(trial: Trial) -> Numbers:
     return state
 
 
-def floors_of(trials: tuple[Trial, ...]) -> Numbers:
-    """Return the smallest errors of readings that a fit believes: a share of their spread.
-
-    Published readings may be smoothed, and their errors would then go to zero.
-    """
+def least_errors(trials: tuple[Trial, ...]) -> Numbers:
+    """Return the smallest errors of readings that a fit believes: a share of their spread."""
     rows = np.vstack([trial.readings for trial in trials])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(len(seen))])

@@ -88,10 +88,10 @@ def _fit_lines(report: ShipFitReport) -> list[str]:
     state = f"settled in {report.steps} steps" if report.settled else "DID NOT SETTLE"
     lines = [f"{INDENT}Fit {state}: -log L with the prior {report.cost:.4f}"]
     if not report.settled:
-        lines += wrap(f"{report.doubt[0].upper()}{report.doubt[1:]}.")
+        lines += wrap(f"{report.doubt[0].upper()}{report.doubt[1:]}: intervals do not hold.")
     if report.at_floor:
         lines += wrap(
-            f"At their floor, a ten-thousandth of the spread: {', '.join(report.at_floor)}. "
+            f"At their floor, about a ten-thousandth of the spread: {', '.join(report.at_floor)}. "
             "The readings are smoothed, or the model follows them by its disturbances."
         )
     ends = ", ".join(f"{end:.2f}" for end in report.other_starts)
@@ -184,7 +184,7 @@ def sheet(found: ShipIdentification) -> str:
 
 def _record_panels(found: ShipIdentification, trial: Trial) -> Iterator[Panel]:
     """Yield the readings of a record with what inputs alone predict."""
-    sailed = found.fit.problem.sail(found.fit.found.a, trial)
+    sailed = found.fit.problem.sail(found.fit.found.theta, trial)
     for i, output in enumerate(OUTPUT_NAMES[: sailed.shape[1]]):
         curves = (
             Curve("measured", trial.t, OUTPUT_SCALES[i] * trial.readings[:, i], points=True),
@@ -196,7 +196,7 @@ def _record_panels(found: ShipIdentification, trial: Trial) -> Iterator[Panel]:
 
 def _residual_panels(found: ShipIdentification, cause: str) -> Iterator[Panel]:
     """Yield the accelerations left over against v', r' or the rudder."""
-    problem, a = found.fit.problem, found.fit.found.a
+    problem, a = found.fit.problem, found.fit.found.theta
     length, turn = float(problem.constants[0]), np.degrees if cause == "rudder" else np.asarray
     rows = [(trial, *residual_accelerations(problem, a, trial)) for trial in problem.trials]
     for i, state in enumerate(problem.model.driven):

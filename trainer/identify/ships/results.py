@@ -9,6 +9,7 @@ must see which numbers are the record's own and which are the books'.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 from typing import Final
 
@@ -18,14 +19,16 @@ from trainer.boat.ship.models import AXIS_LETTERS, FIXED_VALUES, NONLINEAR_NAMES
 from trainer.config.files import ConfigError, offer_known
 from trainer.config.ship import FitResult, ShipFile, load_ship
 from trainer.core.kernel import Numbers
+from trainer.identify.fitting.estimate import by_scoring
+from trainer.identify.fitting.minimise import approach_minimum
 from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.ships.fit import (
+    USUAL_SEARCH,
     ShipFit,
     describe_roll,
     fit_ship,
     pose_problem,
-    search_minimum,
     smooth_trial,
     terms_of,
 )
@@ -175,12 +178,8 @@ def fit_trials(
     strength = options.prior_strength
     problem, begin = pose_problem(model, np.array(ship.constants), trials, prior, strength)
     doubts = tuple(_find_other_ships(problem, begin))
-    fitted = fit_ship(problem, begin, heard)
-    if not math.isfinite(fitted.found.cost):
-        raise ConfigError(
-            f"{trials[0].source}: no starting point fits this record: check units and "
-            "signs of the columns, and at the dimensions"
-        )
+    search = replace(USUAL_SEARCH, progress=lambda one: heard(one.steps, one.cost))
+    fitted = fit_ship(problem, begin, search)
     prior_source = source if strength > 0.0 else "none"
     report = _report(ship, fitted, (prior_source, strength), held)
     report = replace(report, findings=(*report.findings, *doubts))
@@ -275,27 +274,28 @@ def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, 
     They are the records that were fitted, the same each held back in turn, and the others.
     """
     problem, trials = fitted.problem, fitted.problem.trials
-    predictions = [predict_record(problem, fitted.found.a, trial, "fitted") for trial in trials]
+    predictions = [predict_record(problem, fitted.found.theta, trial, "fitted") for trial in trials]
     if len(trials) > 1:
         for i, trial in enumerate(trials):
             indices = [index for index in range(len(trials)) if index != i]
             rest = replace(problem, trials=tuple(trials[index] for index in indices))
-            firsts = [fitted.found.a[problem.first_indices(index)] for index in indices]
-            begin = np.concatenate([fitted.found.a[: problem.common], *firsts])
-            end = search_minimum(rest, begin, lambda *_: None)  # from the fit with all: it is near
-            predictions.append(predict_record(rest, end.a, trial, "held back in turn"))
+            firsts = [fitted.found.theta[problem.first_indices(index)] for index in indices]
+            begin = np.concatenate([fitted.found.theta[: problem.common], *firsts])
+            end = approach_minimum(rest, begin, USUAL_SEARCH)  # from the fit with all: it is near
+            predictions.append(predict_record(rest, end.theta, trial, "held back in turn"))
     return (
         *predictions,
-        *(predict_record(problem, fitted.found.a, trial, "held back") for trial in held),
+        *(predict_record(problem, fitted.found.theta, trial, "held back") for trial in held),
     )
 
 
 def coefficients_of(fitted: ShipFit) -> tuple[FittedCoefficient, ...]:
     """Return the common parameters; noises by their size, not its logarithm."""
-    coefficients = []
-    problem = fitted.problem
+    coefficients, problem = [], fitted.problem
+    values = np.append(fitted.a[: len(problem.model.free)], np.log(problem.noise(fitted.a)))
+    deviations = fitted.deviations * problem.own_share(fitted.a)
     for j, name in enumerate(problem.names):
-        value, deviation = float(fitted.a[j]), float(fitted.deviations[j])
+        value, deviation = float(values[j]), float(deviations[j])
         low, high = value - INTERVAL_DEVIATIONS * deviation, value + INTERVAL_DEVIATIONS * deviation
         if name in problem.model.noises:
             # 700: e^710 is more than a number can be
@@ -335,7 +335,7 @@ def find_unknown(fitted: ShipFit) -> tuple[UnknownDirection, ...]:
 def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     """Return the tests of the innovations of all records, those of one after another's."""
     problem = fitted.problem
-    rows = [problem.innovations(fitted.found.a, i) for i in range(len(problem.trials))]
+    rows = [problem.innovations(fitted.found.theta, i) for i in range(len(problem.trials))]
     # a gap as long as the lags, so that no pair has innovations of two records
     gap = np.full((DEFAULT_LAGS, rows[0].shape[1]), math.nan)
     joined = np.vstack([part for each in rows for part in (each, gap)])
@@ -370,7 +370,7 @@ def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers
 def _patterns(fitted: ShipFit) -> Iterator[str]:
     """Yield in words where residual accelerations follow v', r' or the rudder."""
     problem, length = fitted.problem, float(fitted.problem.constants[0])
-    rows = [residual_accelerations(problem, fitted.found.a, trial) for trial in problem.trials]
+    rows = [residual_accelerations(problem, fitted.found.theta, trial) for trial in problem.trials]
     residuals = np.vstack([one for _, one in rows])
     causes = [
         causes_of(trial, states, length)
@@ -413,22 +413,12 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
         mean=problem.mean[kept_indices],
         width=problem.width[kept_indices],
     )
-    firsts = fitted.found.a[problem.common :]
-    begin = np.concatenate([fitted.found.a[: problem.common][kept_indices], firsts])
-    end = search_minimum(small, begin, lambda *_: None)
+    firsts = fitted.found.theta[problem.common :]
+    begin = np.concatenate([fitted.found.theta[: problem.common][kept_indices], firsts])
+    end = by_scoring(small, begin, USUAL_SEARCH)
     # both costs are with the prior, where there is one
     test = ratio_test((-end.cost, small.size), (-fitted.found.cost, problem.size))
     return OrderTest(names, test.statistic, test.freedom, test.probability)
-
-
-def _doubt(fitted: ShipFit) -> str:
-    """Return why a fit did not settle, "" if it did."""
-    promise = fitted.found.promise
-    if fitted.found.settled:
-        return ""
-    if not math.isfinite(promise):
-        return "where the search ended the likelihood has no slope: nothing is known of intervals"
-    return f"a further step promises {promise:.2g}: intervals do not hold"
 
 
 def _report(
@@ -439,6 +429,8 @@ def _report(
     coefficients = coefficients_of(fitted)
     p, common = len(problem.model.free), problem.common
     steps = np.concatenate([np.diff(trial.t) for trial in trials])
+    share = problem.own_share(fitted.a)
+    covariance = (fitted.covariance * np.outer(share, share))[:common, :common]
     length = float(problem.constants[0])
     held_at = ", ".join(f"{name} {value:.4g}" for name, value in problem.model.held.items())
     return ShipFitReport(
@@ -455,17 +447,13 @@ def _report(
             *([f"held, by the ship's file: {held_at}"] if held_at else []),
             *describe_roll(fitted),
         ),
-        settled=fitted.found.settled,
-        doubt=_doubt(fitted),
+        settled=fitted.found.converged,
+        doubt=fitted.found.doubt,
         steps=fitted.found.steps,
-        promise=fitted.found.promise,
+        promise=fitted.promise,
         cost=fitted.found.cost,
         other_starts=fitted.others[1:],
-        at_floor=tuple(
-            name
-            for name, value, low in zip(problem.names, fitted.a, problem.lowest, strict=False)
-            if value <= low
-        ),
+        at_floor=tuple(compress(problem.names, problem.at_least(fitted.a))),
         coefficients=coefficients[:p],
         noises=coefficients[p:],
         from_book=tuple(one.name for one in coefficients[:p] if one.prior_share > BOOK_PRIOR_SHARE),
@@ -476,7 +464,7 @@ def _report(
         ranges=turned_ranges(trials, length),
         tests=(),
         covariance_names=problem.names,
-        covariance=tuple(map(tuple, fitted.covariance[:common, :common].tolist())),
+        covariance=tuple(map(tuple, covariance.tolist())),
     )
 
 

@@ -316,7 +316,7 @@ def _expected(
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
     noise, axes = _noise(ship, ship.result.speed_kn * KNOT, options), len(model.driven)
-    noise[axes:] = np.maximum(noise[axes:], problem.floors)  # as a fit would have them
+    noise[axes:] = np.maximum(noise[axes:], problem.least)  # as a fit would have them
     states = STATE_NAMES[: model.states]
     firsts = [[flight.column(name)[0] for name in states] for flight in flights]
     coefficients = [ship.coefficients[name] for name in model.free]
