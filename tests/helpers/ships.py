@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from trainer.boat.ship.models import ShipModel, model_of, with_roll
 from trainer.config.ship import Dimensions, RecordSettings, Roll, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
+from trainer.identify.record.measurements import Record
 from trainer.identify.ships.likelihood import TANKER_PRIOR, ShipProblem
-from trainer.identify.ships.records import Trial
+from trainer.identify.ships.records import READING_CHANNELS, ROLL_CHANNELS
 
 NOMOTO_SHIP = """schema = "nomoto/1"
 name = "a ship"
@@ -94,26 +96,32 @@ def made_record(
     model = ShipModel(name, model.names, free)
     p = len(model.free)
     nothing = np.zeros(p + 7), np.full(p + 7, math.inf)
-    trial = Trial("made", np.arange(0.0, 2.0 * SAMPLES, 2.0), _inputs(), (), windy=True)
-    problem = ShipProblem(model, CONSTANTS, (trial,), *nothing, np.zeros(4))
     begin = np.array([8.0, 0.0, 0.0, 0.0])
     a = np.concatenate([[values[each] for each in model.free], np.log(NOISE), begin])
-    trial.table[:, :4] = begin  # from which the ship sails
-    states = problem.sail(a, trial)
-    trial.table[:, :4] = states + _errors()
-    trial.table[50:60, 1] = math.nan
-    trial.table[120, :4] = math.nan
-    return problem, a, states
+    table = np.column_stack([np.tile(begin, (SAMPLES, 1)), _inputs()])
+    sailing = ShipProblem(model, CONSTANTS, (), *nothing, np.zeros(4))
+    states = sailing.sail(a, record_of_rows("made", table))
+    table[:, :4] = states + _errors()
+    table[50:60, 1] = math.nan
+    table[120, :4] = math.nan
+    return replace(sailing, trials=(record_of_rows("made", table),)), a, states
+
+
+def record_of_rows(source: str, rows: Numbers) -> Record:
+    """Return a record every 2 s of u, v, r, heading, rudder to starboard, n, wind, p and phi."""
+    inputs = ("rudder", "revolutions", "wind_ahead", "wind_starboard")
+    names = (*READING_CHANNELS, *inputs, *ROLL_CHANNELS)
+    columns: dict[str, Any] = dict(zip(names, rows.T.copy(), strict=False))
+    columns["rudder"] = -columns["rudder"]
+    t, places = np.arange(0.0, 2.0 * len(rows), 2.0), np.arange(len(rows))
+    return Record(source=source, t=t, rows=places, names={}, between_readings="straight", **columns)
 
 
 def _inputs() -> Numbers:
-    """Return the rows of the record, without readings."""
+    """Return rudder, revolutions and wind of the record (n, 4)."""
     k = np.arange(SAMPLES)
-    table = np.zeros((SAMPLES, 10))
-    table[:, 4] = math.radians(15.0) * np.sin(2.0 * math.pi * k / 80.0)
-    table[:, 5], table[:, 6], table[:, 7] = 1.5, 3.0 + 0.01 * k, 2.0 - 0.02 * k
-    table[:, 8], table[:, 9] = 2.0, 1.0
-    return table
+    rudder = math.radians(15.0) * np.sin(2.0 * math.pi * k / 80.0)
+    return np.column_stack([rudder, np.full(SAMPLES, 1.5), 3.0 + 0.01 * k, 2.0 - 0.02 * k])
 
 
 def _errors() -> Numbers:
@@ -123,7 +131,7 @@ def _errors() -> Numbers:
     return np.asarray(NOISE[3:] * math.sqrt(3.0) * (2.0 * places / 1009.0 - 1.0))
 
 
-def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, Numbers]:
+def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Record, Numbers]:
     """Return a zig-zag of the tanker under disturbances, read with errors, and its first state.
 
     A negative angle [deg] goes to port first.
@@ -134,7 +142,7 @@ def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     state, rudder, side = np.array([8.0, 0.0, 0.0, 0.0]), 0.0, math.copysign(1.0, angle)
     rows = []
     for _ in range(samples):
-        rows.append([*state, rudder, 1.5, 0.0, 0.0, T, 1.0])
+        rows.append([*state, rudder, 1.5, 0.0, 0.0])
         if side * state[3] > math.radians(abs(angle)):
             side = -side
         wanted = side * math.radians(abs(angle))
@@ -145,7 +153,7 @@ def sailed_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     table = np.array(rows)
     first = table[0, :4].copy()
     table[:, :4] += NOISE[3:] * stream.standard_normal((samples, 4))
-    return Trial(f"zigzag {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
+    return record_of_rows(f"zigzag {angle:g}", table), first
 
 
 def _sailed(whole: Numbers, model: ShipModel, state: Numbers, helm: tuple[float, float]) -> Numbers:
@@ -167,7 +175,7 @@ def _sailed(whole: Numbers, model: ShipModel, state: Numbers, helm: tuple[float,
     return state
 
 
-def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, Numbers]:
+def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Record, Numbers]:
     """Return a zig-zag of the tanker of small GM as ``sailed_zigzag`` does, with roll."""
     stream, T, rate = np.random.default_rng(seed), 2.0, math.radians(2.32)
     model = with_roll(model_of("mmg", wind=False))
@@ -191,7 +199,7 @@ def rolled_zigzag(angle: float, seed: int, samples: int = 300) -> tuple[Trial, N
     table = np.ascontiguousarray(table[:-1])
     first = np.array([*table[0, :4], *table[0, 10:]])
     table[:, [0, 1, 2, 3, 10, 11]] += ROLL_NOISE[4:] * stream.standard_normal((samples, 6))
-    return Trial(f"rolled {angle:g}", np.arange(0.0, T * samples, T), table, (), windy=False), first
+    return record_of_rows(f"rolled {angle:g}", np.delete(table, [8, 9], axis=1)), first
 
 
 def write_columns(columns: Mapping[str, Numbers], path: Path) -> Path:
@@ -202,7 +210,10 @@ def write_columns(columns: Mapping[str, Numbers], path: Path) -> Path:
     return path
 
 
-def trainer_columns(trial: Trial) -> dict[str, Numbers]:
+def trainer_columns(trial: Record) -> dict[str, Numbers]:
     """Return a record's columns as the trainer writes them, of a ship that does not roll."""
-    u, v, r, psi, rudder, n = trial.table.T[:6]
-    return {"t": trial.t, "u": u, "v": v, "r": r, "psi": psi, "delta_r": -rudder, "n": n}
+    names = {"u": "speed", "v": "sway", "r": "yaw_rate", "psi": "heading"}
+    names |= {"t": "t", "delta_r": "rudder", "n": "revolutions"}
+    return {
+        name: getattr(trial, names[name]) for name in ("t", "u", "v", "r", "psi", "delta_r", "n")
+    }

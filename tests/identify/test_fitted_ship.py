@@ -165,9 +165,8 @@ def test_what_cannot_be_fitted_is_named(change: Any, keywords: Any, told: str) -
 def zigzag(angle: float, seed: int) -> dict[str, Any]:
     """Return the arrays of a zig-zag of a tanker, a positive rudder to port."""
     trial, _ = sailed_zigzag(angle, seed)
-    u, v, r, psi, rudder, n = trial.table.T[:6]
-    motion = {"speed": u, "sway": v, "yaw_rate": r, "heading": psi}
-    return {"t": trial.t, "rudder": -rudder, "n": n} | motion
+    names = ("t", "rudder", "speed", "sway", "yaw_rate", "heading")
+    return {"n": trial.revolutions} | {name: getattr(trial, name) for name in names}
 
 
 @pytest.fixture(scope="module")

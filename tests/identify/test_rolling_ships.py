@@ -33,10 +33,11 @@ from trainer.config.ship import FitResult as Fitted
 from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import by_scoring
+from trainer.identify.record.measurements import Record
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.fit import USUAL_SEARCH, ShipFit, fit_ship, pose_problem
 from trainer.identify.ships.likelihood import ShipProblem, prior_of
-from trainer.identify.ships.records import Trial, load_trial
+from trainer.identify.ships.records import load_trial, readings_of
 from trainer.identify.ships.results import predict_record
 from trainer.identify.ships.vehicle import IdentifiedShip
 from trainer.units import KNOT
@@ -53,9 +54,9 @@ def rolling_problem(name: str) -> tuple[ShipProblem, Numbers]:
     values |= {"K_w": 0.01, "K_phi": -1.1, "K_p": -0.2, "Y_phi": 0.3, "N_phi": -0.4}
     trial = plain.trials[0]
     k = np.arange(len(trial.t))
-    rolls = np.column_stack([2e-3 * np.cos(0.3 * k), 0.02 * np.sin(0.3 * k) + 0.01])
-    rolls[30:40, 0], rolls[70:73, 1] = math.nan, math.nan
-    trial = replace(trial, table=np.column_stack([trial.table, rolls]))
+    rate, roll = 2e-3 * np.cos(0.3 * k), 0.02 * np.sin(0.3 * k) + 0.01
+    rate[30:40], roll[70:73] = math.nan, math.nan
+    trial = replace(trial, roll_rate=rate, roll=roll)
     count = len(model.free) + len(model.noises)
     nothing = np.zeros(count), np.full(count, math.inf), np.zeros(6)
     problem = ShipProblem(model, np.array(ROLLING.constants), (trial,), *nothing)
@@ -105,7 +106,7 @@ def test_without_coupling_roll_changes_nothing_of_the_rest() -> None:
 def found() -> ShipFit:
     """Return the fit to a zig-zag of a known ship whose roll angle was read, and no rate."""
     trial, _ = rolled_zigzag(20.0, seed=1)
-    trial.table[:, 10] = math.nan
+    trial = replace(trial, roll_rate=None)
     model = with_roll(model_of("mmg", wind=False))
     problem, begin = pose_problem(
         model, np.array(PLAIN.constants), [trial], prior_of(model, PLAIN)[0], 0.5
@@ -138,9 +139,9 @@ def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: ShipFit) ->
         assert (told[2] or 0.0) > 97.0, angle
 
 
-def rolled_columns(trial: Trial) -> dict[str, Numbers]:
+def rolled_columns(trial: Record) -> dict[str, Numbers]:
     """Return a record's columns as the trainer writes them."""
-    p, phi = trial.table.T[-2:]
+    p, phi = readings_of(trial).T[-2:]
     return {**trainer_columns(trial), "p": p, "phi": phi}
 
 
@@ -164,14 +165,14 @@ def test_roll_is_read_where_the_ship_has_a_gm_and_only_there(
         for (channel, unit), name in zip(own.items(), names, strict=True)
     )
 
-    assert load_trial(path, replace(SHIP, columns=rows)).table == pytest.approx(plain.table)
-    assert load_trial(path, replace(ROLLING, columns=rows)).table.shape == (300, 12)
-    assert rolled.readings[:, 4] == pytest.approx(columns["p"])
-    assert np.flatnonzero(np.isnan(rolled.readings[:, 5])).tolist() == [7]
-    assert rolled.readings[8:, 5] == pytest.approx(columns["phi"][8:])
-    assert plain.table.shape == (300, 10)
-    assert rolled.table[:, :10] == pytest.approx(plain.table)
-    assert load_trial(path, ROLLING, every=2).readings[4:, 5] == pytest.approx(
+    assert load_trial(path, replace(SHIP, columns=rows)).speed == pytest.approx(plain.speed)
+    assert readings_of(load_trial(path, replace(ROLLING, columns=rows))).shape == (300, 6)
+    assert readings_of(rolled)[:, 4] == pytest.approx(columns["p"])
+    assert np.flatnonzero(np.isnan(readings_of(rolled)[:, 5])).tolist() == [7]
+    assert readings_of(rolled)[8:, 5] == pytest.approx(columns["phi"][8:])
+    assert plain.roll is None
+    assert readings_of(rolled)[:, :4] == pytest.approx(readings_of(plain))
+    assert load_trial(path, ROLLING, every=2).column("roll")[4:] == pytest.approx(
         [columns["phi"][k : k + 2].mean() for k in range(8, 298, 2)]
     )
 
@@ -192,7 +193,7 @@ def test_a_bad_roll_is_refused_with_its_remedy(columns: dict[str, Numbers], tmp_
     assert "fewer than 30 rows have one" in refused({"phi": none})
     assert re.search(r"a sample each 6 s, and a roll of ship.toml lasts 29.8 s", refused({}, 3))
     leaning = load_trial(write_columns(columns | {"phi": -phi}, tmp_path / "a.csv"), ROLLING)
-    assert any("leans into the turn" in text for text in leaning.findings)
+    assert any("leans into the turn" in text for text in map(str, leaning.findings))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from helpers.studies import answered
 
 from trainer.config.ship import load_ship
 from trainer.core.kernel import Numbers
-from trainer.identify.ships.records import load_trial
+from trainer.identify.ships.records import inputs_of, load_trial, readings_of
 
 DEGREE = math.pi / 180.0
 FILLED = (  # what a user types in place of the lines to fill in
@@ -25,7 +25,7 @@ FILLED = (  # what a user types in place of the lines to fill in
 def sailed() -> Numbers:
     """Return t, u, v, r, heading, rudder to starboard and revolutions of a 20/20, by rows."""
     trial, _ = sailed_zigzag(20.0, seed=1)
-    return np.column_stack([trial.t, trial.table[:, :6]])
+    return np.column_stack([trial.t, readings_of(trial), inputs_of(trial)[:, :2]])
 
 
 def write(path: Path, heads: str, columns: list[Numbers], form: str = "%.17g") -> Path:
@@ -63,10 +63,10 @@ def test_a_free_running_model_with_wind_is_read_by_the_file_begun(
     assert "taken for the relative wind" in said
     assert f"trainer identify '{record}' --model mmg --ship {ship}" in said
     assert load_ship(ship).records.positive_rudder == "starboard"
-    assert trial.table[:, 4] == pytest.approx(rudder)
-    assert trial.table[:, :4] == pytest.approx(np.column_stack([u, v, r, psi]))
-    assert trial.table[:, 5] == pytest.approx(n)
-    assert trial.table[:, 6] == pytest.approx(5.0 * np.cos(angle))
+    assert trial.rudder == pytest.approx(-rudder)
+    assert readings_of(trial) == pytest.approx(np.column_stack([u, v, r, psi]))
+    assert trial.revolutions == pytest.approx(n)
+    assert trial.wind_ahead == pytest.approx(5.0 * np.cos(angle))
 
 
 def test_a_record_over_ground_in_degrees_with_rounded_times_is_read_by_the_file_begun(
@@ -91,9 +91,9 @@ def test_a_record_over_ground_in_degrees_with_rounded_times_is_read_by_the_file_
     assert "no column" not in said
     assert trial.t == pytest.approx(fine, abs=0.01)
     assert load_ship(ship).records.current == "none"
-    assert trial.table[:, 0] == pytest.approx(np.interp(fine, t, u), abs=0.06)
-    assert trial.table[:, 4] == pytest.approx(np.interp(fine, t, rudder), abs=0.002)
-    assert trial.table[:, 5] == pytest.approx(np.interp(fine, t, n), rel=0.01)
+    assert trial.speed == pytest.approx(np.interp(fine, t, u), abs=0.06)
+    assert trial.rudder == pytest.approx(-np.interp(fine, t, rudder), abs=0.002)
+    assert trial.revolutions == pytest.approx(np.interp(fine, t, n), rel=0.01)
 
 
 @pytest.mark.parametrize(

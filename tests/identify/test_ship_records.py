@@ -38,7 +38,7 @@ from trainer.config.ship import (
 from trainer.core.kernel import Numbers
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.likelihood import ShipProblem
-from trainer.identify.ships.records import load_trial
+from trainer.identify.ships.records import filter_table, inputs_of, load_trial
 from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships, fly_ship
 from trainer.units import KNOT
 
@@ -52,15 +52,18 @@ def columns() -> Columns:
     return trainer_columns(sailed_zigzag(20.0, seed=1)[0])
 
 
-def test_a_record_of_the_trainer_is_read_with_the_rudder_to_starboard(
+def test_a_record_keeps_its_rudder_to_port_and_only_the_filter_has_it_to_starboard(
     columns: Columns, tmp_path: Path
 ) -> None:
     trial = load_trial(write_columns(columns, tmp_path / "a.csv"), SHIP)
 
-    assert trial.table[:, 0] == pytest.approx(columns["u"])
-    assert trial.inputs[:, 0] == pytest.approx(-columns["delta_r"])
-    assert (trial.table[:, 9] == 1.0).all()
-    assert not trial.windy
+    table = filter_table(trial, np.array(SHIP.constants))
+
+    assert trial.speed == pytest.approx(columns["u"])
+    assert trial.rudder == pytest.approx(columns["delta_r"])
+    assert table[:, 4] == pytest.approx(-columns["delta_r"])
+    assert (table[:, 9] == 1.0).all()
+    assert not inputs_of(trial)[:, 2:].any()
 
 
 @pytest.mark.parametrize(
@@ -72,8 +75,8 @@ def test_the_ships_file_says_how_the_rudder_goes_between_readings(
     ship = replace(SHIP, records=RecordSettings(between_readings=said))
     trial = load_trial(write_columns(columns, tmp_path / "a.csv"), ship, every=every)
 
-    assert (np.sign(trial.table[:, 9]) == steps).all()
-    (told,) = [one for one in trial.findings if "taken as " in one]
+    assert (np.sign(filter_table(trial, np.array(SHIP.constants))[:, 9]) == steps).all()
+    (told,) = [one for one in map(str, trial.findings) if "taken as " in one]
     assert ("held until" in told) == (steps < 0.0)
 
 
@@ -81,8 +84,8 @@ def test_rows_are_averaged_around_the_one_taken(columns: Columns, tmp_path: Path
     trial = load_trial(write_columns(columns, tmp_path / "a.csv"), SHIP, every=5)
 
     assert trial.t[:2] == pytest.approx([4.0, 14.0])
-    assert trial.table[0, 0] == pytest.approx(columns["u"][:5].mean())
-    assert trial.table[1, 5] == pytest.approx(1.5)
+    assert trial.column("speed")[0] == pytest.approx(columns["u"][:5].mean())
+    assert trial.column("revolutions")[1] == pytest.approx(1.5)
 
 
 def test_velocities_over_ground_are_turned_into_the_ship_where_the_water_stands(
@@ -106,9 +109,9 @@ def test_velocities_over_ground_are_turned_into_the_ship_where_the_water_stands(
         load_trial(path, ship)
     trial = load_trial(path, replace(ship, records=RecordSettings(current="none")))
 
-    assert trial.table[:, 0] == pytest.approx(u)
-    assert trial.table[:, 1] == pytest.approx(v, abs=1e-9)
-    assert trial.table[:, 5] == pytest.approx(1.5)
+    assert trial.speed == pytest.approx(u)
+    assert trial.sway == pytest.approx(v, abs=1e-9)
+    assert trial.revolutions == pytest.approx(1.5)
 
 
 def test_wind_by_speed_and_direction_comes_from_ahead_and_starboard(
@@ -117,8 +120,7 @@ def test_wind_by_speed_and_direction_comes_from_ahead_and_starboard(
     wind = {"wind_ahead": columns["u"], "wind_starboard": 0.0 * columns["u"] + 2.0}
     trial = load_trial(write_columns({**columns, **wind}, tmp_path / "a.csv"), SHIP)
 
-    assert trial.windy
-    assert trial.inputs[:, 3] == pytest.approx(2.0)
+    assert trial.wind_starboard == pytest.approx(2.0)
     assert "N_ww" in model_of("mmg", wind=True).free
 
 

@@ -21,7 +21,13 @@ from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.ships.fit import USUAL_SEARCH, ShipFit, fit_ship, pose_problem
-from trainer.identify.ships.likelihood import TANKER_PRIOR, ShipProblem, kijima, prior_of
+from trainer.identify.ships.likelihood import (
+    TANKER_PRIOR,
+    ShipProblem,
+    first_state,
+    kijima,
+    prior_of,
+)
 from trainer.identify.ships.results import (
     coefficients_of,
     explain_variance,
@@ -115,11 +121,11 @@ def test_the_gradient_is_that_of_the_likelihood_with_and_without_wake(wake: floa
 
 def test_a_reading_that_is_missing_counts_for_nothing() -> None:
     problem, a, _ = made_record("mmg")
-    trial = problem.trials[0]
+    table = problem.tables[0]
     system = problem.system(a, a[problem.first_indices(0)])
-    errors, none = np.empty((len(trial.table), 4, 2)), (np.empty(0), np.empty((0, 0)))
-    whole = filter_record(system, trial.table, errors, *none)
-    last = trial.table.copy()
+    errors, none = np.empty((len(table), 4, 2)), (np.empty(0), np.empty((0, 0)))
+    whole = filter_record(system, table, errors, *none)
+    last = table.copy()
     last[-1, 3] = math.nan
     less = filter_record(system, last, errors.copy(), *none)
     e, s = errors[-1, 3]
@@ -139,12 +145,13 @@ def test_a_ship_that_turns_over_costs_without_bound() -> None:
 
 def test_steps_between_samples_converge_at_fourth_order() -> None:
     problem, a, _ = made_record("mmg")
-    trial = problem.trials[0]
+    system = problem.system(a, first_state(problem.trials[0]))
 
     def end(parts: float) -> float:
-        table = trial.table.copy()
+        table, states = problem.tables[0].copy(), np.empty((len(problem.tables[0]), 4))
         table[:, 9] = parts
-        return float(problem.sail(a, replace(trial, table=table))[-1, 3])
+        assert sail_record(system, table, states) == len(table)
+        return float(states[-1, 3])
 
     coarse, half, fine = (abs(end(parts) - end(32.0)) for parts in (1.0, 2.0, 4.0))
     assert np.log2(coarse / half) == pytest.approx(4.0, abs=0.4)
@@ -153,18 +160,18 @@ def test_steps_between_samples_converge_at_fourth_order() -> None:
 
 def test_an_ordered_rudder_stands_until_the_next_reading() -> None:
     problem, a, _ = made_record("mmg")
-    trial = problem.trials[0]
-    held = trial.table.copy()
+    rows = problem.tables[0]
+    held = rows.copy()
     held[:, 9] = -4.0
     # the same by rows of no length, in which the rudder jumps
-    twice = np.repeat(trial.table, 2, axis=0)[:-1]
-    twice[1::2, 4:8], twice[1::2, 8] = trial.table[1:, 4:8], 0.0
-    twice[1::2, 4] = trial.table[:-1, 4]
+    twice = np.repeat(rows, 2, axis=0)[:-1]
+    twice[1::2, 4:8], twice[1::2, 8] = rows[1:, 4:8], 0.0
+    twice[1::2, 4] = rows[:-1, 4]
     twice[:, 9] = 4.0
 
-    system = problem.system(a, trial.readings[0])
+    system = problem.system(a, rows[0, :4])
     run, straight, true = (np.empty((len(one), 4)) for one in (held, held, twice))
-    for table, out in ((held, run), (trial.table, straight), (twice, true)):
+    for table, out in ((held, run), (rows, straight), (twice, true)):
         assert sail_record(system, table, out) == len(table)
     assert run == pytest.approx(true[::2], abs=1e-9)
     assert np.abs(run - straight).max() > 1e-3
@@ -321,9 +328,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
 
 def test_an_error_of_readings_stops_at_its_floor_and_the_fit_settles() -> None:
     trial, _ = sailed_zigzag(20.0, seed=1)
-    exact = replace(trial, table=trial.table.copy())
-    smooth = np.convolve(trial.table[:, 2], np.ones(25) / 25.0, mode="same")
-    exact.table[:, 2] = smooth  # published readings are often smoothed
+    # published readings are often smoothed
+    exact = replace(
+        trial, yaw_rate=np.convolve(trial.column("yaw_rate"), np.ones(25) / 25.0, mode="same")
+    )
     model = model_of("linear", wind=False)
     problem, begin = pose_problem(model, CONSTANTS, [exact], prior_of(model, SHIP)[0], 0.5)
 

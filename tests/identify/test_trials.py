@@ -23,6 +23,7 @@ from trainer.identify.experiment import prbs
 from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.record.sources import USUAL_SENSORS
 from trainer.identify.ships.fit import USUAL_SEARCH, problem_of
+from trainer.identify.ships.records import READING_CHANNELS
 from trainer.identify.ships.trials import (
     BinaryHelm,
     TrialDesign,
@@ -156,9 +157,11 @@ def scatter(known: ShipFile, found: TrialDesign, count: int) -> Numbers:
             ship = ShakenShip(known, held * KNOT, noise[:3], 10 * seed + i)
             flight = fly_manoeuvre(ship, ZigZag(duration_s=400.0), speed * KNOT)
             every = round(found.report.interval_s / flight.step)
-            trial = flown_trial(known, flight, every, found.report.outputs)
-            trial.table[:, :4] += noise[3:] * stream.standard_normal((len(trial.t), 4))
-            trials.append(trial)
+            trial = flown_trial(flight, every, found.report.outputs)
+            errors = (noise[3:] * stream.standard_normal((len(trial.t), 4))).T
+            read = zip(READING_CHANNELS, errors, strict=True)
+            noisy = {name: trial.column(name) + error for name, error in read}
+            trials.append(replace(trial, **noisy))
         prior = {
             name: (value + width * stream.standard_normal(), width)
             for name, value, width in zip(

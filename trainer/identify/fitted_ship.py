@@ -27,8 +27,8 @@ from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identification, ShipNumber, describe_fit
 from trainer.identify.pages.series import matrices_of, series_of
 from trainer.identify.pages.ship_files import nomoto_text, vessel_text
+from trainer.identify.record.measurements import SHIP_CHANNEL_UNITS, Record
 from trainer.identify.record.sources import (
-    FURTHER_CHANNELS,
     arrays_of,
     columns_of,
     factor,
@@ -43,7 +43,7 @@ from trainer.identify.record.study_records import (
     ParameterRow,
 )
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.records import ROLL_CHANNELS, Trial, load_trial, trial_of
+from trainer.identify.ships.records import READING_CHANNELS, ROLL_CHANNELS, load_trial, trial_of
 from trainer.identify.ships.results import ShipIdentification as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
 from trainer.report.plots import Panel, Screen, draw_plot, figure_of
@@ -239,17 +239,16 @@ def _fit_manoeuvring(
     return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 
 
-def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Trial:
+def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Record:
     """Return a record of a ship that is not linear.
 
     Arrays are taken as read by instruments, so no errors of sensors are added to them.
     """
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
-    columns = columns_of(frame, given["columns"], given["units"], FURTHER_CHANNELS)
-    taken = arrays_of(frame, columns)
-    further = {name: taken.pop(name) for name in FURTHER_CHANNELS if name in taken}
-    return trial_of(record_of(taken, columns), further, replace(ship, sensors=None), every)
+    columns = columns_of(frame, given["columns"], given["units"], SHIP_CHANNEL_UNITS)
+    record = record_of(arrays_of(frame, columns), columns)
+    return trial_of(record, replace(ship, sensors=None), every)
 
 
 class _ShipDisplay:
@@ -455,7 +454,7 @@ class ManoeuvringShip(_ShipDisplay):
         trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
         sailed = self._found.fit.problem.sail(self._found.fit.found.theta, trial)
         units = self._given["units"]
-        names = ("speed", "sway", "yaw_rate", "heading", *ROLL_CHANNELS)
+        names = (*READING_CHANNELS, *ROLL_CHANNELS)
         series = {
             name: values / factor(name, units.get(name))
             for name, values in zip(names, sailed.T, strict=False)

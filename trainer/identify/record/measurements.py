@@ -26,6 +26,14 @@ CHANNEL_UNITS: Final = {  # what may be recorded beside time, and its unit
     "stern_sway": "m/s",
     "speed": "m/s",
 }
+SHIP_CHANNEL_UNITS: Final = {  # likewise, of ships that are not linear
+    "revolutions": "1/s",
+    **dict.fromkeys(("north_velocity", "east_velocity"), "m/s"),  # over ground
+    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), "m/s"),  # as the ship feels it
+    "wind_from": "rad",
+    "roll": "rad",
+    "roll_rate": "rad/s",
+}
 POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
 MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
 OUTPUT_CHANNELS: Final = tuple(name for name in CHANNEL_UNITS if name != "rudder")
@@ -68,6 +76,15 @@ class Record:
     speed: Numbers | None = None  # [m/s]
     latitude: Numbers | None = None  # [rad] of the antenna
     longitude: Numbers | None = None  # [rad] likewise
+    revolutions: Numbers | None = None  # [1/s]
+    north_velocity: Numbers | None = None  # [m/s] over ground
+    east_velocity: Numbers | None = None  # [m/s] likewise
+    wind_speed: Numbers | None = None  # [m/s] as the ship feels it
+    wind_from: Numbers | None = None  # [rad] from ahead, positive to starboard
+    wind_ahead: Numbers | None = None  # [m/s] as the ship feels it
+    wind_starboard: Numbers | None = None  # [m/s] likewise
+    roll: Numbers | None = None  # [rad] positive to starboard
+    roll_rate: Numbers | None = None  # [rad/s]
     rows: NDArray[np.int64]
     names: Mapping[str, str]
     findings: tuple[Finding, ...] = ()
@@ -124,12 +141,12 @@ class Record:
         plain = {name: values[indices] for name, values in self.plain.items()}
         return replace(self, plain=plain, **columns)
 
-    def between(self, begin: float, end: float) -> "Record":
-        """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than two are."""
+    def between(self, begin: float, end: float, least: int = 2) -> "Record":
+        """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than ``least``."""
         inside = (self.t >= begin) & (self.t <= end)
-        if np.count_nonzero(inside) < 2:
+        if np.count_nonzero(inside) < least:
             raise ConfigError(
-                f"{self.source}: fewer than two rows from {begin:g} s to {end:g} s; "
+                f"{self.source}: fewer than {least} rows from {begin:g} s to {end:g} s; "
                 f"it has {self.t[0]:g} s to {self.t[-1]:g} s"
             )
         return self.part(inside)

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, cast
 
 import numpy as np
@@ -21,7 +22,13 @@ from trainer.config.files import ConfigError, collecting, nearest, offer_known, 
 from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import CHANNEL_UNITS, POSITION_CHANNELS, Finding, Record
+from trainer.identify.record.measurements import (
+    CHANNEL_UNITS,
+    POSITION_CHANNELS,
+    SHIP_CHANNEL_UNITS,
+    Finding,
+    Record,
+)
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.header import open_whole_recording
@@ -53,6 +60,7 @@ UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "rad": {"rad": 1.0, "deg": DEGREE},
     "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
     "m/s": {"m/s": 1.0, "kn": KNOT},
+    "1/s": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
     "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
 }
 TRAINER_COLUMNS: Final = {  # columns of the trainer, SI and radians
@@ -62,20 +70,12 @@ TRAINER_COLUMNS: Final = {  # columns of the trainer, SI and radians
     "sway": "v",
     "speed": "u",
 }
-FURTHER_COLUMNS: Final = {  # likewise, of what a record has not: ships that are not linear
+SHIP_COLUMNS: Final = {  # likewise, of SHIP_CHANNEL_UNITS
     "revolutions": "n",
     "wind_ahead": "wind_ahead",
     "wind_starboard": "wind_starboard",
     "roll": "phi",
     "roll_rate": "p",
-}
-FURTHER_CHANNELS: Final[Mapping[str, Mapping[str, float]]] = {  # channels and their units
-    "revolutions": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
-    **dict.fromkeys(("north_velocity", "east_velocity"), UNIT_FACTORS["m/s"]),
-    **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard"), UNIT_FACTORS["m/s"]),
-    "wind_from": UNIT_FACTORS["rad"],
-    "roll": UNIT_FACTORS["rad"],
-    "roll_rate": UNIT_FACTORS["rad/s"],
 }
 NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
@@ -156,23 +156,16 @@ class Column:
     missing: tuple[float, ...] = ()  # numbers that say that there is no reading
 
 
-def own_columns() -> dict[str, Column]:
-    """Return the columns of the trainer's own files, times among them."""
-    columns = {key: Column(name, CHANNEL_UNITS[key]) for key, name in TRAINER_COLUMNS.items()}
-    return {"t": Column("t", "s"), **columns}
+def own_columns(further: Mapping[str, str] = MappingProxyType({})) -> dict[str, Column]:
+    """Return the columns of the trainer's own files, times among them, and ``further`` ones."""
+    units, names = CHANNEL_UNITS | SHIP_CHANNEL_UNITS, {**TRAINER_COLUMNS, **further}
+    return {"t": Column("t", "s"), **{key: Column(one, units[key]) for key, one in names.items()}}
 
 
 def units_of(channel: str) -> Mapping[str, float]:
     """Return the units that a channel can have, and what each is in SI."""
-    if channel in FURTHER_CHANNELS:
-        return FURTHER_CHANNELS[channel]
-    return UNIT_FACTORS[
-        "place"
-        if channel in POSITION_CHANNELS
-        else "s"
-        if channel == "t"
-        else CHANNEL_UNITS[channel]
-    ]
+    special = {"t": "s", **dict.fromkeys(POSITION_CHANNELS, "place")}
+    return UNIT_FACTORS[{**CHANNEL_UNITS, **SHIP_CHANNEL_UNITS, **special}[channel]]
 
 
 def factor(channel: str, unit: str | None) -> float:
@@ -238,7 +231,10 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
 
 
 def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:
-    """Return a channel in SI; ConfigError if it has no unit, or a cell is no number."""
+    """Return a channel in SI, its ``missing`` numbers NaN.
+
+    ConfigError if it has no unit, a cell is no number, or no ship has such a reading.
+    """
     index = table.index(column.name)
     if column.unit == NO_UNIT:
         numbers = table.numbers(index)
@@ -248,7 +244,7 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
     if channel == "t" and table.is_clock(index):
         return table.seconds(index)
     said, known = table.units[index], units_of(channel)
-    unit = column.unit or said
+    unit = column.unit or said or SHIP_CHANNEL_UNITS.get(channel, "")
     if unit not in known:
         where = f"the file says {quote(said)}" if said else "the file does not say its unit"
         raise ConfigError(
@@ -257,12 +253,7 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
         )
     if said and said != unit:
         told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
-    return read_channel(table, channel, column, unit)
-
-
-def read_channel(table: CsvTable, channel: str, column: Column, unit: str) -> Numbers:
-    """Return a column in SI, its ``missing`` numbers NaN; ConfigError naming what cannot be."""
-    index, scale = table.index(column.name), units_of(channel)[unit]
+    scale = known[unit]
     table = table.without(index, column.missing) if column.missing else table
     numbers = table.angles(index, unit) if channel in POSITION_CHANNELS else table.numbers(index)
     if fault := find_impossible(channel, numbers * scale, unit):
@@ -348,7 +339,7 @@ def columns_of(
 
     ``columns`` and ``units`` are those that the caller names, by channel.
     """
-    channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **FURTHER_COLUMNS}
+    channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **SHIP_COLUMNS}
     for name in (*columns, *units):
         if name not in channels:
             raise ConfigError(f"no channel {name!r}{offer_known(name, channels)}")

@@ -20,8 +20,9 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.fitting.minimise import SearchOptions, SearchResult, approach_minimum
+from trainer.identify.record.measurements import Record
 from trainer.identify.ships.likelihood import Prior, ShipProblem, first_state, least_errors
-from trainer.identify.ships.records import Trial
+from trainer.identify.ships.records import inputs_of, readings_of
 
 # The start is that of the prototype on MARIN's zig-zags of KVLCC2: by itself, without a likelihood,
 # it explains 91.7 to 99.8 % of the yaw rates.
@@ -64,7 +65,7 @@ class ShipFit:
 
 
 def pose_problem(
-    model: ShipModel, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+    model: ShipModel, constants: Numbers, trials: Sequence[Record], prior: Prior, strength: float
 ) -> tuple[ShipProblem, Numbers]:
     """Return the problem of fitting a model to records, and where its search begins."""
     problem = problem_of(model, constants, trials, prior, strength)
@@ -73,7 +74,7 @@ def pose_problem(
 
 
 def problem_of(
-    model: ShipModel, constants: Numbers, trials: Sequence[Trial], prior: Prior, strength: float
+    model: ShipModel, constants: Numbers, trials: Sequence[Record], prior: Prior, strength: float
 ) -> ShipProblem:
     """Return the problem of fitting a model to records, with what books say."""
     trials = tuple(trials)
@@ -83,7 +84,7 @@ def problem_of(
     for j, name in enumerate(model.free):
         if name in prior and strength > 0.0:
             mean[j], width[j] = prior[name][0], prior[name][1] * strength
-    rows = np.vstack([trial.readings for trial in trials])
+    rows = np.vstack([*map(readings_of, trials)])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1e-2 for i in range(len(seen))])
     spread = np.maximum(spread, 1e-9)
@@ -102,14 +103,12 @@ def problem_of(
     return ShipProblem(model, constants, trials, mean, width, least_errors(trials))
 
 
-def _roll_rate(trial: Trial) -> Numbers:
+def _roll_rate(trial: Record) -> Numbers:
     """Return the roll rate [rad/s] of the rolls that were read."""
-    return np.asarray(
-        np.gradient(_filled(trial.t, trial.readings[:, ROLL_RATE_INDEX + 1]), trial.t)
-    )
+    return np.asarray(np.gradient(_filled(trial.t, trial.column("roll")), trial.t))
 
 
-def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
+def smooth_trial(trial: Record, length: float) -> tuple[Numbers, Numbers]:
     """Return u, v, r and their derivatives (n, 3) by Savitzky and Golay's cubic.
 
     With roll the first array has u, v, r, p and phi, the second the derivatives of u, v, r and p:
@@ -117,7 +116,8 @@ def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     """
     from scipy.signal import savgol_filter  # noqa: PLC0415
 
-    rows = trial.readings.copy()
+    rows = readings_of(trial)
+    channels = rows.shape[1]
     if np.isnan(rows[:, 2]).all():
         rows[:, 2] = np.gradient(_filled(trial.t, rows[:, 3]), trial.t)
     indices = [0, 1, 2]
@@ -131,7 +131,7 @@ def smooth_trial(trial: Trial, length: float) -> tuple[Numbers, Numbers]:
     window = min(max(2 * int(wanted / 2.0) + 1, SMOOTHING_ORDER + 2), (len(rows) - 1) // 2 * 2 + 1)
     smoothed = savgol_filter(rows, window, SMOOTHING_ORDER, axis=0)
     slopes = savgol_filter(rows, window, SMOOTHING_ORDER, deriv=1, delta=step, axis=0)
-    return smoothed, slopes[:, : trial.readings.shape[1] // 2 + 1]
+    return smoothed, slopes[:, : channels // 2 + 1]
 
 
 def _filled(t: Numbers, values: Numbers) -> Numbers:
@@ -175,7 +175,7 @@ def _regression(problem: ShipProblem) -> Numbers:
     smoothed = [smooth_trial(trial, length) for trial in problem.trials]
     terms = np.vstack(
         [
-            terms_of(problem, states, trial.inputs, rudder)
+            terms_of(problem, states, inputs_of(trial), rudder)
             for (states, _), trial in zip(smoothed, problem.trials, strict=True)
         ]
     )

@@ -23,7 +23,8 @@ from trainer.boat.ship.models import ShipModel
 from trainer.config.ship import Dimensions, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
-from trainer.identify.ships.records import Trial
+from trainer.identify.record.measurements import Record
+from trainer.identify.ships.records import filter_table, readings_of
 
 Prior = Mapping[str, tuple[float, float]]  # mean and standard deviation before the strength
 
@@ -154,7 +155,7 @@ class ShipProblem:
 
     model: ShipModel
     constants: Numbers  # of the ship, as the kernels take them
-    trials: tuple[Trial, ...]
+    trials: tuple[Record, ...]
     mean: Numbers  # of the common parameters
     width: Numbers
     least: Numbers  # errors of readings, to which each is added
@@ -195,6 +196,11 @@ class ShipProblem:
     def size(self) -> int:
         """Return how many parameters there are."""
         return self.common + self.model.states * len(self.trials)
+
+    @cached_property
+    def tables(self) -> tuple[Numbers, ...]:
+        """Return the records as the filter takes them."""
+        return tuple(filter_table(trial, self.constants) for trial in self.trials)
 
     @cached_property
     def _terms(self) -> Terms:
@@ -294,7 +300,7 @@ class ShipProblem:
 
         ``slopes`` are where gradient and information (its lower half) are written.
         """
-        table = self.trials[record].table
+        table = self.tables[record]
         errors = np.empty((len(table), self.model.states, 2))
         system = self.system(a, a[self.first_indices(record)])
         return float(filter_record(system, table, errors, *slopes)), errors
@@ -304,35 +310,35 @@ class ShipProblem:
         _, errors = self._filter(a, record, *NO_SLOPES)
         return np.asarray(errors[:, :, 0] / np.sqrt(errors[:, :, 1]))
 
-    def sail(self, a: Numbers, trial: Trial) -> Numbers:
+    def sail(self, a: Numbers, trial: Record) -> Numbers:
         """Return the states (rows, n) by inputs alone.
 
         They are NaN from the row on in which they are no longer those of a ship.
         """
-        states = self.model.states
-        out = np.full((len(trial.table), states), math.nan)
-        last = sail_record(self.system(a, first_state(trial)), trial.table, out)
+        table = filter_table(trial, self.constants)
+        out = np.full((len(table), self.model.states), math.nan)
+        last = sail_record(self.system(a, first_state(trial)), table, out)
         out[last:] = math.nan
         return out
 
 
-def first_state(trial: Trial) -> Numbers:
+def first_state(trial: Record) -> Numbers:
     """Return the first state, by a quadratic through the first readings of each channel."""
-    t, rows = trial.t[:FIRST_STATE_ROWS] - trial.t[0], trial.readings[:FIRST_STATE_ROWS]
-    state = np.zeros(rows.shape[1])
+    readings, t = readings_of(trial), trial.t[:FIRST_STATE_ROWS] - trial.t[0]
+    rows, state = readings[:FIRST_STATE_ROWS], np.zeros(readings.shape[1])
     for i in range(len(state)):
         known = np.isfinite(rows[:, i])
         if np.count_nonzero(known) > 2:
             state[i] = np.polyfit(t[known], rows[known, i], 2)[-1]
         else:
-            seen = trial.readings[np.isfinite(trial.readings[:, i]), i]
+            seen = readings[np.isfinite(readings[:, i]), i]
             state[i] = seen[0] if len(seen) else 0.0
     return state
 
 
-def least_errors(trials: tuple[Trial, ...]) -> Numbers:
+def least_errors(trials: tuple[Record, ...]) -> Numbers:
     """Return the smallest errors of readings that a fit believes: a share of their spread."""
-    rows = np.vstack([trial.readings for trial in trials])
+    rows = np.vstack([*map(readings_of, trials)])
     seen = np.atleast_1d(np.isfinite(rows).any(axis=0))
     spread = np.array([np.nanstd(rows[:, i]) if seen[i] else 1.0 for i in range(len(seen))])
     return np.asarray(MIN_ERROR_SHARE * np.maximum(spread, 1e-12))

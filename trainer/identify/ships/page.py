@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 
 from trainer.identify import sheet as sheets
-from trainer.identify.ships.records import Trial
+from trainer.identify.record.measurements import Record
+from trainer.identify.ships.records import readings_of
 from trainer.identify.ships.results import (
     OUTPUT_NAMES,
     OUTPUT_SCALES,
@@ -182,12 +183,12 @@ def sheet(found: ShipIdentification) -> str:
     return sheets.sheet(report.ship, render(report), screens(found), report)
 
 
-def _record_panels(found: ShipIdentification, trial: Trial) -> Iterator[Panel]:
+def _record_panels(found: ShipIdentification, trial: Record) -> Iterator[Panel]:
     """Yield the readings of a record with what inputs alone predict."""
-    sailed = found.fit.problem.sail(found.fit.found.theta, trial)
+    sailed, readings = found.fit.problem.sail(found.fit.found.theta, trial), readings_of(trial)
     for i, output in enumerate(OUTPUT_NAMES[: sailed.shape[1]]):
         curves = (
-            Curve("measured", trial.t, OUTPUT_SCALES[i] * trial.readings[:, i], points=True),
+            Curve("measured", trial.t, OUTPUT_SCALES[i] * readings[:, i], points=True),
             Curve("by inputs alone", trial.t, OUTPUT_SCALES[i] * sailed[:, i]),
         )
         title = f"{output}, {Path(trial.source).name}"

@@ -15,12 +15,9 @@ from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_co
 from trainer.identify.record.findings import examine_record
 from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
 from trainer.identify.record.sources import (
-    FURTHER_CHANNELS,
-    FURTHER_COLUMNS,
-    Column,
+    SHIP_COLUMNS,
     load_record,
     own_columns,
-    units_of,
 )
 from trainer.identify.ships.records import GROUND_VELOCITIES, NEEDED_CHANNELS
 
@@ -68,8 +65,7 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
             f"{', '.join(table.names)}: name them so"
         )
-    usual = {key: one for key, one in columns.columns.items() if key not in FURTHER_CHANNELS}
-    record = load_record(data, usual)
+    record = load_record(data, columns.columns)
     sign = ""
     if record.rudder is not None:
         record, sign = turn_rudder(record)
@@ -103,11 +99,8 @@ def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
 
 def _own(table: CsvTable) -> GuessedColumns | None:
     """Return the columns as the trainer writes them: a ship's file need not name these."""
-    trainer_columns = {
-        **own_columns(),
-        **{key: Column(name, next(iter(units_of(key)))) for key, name in FURTHER_COLUMNS.items()},
-    }
-    columns = {key: column for key, column in trainer_columns.items() if table.has(column.name)}
+    trainer_columns = own_columns(SHIP_COLUMNS).items()
+    columns = {key: column for key, column in trainer_columns if table.has(column.name)}
     return None if _lacking(columns) else GuessedColumns(columns, frozenset())
 
 

@@ -1,20 +1,21 @@
-"""Records of ships that are not linear: read, examined, and averaged to samples.
+"""Records of ships that are not linear: read, examined and averaged.
 
-Such a fit needs speed, sway and propeller revolutions beside helm and turning. ``Trial`` has them
-as one table in the columns of ``kernels/extended_filter``, SI and radians. There a positive rudder
-turns to starboard, unlike in a record.
+Such a fit needs speed, sway and propeller revolutions beside helm and turning. The record is that
+of all fits, a positive rudder to port. ``filter_table`` alone turns it into the columns of
+``kernels/extended_filter``, in which it turns to starboard, as the forces of a ship take it.
 """
 
 import math
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, quote, raise_problems
+from trainer.boat.ship.forces import STIFFNESS_INDEX
+from trainer.config.files import ConfigError, raise_problems
 from trainer.config.sensors import Sensors
 from trainer.config.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
@@ -25,19 +26,26 @@ from trainer.identify.record.findings import (
     examine_record,
     unwrap_heading,
 )
-from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.measurements import (
+    CHANNEL_UNITS,
+    SHIP_CHANNEL_UNITS,
+    Finding,
+    Record,
+)
 from trainer.identify.record.sources import (
-    FURTHER_CHANNELS,
-    FURTHER_COLUMNS,
+    SHIP_COLUMNS,
     Column,
     load_record,
     own_columns,
     read_by,
-    read_channel,
 )
 from trainer.identify.record.track import resolve_along
 from trainer.io.paths import RECORDING_SUFFIX
 
+INPUT_CHANNELS: Final = (  # readings that a record may not lack in any row
+    "revolutions",
+    *("wind_speed", "wind_from", "wind_ahead", "wind_starboard"),
+)
 ROLL_CHANNELS: Final = ("roll_rate", "roll")  # readings, in the order of the filter
 RUDDER_PATH_SIGNS: Final = {"straight": 1.0, "step": -1.0}  # of extended_filter's PARTS_COLUMN
 NEEDED_CHANNELS: Final = {  # and why
@@ -51,45 +59,64 @@ MIN_TRIAL_SAMPLES: Final = 30  # samples
 INWARD_LEAN_CORRELATION: Final = 0.5  # [-] of roll and turning: beyond, the ship leans inwards
 WRONG_SIGN_CORRELATION: Final = 0.2  # [-] of rudder and turning: beyond, the sign is plainly wrong
 GROUND_VELOCITIES: Final = ("north_velocity", "east_velocity")
-READING_COLUMNS: Final = (0, 1, 2, 3, 10, 11)  # columns of the table
+READING_CHANNELS: Final = ("speed", "sway", "yaw_rate", "heading")
 SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
 MAX_ROLL_STEP_RAD: Final = 0.5  # [rad] of roll's own period in a step of Runge and Kutta
 MIN_ROLL_SAMPLES: Final = 6  # samples in that period, at least
 HEEL_LEVER_RANGE: Final = (0.002, 0.5)  # [L] of the forces that heel a ship
 
 
-@dataclass(frozen=True)
-class Trial:
-    """A record ready for the filter; ``table`` has its columns, positive rudder to starboard."""
+def readings_of(record: Record) -> Numbers:
+    """Return u, v, r, heading (n, 4), and any roll rate and roll (n, 6).
 
-    source: str
-    t: Numbers  # [s]
-    table: Numbers  # (n, 10), with roll (n, 12)
-    findings: tuple[str, ...]
-    windy: bool
-
-    @property
-    def readings(self) -> Numbers:
-        """Return u, v, r, heading (n, 4), and any roll rate and roll (n, 6)."""
-        return self.table[:, :4] if self.table.shape[1] == 10 else self.table[:, READING_COLUMNS]
-
-    @property
-    def inputs(self) -> Numbers:
-        """Return rudder, revolutions and wind (n, 4)."""
-        return self.table[:, 4:8]
+    What was not read is NaN.
+    """
+    names = READING_CHANNELS if record.roll is None else (*READING_CHANNELS, *ROLL_CHANNELS)
+    none = np.full(len(record.t), math.nan)
+    channels = (getattr(record, name) for name in names)
+    return np.column_stack([none if one is None else one for one in channels])
 
 
-def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Trial:
+def inputs_of(record: Record) -> Numbers:
+    """Return rudder to starboard, revolutions and wind (n, 4), as forces take them."""
+    calm = np.zeros(len(record.t))  # a relative wind that was not recorded is none
+    wind = (record.wind_ahead, record.wind_starboard)
+    return np.column_stack(
+        [
+            -record.column("rudder"),
+            record.column("revolutions"),
+            *(calm if one is None else one for one in wind),
+        ]
+    )
+
+
+def filter_table(record: Record, constants: Numbers) -> Numbers:
+    """Return the rows that extended_filter takes: readings, inputs, steps, then roll.
+
+    A step of Runge and Kutta must be short against the ship's own motions.
+    """
+    readings, gaps = readings_of(record), np.append(np.diff(record.t), 0.0)
+    length, speed = constants[0], float(np.nanmax(np.abs(readings[:, 0])))
+    # steps are short against a ship's length and against its period of roll; 1e-9 is for rounding
+    parts = np.maximum(np.ceil(gaps / (FINE_STEP_SHARE * length / speed) - 1e-9), 1.0)
+    stiffness = constants[STIFFNESS_INDEX]
+    parts = np.maximum(parts, np.ceil(gaps * math.sqrt(stiffness) / MAX_ROLL_STEP_RAD))
+    parts *= RUDDER_PATH_SIGNS[record.between_readings]
+    columns = readings[:, :4], inputs_of(record), gaps, parts, readings[:, 4:]
+    return np.ascontiguousarray(np.column_stack(columns))
+
+
+def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Record:
     """Return a record, its rows averaged by ``every``. ConfigError with what forbids its use."""
-    return trial_of(*_read(path, ship, _columns(path, ship)), ship, every)
+    return trial_of(_read(path, ship), ship, every)
 
 
-def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every: int = 1) -> Trial:
-    """Return a record with its ``further`` channels, SI, examined and averaged. ConfigError."""
-    record = _from_ground(record, further, ship)
+def trial_of(record: Record, ship: ShipFile, every: int = 1) -> Record:
+    """Return a record examined and averaged. ConfigError."""
+    record = _from_ground(record, ship)
     if ship.roll is None:
-        further = {key: one for key, one in further.items() if key not in ROLL_CHANNELS}
-    _check_needed(record.source, ship, {**further, **dict.fromkeys(record.channels, record.t)})
+        record = replace(record, roll=None, roll_rate=None)
+    _check_needed(record, ship)
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
     findings = examine_record(record)
@@ -98,40 +125,39 @@ def trial_of(record: Record, further: dict[str, Numbers], ship: ShipFile, every:
     path, told = _rudder_path(record, ship, every)
     findings.append(told)
     if ship.sensors is not None:
-        record, further = _read_by(record, further, ship.sensors)
-    none = np.full(len(record.t), math.nan)
-    readings = [record.speed, record.sway, record.yaw_rate, record.heading]
-    calm = np.zeros(len(record.t))  # a relative wind that was not recorded is none
-    ahead, starboard = further.get("wind_ahead", calm), further.get("wind_starboard", calm)
-    if "wind_speed" in further and "wind_from" in further:
-        size, angle = further["wind_speed"], further["wind_from"]
+        record = _read_by(record, ship.sensors)
+    if record.wind_speed is not None and record.wind_from is not None:
+        size, angle = record.wind_speed, record.wind_from
         ahead, starboard = size * np.cos(angle), size * np.sin(angle)
-    # within the model a positive rudder turns to starboard (docs/nonlinear-ships.md)
-    inputs = [-record.column("rudder"), further["revolutions"], ahead, starboard]
-    rolls = [further.get(name, none) for name in ROLL_CHANNELS] if "roll" in further else []
-    table = np.column_stack([*(none if one is None else one for one in readings), *inputs, *rolls])
+        record = replace(record, wind_ahead=ahead, wind_starboard=starboard)
     if ship.roll is not None:
-        remarks = _check_roll(record, further["roll"], ship, ship.roll.gm_m, every)
+        remarks = _check_roll(record, ship, ship.roll.gm_m, every)
         findings += [Finding(Path(record.source).name, 0, text) for text in remarks]
-    _check_propeller(record, further["revolutions"], ship)
-    for channel, values in further.items():
-        missing = np.isnan(values)
-        if channel not in (*GROUND_VELOCITIES, *ROLL_CHANNELS) and missing.any():
-            row = record.row(int(np.argmax(missing)))
+    _check_propeller(record, ship)
+    for channel in INPUT_CHANNELS:
+        values = getattr(record, channel)
+        if values is not None and np.isnan(values).any():
+            row = record.row(int(np.argmax(np.isnan(values))))
             raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
-    t = record.t
-    if every > 1:  # rows are the means of as many around them
-        indices = np.arange(every // 2, len(t) - every // 2, every)
-        around = indices[:, None] + np.arange(every) - every // 2
-        t, table = t[indices], table[around].mean(axis=1)
-    if len(t) < MIN_TRIAL_SAMPLES:
+    record = _averaged(record, every)
+    if len(record.t) < MIN_TRIAL_SAMPLES:
         raise ConfigError(
-            f"{record.source}: has {len(t)} samples of {every} rows; needs "
+            f"{record.source}: has {len(record.t)} samples of {every} rows; needs "
             f"{MIN_TRIAL_SAMPLES} or more"
         )
-    table = with_steps(t, table, ship)
-    table[:, 9] *= RUDDER_PATH_SIGNS[path]
-    return Trial(record.source, t, table, tuple(map(str, findings)), bool(np.any(table[:, 6:8])))
+    return replace(record, between_readings=path, findings=tuple(findings))
+
+
+def _averaged(record: Record, every: int) -> Record:
+    """Return the means of ``every`` rows around each such row."""
+    if every == 1:
+        return record
+    indices = np.arange(every // 2, len(record.t) - every // 2, every)
+    around = indices[:, None] + np.arange(every) - every // 2
+    channels = (*CHANNEL_UNITS, *SHIP_CHANNEL_UNITS)
+    values = {name: one for name in channels if (one := getattr(record, name)) is not None}
+    means: dict[str, Any] = {name: one[around].mean(axis=1) for name, one in values.items()}
+    return replace(record.part(indices), **means)
 
 
 def _rudder_path(record: Record, ship: ShipFile, every: int) -> tuple[str, Finding]:
@@ -152,11 +178,8 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
             raise ConfigError(f"{ship.path.name}: [columns]: no column is the rudder")
         return columns
     table = read_table(path)
-    trainer_columns = {
-        **own_columns(),
-        **{key: Column(name, None) for key, name in FURTHER_COLUMNS.items()},
-    }
     unread = ROLL_CHANNELS if ship.roll is None else ()
+    trainer_columns = own_columns(SHIP_COLUMNS)
     return {
         key: one
         for key, one in trainer_columns.items()
@@ -164,43 +187,29 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
     }
 
 
-def _read(
-    path: Path, ship: ShipFile, columns: Mapping[str, Column]
-) -> tuple[Record, dict[str, Numbers]]:
-    """Return the record and its further channels, SI."""
+def _read(path: Path, ship: ShipFile) -> Record:
+    """Return the record of a file, SI."""
+    columns = _columns(path, ship)
     if path.suffix == RECORDING_SUFFIX:
         raise ConfigError(
             f"{path}: records for this model are CSV files: trainer export {path} --csv FILE "
             "writes one"
         )
-    usual = {key: one for key, one in columns.items() if key not in FURTHER_CHANNELS}
-    if ship.records.interval_s is not None:
-        usual.pop("t", None)
-    elif "t" not in usual:
+    interval = ship.records.interval_s
+    if interval is None and "t" not in columns:
         raise ConfigError(
             f"{path}: no column of times: name it, or say interval_s in [records] of "
             f"{ship.path.name}"
         )
-    record = load_record(path, usual)
-    if ship.records.interval_s is not None:
-        record = replace(record, t=record.t * ship.records.interval_s)
-    table = read_table(path)
-    further = {}
-    for key, one in columns.items():
-        if key in FURTHER_CHANNELS:
-            index = table.index(one.name, key)
-            known = FURTHER_CHANNELS[key]
-            unit = one.unit or table.units[index] or next(iter(known))
-            if unit not in known:
-                wrong = f"unit {quote(unit)}: must be {' or '.join(known)}"
-                raise ConfigError(f"{path}: {one.name}: {wrong}")
-            further[key] = read_channel(table, key, one, unit)
-    return record, further
+    if interval is None:
+        return load_record(path, columns)
+    record = load_record(path, {key: one for key, one in columns.items() if key != "t"})
+    return replace(record, t=record.t * interval)
 
 
-def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) -> Record:
+def _from_ground(record: Record, ship: ShipFile) -> Record:
     """Return the record with velocities over ground turned into the ship's axes."""
-    if not all(key in further for key in GROUND_VELOCITIES):
+    if record.north_velocity is None or record.east_velocity is None:
         return record
     if ship.records.current != "none":
         raise ConfigError(
@@ -209,26 +218,26 @@ def _from_ground(record: Record, further: dict[str, Numbers], ship: ShipFile) ->
             f"{ship.path.name} if the water stood still, or give the log as speed and sway"
         )
     speed, sway = resolve_along(
-        further[GROUND_VELOCITIES[1]], further[GROUND_VELOCITIES[0]], record.column("heading")
+        record.east_velocity, record.north_velocity, record.column("heading")
     )
     return replace(record, speed=speed, sway=sway)
 
 
-def _check_needed(source: str, ship: ShipFile, found: Mapping[str, Numbers]) -> None:
+def _check_needed(record: Record, ship: ShipFile) -> None:
     """Check that all that the model needs was recorded; ConfigError saying what is missing."""
     problems = [
-        f"{source}: no {channel} was recorded: {why}; name its column as channel {channel} in "
-        f"[[columns]] of {ship.path.name}"
+        f"{record.source}: no {channel} was recorded: {why}; name its column as channel {channel} "
+        f"in [[columns]] of {ship.path.name}"
         for channel, why in NEEDED_CHANNELS.items()
-        if channel not in found
+        if getattr(record, channel) is None
     ]
-    if ship.roll is not None and "roll" not in found:
+    if ship.roll is not None and record.roll is None:
         problems.append(
-            f"{source}: no roll was recorded, and {ship.path.name} has [roll]: name its column as "
-            "channel roll in [[columns]], or take [roll] out"
+            f"{record.source}: no roll was recorded, and {ship.path.name} has [roll]: name its "
+            "column as channel roll in [[columns]], or take [roll] out"
         )
-    if "heading" not in found and "yaw_rate" not in found:
-        problems.append(f"{source}: neither heading nor yaw_rate was recorded")
+    if record.heading is None and record.yaw_rate is None:
+        problems.append(f"{record.source}: neither heading nor yaw_rate was recorded")
     raise_problems(problems)
 
 
@@ -253,9 +262,9 @@ def _check_sign(record: Record) -> None:
         raise ConfigError(f"{record.source}: {what}")
 
 
-def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
+def _check_propeller(record: Record, ship: ShipFile) -> None:
     """Check that propeller, revolutions and speed belong together; ConfigError with the remedy."""
-    speed = record.column("speed")
+    speed, n = record.column("speed"), record.column("revolutions")
     driven = np.isfinite(n) & np.isfinite(speed) & (n != 0.0)
     if not driven.any():
         raise ConfigError(f"{record.source}: revolutions are 0 in all rows: is the unit right?")
@@ -272,9 +281,7 @@ def _check_propeller(record: Record, n: Numbers, ship: ShipFile) -> None:
     )
 
 
-def _check_roll(
-    record: Record, roll: Numbers, ship: ShipFile, gm: float, every: int
-) -> Iterator[str]:
+def _check_roll(record: Record, ship: ShipFile, gm: float, every: int) -> Iterator[str]:
     """Yield what is odd about a roll; ConfigError if it cannot be used.
 
     There must be enough samples in its period. In a turn a ship heels by u r/g times a lever over
@@ -287,7 +294,7 @@ def _check_roll(
             f"{record.source}: a sample each {step:.3g} s, and a roll of {ship.path.name} lasts "
             f"{period:.3g} s: needs {MIN_ROLL_SAMPLES} samples or more; take fewer rows by --every"
         )
-    pull = record.column("speed") * _rate(record) / GRAVITY_M_S2
+    roll, pull = record.column("roll"), record.column("speed") * _rate(record) / GRAVITY_M_S2
     known, length = np.isfinite(roll + pull), ship.dimensions.length_m
     if np.count_nonzero(known) < MIN_TRIAL_SAMPLES:
         raise ConfigError(f"{record.source}: roll: fewer than {MIN_TRIAL_SAMPLES} rows have one")
@@ -304,15 +311,13 @@ def _check_roll(
         yield f"{record.name('roll')}: leans into the turn: is it positive to starboard?"
 
 
-def _read_by(
-    record: Record, further: dict[str, Numbers], sensors: Sensors
-) -> tuple[Record, dict[str, Numbers]]:
+def _read_by(record: Record, sensors: Sensors) -> Record:
     """Return what instruments would have read, each file with its own errors.
 
     The log reads speed too. Roll has the errors of heading, and its rate those of the yaw rate.
     """
     if record.speed is None:
-        return record, further
+        return record
     seeds = int(sensors.seed or 1), zlib.crc32(Path(record.source).name.encode())
 
     def errors(like: str, number: int) -> Numbers:
@@ -321,33 +326,20 @@ def _read_by(
 
     others = read_by(record, replace(sensors, seed=float(sum(seeds))))
     rolls = {
-        name: further[name] + errors(like, ROLL_STREAM + i)
+        name: values + errors(like, ROLL_STREAM + i)
         for i, (name, like) in enumerate(zip(ROLL_CHANNELS, ("yaw_rate", "heading"), strict=True))
-        if name in further
+        if (values := getattr(record, name)) is not None
     }
-    return replace(others, speed=record.speed + errors("sway", SPEED_STREAM)), further | rolls
+    return replace(others, speed=record.speed + errors("sway", SPEED_STREAM), **rolls)
 
 
-def with_steps(t: Numbers, table: Numbers, ship: ShipFile) -> Numbers:
-    """Return the table as extended_filter takes it: with times and steps, then roll.
-
-    A step of Runge and Kutta must be short against the ship's own motions.
-    """
-    gaps = np.append(np.diff(t), 0.0)
-    length, speed = ship.dimensions.length_m, float(np.nanmax(np.abs(table[:, 0])))
-    # steps are short against a ship's length and against its period of roll; 1e-9 is for rounding
-    parts = np.maximum(np.ceil(gaps / (FINE_STEP_SHARE * length / speed) - 1e-9), 1.0)
-    parts = np.maximum(parts, np.ceil(gaps * math.sqrt(ship.stiffness) / MAX_ROLL_STEP_RAD))
-    return np.ascontiguousarray(np.column_stack([table[:, :8], gaps, parts, table[:, 8:]]))
-
-
-def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[float, float]]:
+def turned_ranges(trials: Sequence[Record], length: float) -> dict[str, tuple[float, float]]:
     """Return ranges of v', r' [-], rudder, roll [rad] and speed [m/s] in the records."""
-    rows = np.vstack([trial.table for trial in trials])
-    u, v, r = rows[:, 0], rows[:, 1], rows[:, 2]
+    rows, inputs = (np.vstack([*map(of, trials)]) for of in (readings_of, inputs_of))
+    u, v, r = rows.T[:3]
     size = np.hypot(u, np.nan_to_num(v))
-    seen = {"v": v / size, "r": r * length / size, "rudder": rows[:, 4], "speed": u}
-    seen |= {"roll": rows[:, -1]} if rows.shape[1] > 10 else {}
+    seen = {"v": v / size, "r": r * length / size, "rudder": inputs[:, 0], "speed": u}
+    seen |= {"roll": rows[:, -1]} if rows.shape[1] > len(READING_CHANNELS) else {}
     return {
         name: (float(np.nanmin(values)), float(np.nanmax(values)))
         for name, values in seen.items()
@@ -355,8 +347,8 @@ def turned_ranges(trials: Sequence[Trial], length: float) -> dict[str, tuple[flo
     }
 
 
-def notes_of(trials: Sequence[Trial]) -> Iterator[str]:
+def notes_of(trials: Sequence[Record]) -> Iterator[str]:
     """Yield what was found in the records, each with its file where there are several."""
     for trial in trials:
-        for text in trial.findings:
+        for text in map(str, trial.findings):
             yield f"{Path(trial.source).name}: {text}" if len(trials) > 1 else text

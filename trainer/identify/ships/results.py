@@ -23,6 +23,7 @@ from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.fitting.minimise import approach_minimum
 from trainer.identify.judge.residuals import DEFAULT_LAGS, correlation, portmanteau, ratio_test
 from trainer.identify.options import IdentifyOptions
+from trainer.identify.record.measurements import Record
 from trainer.identify.ships.fit import (
     USUAL_SEARCH,
     ShipFit,
@@ -33,7 +34,13 @@ from trainer.identify.ships.fit import (
     terms_of,
 )
 from trainer.identify.ships.likelihood import ShipProblem, prior_of
-from trainer.identify.ships.records import Trial, load_trial, notes_of, turned_ranges
+from trainer.identify.ships.records import (
+    inputs_of,
+    load_trial,
+    notes_of,
+    readings_of,
+    turned_ranges,
+)
 from trainer.units import KNOT
 
 INTERVAL_DEVIATIONS: Final = 1.96  # [standard deviations] of a 95 % interval
@@ -147,12 +154,12 @@ class ShipIdentification:
     ship: ShipFile
     fit: ShipFit
     report: ShipFitReport
-    held: tuple[Trial, ...]
+    held: tuple[Record, ...]
 
 
 def read_trials(
     files: Sequence[Path], options: IdentifyOptions
-) -> tuple[ShipFile, tuple[Trial, ...], tuple[Trial, ...]]:
+) -> tuple[ShipFile, tuple[Record, ...], tuple[Record, ...]]:
     """Return a ship, its records, and those to predict. ConfigError for what cannot be."""
     if options.ship is None:
         raise ConfigError(
@@ -166,14 +173,16 @@ def read_trials(
 
 def fit_trials(
     ship: ShipFile,
-    trials: tuple[Trial, ...],
-    held: tuple[Trial, ...],
+    trials: tuple[Record, ...],
+    held: tuple[Record, ...],
     options: IdentifyOptions,
     heard: Callable[[int, float], None],
 ) -> ShipIdentification:
     """Return a ship fitted to trials, with what it predicts of those ``held`` back. ConfigError."""
     trials = tuple(_between(trial, options.begin, options.end) for trial in trials)
-    model = model_for(ship, options.model or "", wind=any(trial.windy for trial in trials))
+    model = model_for(
+        ship, options.model or "", wind=any(inputs_of(trial)[:, 2:].any() for trial in trials)
+    )
     prior, source = prior_of(model, ship)
     strength = options.prior_strength
     problem, begin = pose_problem(model, np.array(ship.constants), trials, prior, strength)
@@ -188,20 +197,11 @@ def fit_trials(
     return ShipIdentification(_result(ship, fitted, report), fitted, report, held)
 
 
-def _between(trial: Trial, begin: float | None, end: float | None) -> Trial:
+def _between(trial: Record, begin: float | None, end: float | None) -> Record:
     """Return the part of a record from ``begin`` to ``end`` [s]."""
     low = -math.inf if begin is None else begin
     high = math.inf if end is None else end
-    inside = (trial.t >= low) & (trial.t <= high)
-    if inside.all():
-        return trial
-    if np.count_nonzero(inside) < DEFAULT_LAGS + 2:
-        raise ConfigError(
-            f"{trial.source}: fewer than {DEFAULT_LAGS + 2} samples from {low:g} s to {high:g} s; "
-            f"it has {trial.t[0]:g} s to {trial.t[-1]:g} s"
-        )
-    table = np.ascontiguousarray(trial.table[inside])
-    return replace(trial, t=trial.t[inside], table=table)
+    return trial.between(low, high, DEFAULT_LAGS + 2)
 
 
 def _find_other_ships(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
@@ -228,18 +228,18 @@ def _find_other_ships(problem: ShipProblem, begin: Numbers) -> Iterator[str]:
             yield message
 
 
-def _left_in_yaw(problem: ShipProblem, a: Numbers, trial: Trial) -> float:
+def _left_in_yaw(problem: ShipProblem, a: Numbers, trial: Record) -> float:
     """Return the mean square of the yaw accelerations that coefficients leave."""
     return float(np.mean(residual_accelerations(problem, a, trial)[1][:, 2] ** 2))
 
 
 def residual_accelerations(
-    problem: ShipProblem, a: Numbers, trial: Trial
+    problem: ShipProblem, a: Numbers, trial: Record
 ) -> tuple[Numbers, Numbers]:
     """Return smoothed u, v, r (n, 3), and accelerations (n, 3) that the model leaves."""
     states, rates = smooth_trial(trial, problem.constants[0])
     whole = problem.model.whole(problem.coefficients(a))
-    terms = terms_of(problem, states, trial.inputs, whole[-len(NONLINEAR_NAMES) :])
+    terms = terms_of(problem, states, inputs_of(trial), whole[-len(NONLINEAR_NAMES) :])
     made = np.zeros_like(rates)
     for (index, _), factor, term in zip(problem.model.terms, whole, terms.T, strict=False):
         made[:, index % len(AXIS_LETTERS)] += factor * term
@@ -259,16 +259,16 @@ def explain_variance(y: Numbers, predicted: Numbers) -> tuple[Numbers, Numbers]:
     return np.full_like(share, math.nan) if np.isnan(predicted).any() else share, rms
 
 
-def predict_record(problem: ShipProblem, a: Numbers, trial: Trial, kind: str) -> Prediction:
+def predict_record(problem: ShipProblem, a: Numbers, trial: Record, kind: str) -> Prediction:
     """Return how well inputs alone predict a record; None where there is no number."""
     share, rms = (
         tuple(float(x) if math.isfinite(x) else None for x in values)
-        for values in explain_variance(trial.readings, problem.sail(a, trial))
+        for values in explain_variance(readings_of(trial), problem.sail(a, trial))
     )
     return Prediction(trial.source, kind, share, rms)
 
 
-def _predictions(fitted: ShipFit, held: tuple[Trial, ...]) -> tuple[Prediction, ...]:
+def _predictions(fitted: ShipFit, held: tuple[Record, ...]) -> tuple[Prediction, ...]:
     """Return the predictions of all records.
 
     They are the records that were fitted, the same each held back in turn, and the others.
@@ -360,10 +360,10 @@ def _whiteness(fitted: ShipFit) -> tuple[Whiteness, ...]:
     return tuple(tests)
 
 
-def causes_of(trial: Trial, states: Numbers, length: float) -> dict[str, Numbers]:
+def causes_of(trial: Record, states: Numbers, length: float) -> dict[str, Numbers]:
     """Return v', r' and the rudder [rad] of a record with smoothed ``states``, by cause."""
     size = np.hypot(states[:, 0], states[:, 1])
-    causes = states[:, 1] / size, states[:, 2] * length / size, trial.inputs[:, 0]
+    causes = states[:, 1] / size, states[:, 2] * length / size, inputs_of(trial)[:, 0]
     return dict(zip(TURNING_CAUSES, causes, strict=True))
 
 
@@ -422,7 +422,7 @@ def _test_without(fitted: ShipFit, names: tuple[str, ...]) -> OrderTest:
 
 
 def _report(
-    ship: ShipFile, fitted: ShipFit, prior: tuple[str, float], held: tuple[Trial, ...]
+    ship: ShipFile, fitted: ShipFit, prior: tuple[str, float], held: tuple[Record, ...]
 ) -> ShipFitReport:
     """Return the report of a fit."""
     problem, trials = fitted.problem, fitted.problem.trials
@@ -472,12 +472,12 @@ def _result(ship: ShipFile, fitted: ShipFit, report: ShipFitReport) -> ShipFile:
     """Return the ship's file with the result, which sails."""
     problem = fitted.problem
     whole = map(float, problem.model.whole(problem.coefficients(fitted.a)))
-    rows = np.vstack([trial.table for trial in problem.trials])
+    rows, inputs = (np.vstack([*map(of, problem.trials)]) for of in (readings_of, inputs_of))
     p = len(problem.model.free)
     result = FitResult(
         model=problem.model.name,
         speed_kn=round(float(np.nanmax(rows[:, 0])) / KNOT, 4),
-        revolutions_per_s=float(np.median(rows[:, 5])),
+        revolutions_per_s=float(np.median(inputs[:, 1])),
     )
     return replace(
         ship,

@@ -7,7 +7,7 @@ gives the standard deviations, as ``pages/experiment`` has them for a boat.
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -20,10 +20,12 @@ from trainer.config.sensors import Sensors
 from trainer.config.ship import ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import REGISTER_TAPS, HelmOptions, prbs
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.sources import TRAINER_COLUMNS
 from trainer.identify.ships.fit import ShipFit, expect_fit, problem_of
 from trainer.identify.ships.likelihood import YAW_GYRATION_LENGTHS, prior_of
 from trainer.identify.ships.page import in_words
-from trainer.identify.ships.records import MIN_TRIAL_SAMPLES, Trial, with_steps
+from trainer.identify.ships.records import MIN_TRIAL_SAMPLES, READING_CHANNELS
 from trainer.identify.ships.results import (
     BOOK_PRIOR_SHARE,
     FittedCoefficient,
@@ -42,7 +44,6 @@ MAX_LEGS: Final = 4  # speeds side by side, which a page is wide enough for
 MIN_DISTURBANCE: Final = 1e-9  # [rad/s/rt(s)] a disturbance that is none
 BETTER_PLAN_RATIO: Final = 0.9  # [-] of the next smaller deviation, from which a plan tells better
 MAX_COMBINATIONS_SHOWN: Final = 3  # combinations that a page names of each plan
-READING_NAMES: Final = ("speed", "sway", "yaw_rate", "heading")
 STATE_NAMES: Final = ("u", "v", "r", "psi", "p", "phi")
 SENSOR_CHANNELS: Final = {"sway_kn": "sway", "yaw_rate_deg_s": "yaw_rate", "heading_deg": "heading"}
 PLAN_LETTERS: Final = "ABCDE"
@@ -119,7 +120,7 @@ class TrialOptions(HelmOptions):
     @property
     def read(self) -> tuple[str, ...]:
         """Return the channels that are read beside the speed."""
-        return self.outputs or READING_NAMES[1:]
+        return self.outputs or READING_CHANNELS[1:]
 
 
 @dataclass(frozen=True)
@@ -286,23 +287,21 @@ def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tupl
     return tuple(flown)
 
 
-def flown_trial(ship: ShipFile, flight: Flight, every: int, read: Sequence[str]) -> Trial:
+def flown_trial(flight: Flight, every: int, read: Sequence[str]) -> Record:
     """Return a flight as a record without errors; ConfigError if it is too short."""
     t = flight.t[::every]
     if len(t) < MIN_TRIAL_SAMPLES:
         raise ConfigError(
             f"--seconds: {len(t)} samples of a trial; needs {MIN_TRIAL_SAMPLES} or more"
         )
-    names = zip(READING_NAMES, STATE_NAMES[:4], strict=True)
-    none, calm = np.full(len(t), math.nan), np.zeros(len(t))
-    readings = [
-        flight.column(name)[::every] if channel in ("speed", *read) else none
-        for channel, name in names
-    ]
-    inputs = [-flight.column("delta_r")[::every], flight.column("n")[::every], calm, calm]
-    rolls = [none, flight.column("phi")[::every]] if flight.has("phi") else []
-    rows = with_steps(t, np.column_stack([*readings, *inputs, *rolls]), ship)
-    return Trial(flight.series.path.name, t, rows, (), windy=False)
+    columns = {"speed": "u", "rudder": "delta_r", "revolutions": "n"}
+    columns |= {channel: TRAINER_COLUMNS[channel] for channel in read}
+    columns |= {"roll": "phi"} if flight.has("phi") else {}
+    numbers: dict[str, Any] = {
+        channel: flight.column(name)[::every] for channel, name in columns.items()
+    }
+    source, rows = flight.series.path.name, np.arange(len(t))
+    return Record(source=source, t=t, rows=rows, names={}, between_readings="straight", **numbers)
 
 
 def _expected(
@@ -311,7 +310,7 @@ def _expected(
     """Return what is expected of fitting the records of these flights together."""
     if ship.result is None:
         raise ConfigError(f"{ship.path.name}: lacks [result]")
-    trials = [flown_trial(ship, flight, every, options.read) for flight in flights]
+    trials = [flown_trial(flight, every, options.read) for flight in flights]
     model = model_for(ship, ship.result.model, wind=False)
     prior, _ = prior_of(model, ship)
     problem = problem_of(model, np.array(ship.constants), trials, prior, options.prior_strength)
