@@ -72,6 +72,7 @@ IDENTIFY: dict[str, Case] = {
     "exact": (True, "exact", True),
     "system": ("own.toml", "system", Path("own.toml")),
     "reject": (0.01, "reject", 0.01),
+    "between_readings": ("step", "between_readings", "step"),
     "every": (5, "every", 5),
     "begin": (10, "begin", 10.0),
     "end": (90.0, "end", 90.0),

@@ -144,7 +144,7 @@ def test_parameters_may_begin_elsewhere_and_be_held() -> None:
         ({}, {"units": {"rudder": "gon"}}, 'rudder: unit "gon": must be rad or deg'),
         ({}, {"units": {"ruder": "deg"}}, "no channel 'ruder'; nearest is rudder"),
         ({}, {"lenght": 3}, "no keyword 'lenght'; nearest is length"),
-        ({}, {"noise": "white"}, "noise = 'white': must be output-error or"),
+        ({}, {"noise": "white"}, 'fit: noise = "white": must be output-error or'),
         ({}, {"length": None}, r"frame: lacks \[ship\]"),
         ({}, {"length": math.nan}, "fit: length = nan: must be finite, 0.1 to 600 m"),
         ({}, {"length": "120"}, 'fit: length = "120": must be a number, 0.1 to 600 m'),
@@ -253,7 +253,7 @@ def test_records_of_one_ship_are_fitted_together_and_may_be_files(
         ({}, {"ship": None}, "model mmg: lacks ship"),
         ({}, {"length": 320.0}, "length: not with model mmg"),
         ({}, {"units": {"revolutions": "deg"}}, 'revolutions: unit "deg": must be 1/s or rps'),
-        ({}, {"prior_strength": -1.0}, "prior_strength = -1: must be 0 to 100"),
+        ({}, {"prior_strength": -1.0}, "prior_strength = -1.0: must be 0 to 100"),
     ],
 )
 def test_what_such_a_ship_cannot_be_fitted_to_is_named(

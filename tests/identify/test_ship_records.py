@@ -36,9 +36,11 @@ from trainer.config.ship import (
     ship_text,
 )
 from trainer.core.kernel import Numbers
+from trainer.identify.options import IdentifyOptions
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.likelihood import ShipProblem
 from trainer.identify.ships.records import filter_table, inputs_of, load_trial
+from trainer.identify.ships.results import read_trials
 from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships, fly_ship
 from trainer.units import KNOT
 
@@ -78,6 +80,19 @@ def test_the_ships_file_says_how_the_rudder_goes_between_readings(
     assert (np.sign(filter_table(trial, np.array(SHIP.constants))[:, 9]) == steps).all()
     (told,) = [one for one in map(str, trial.findings) if "taken as " in one]
     assert ("held until" in told) == (steps < 0.0)
+
+
+def test_an_option_outranks_the_ships_file_about_the_rudder_between_readings(
+    columns: Columns, tmp_path: Path
+) -> None:
+    said = replace(SHIP, records=RecordSettings(between_readings="straight"))
+    path, record = tmp_path / "ship.toml", write_columns(columns, tmp_path / "a.csv")
+    path.write_text(ship_text(said, ""), encoding="utf-8")
+
+    for way in (None, "straight", "step"):
+        options = IdentifyOptions(model="mmg", ship=path, between_readings=way, predict=(record,))
+        _, trials, held = read_trials([record], options)
+        assert {one.between_readings for one in (*trials, *held)} == {way or "straight"}
 
 
 def test_rows_are_averaged_around_the_one_taken(columns: Columns, tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ A command makes a record and hands it to ``show_report`` with the functions that
 ``--json`` and ``--plot`` mean the same for every program.
 """
 
-import math
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -27,29 +26,6 @@ outputs = combine_options(  # how the answer is shown
         help="Draw a plot, .png, .svg or .pdf by the name's ending.",
     ),
 )
-
-
-class Number(click.FloatRange):
-    """A number within limits, and not "nan".
-
-    click's own limits let "nan" pass, because no comparison with it is true.
-    """
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number."""
-        number = super().convert(value, param, ctx)
-        if math.isnan(number):
-            self.fail(f"{value!r} is not a number", param, ctx)
-        return number
-
-    def _describe_range(self) -> str:
-        """Return the limits for a help page, "" where there are none; click says "x<=None"."""
-        bounded = self.min is not None or self.max is not None
-        return super()._describe_range() if bounded else ""
-
-
-AHEAD_SPEED_TYPE: Final = Number(0.0, 60.0, min_open=True)  # [kn] ahead
-SPEED_TYPE: Final = Number(0.0, 60.0)  # [kn] rest included
 
 
 def json_of(value: Any) -> str:

@@ -170,6 +170,7 @@ class IdentifyOptions(TypedDict, total=False):
     exact: bool
     system: File | None
     reject: float | None
+    between_readings: Literal["straight", "step"] | None
     every: int | None
     begin: float | None
     end: float | None

@@ -14,15 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import (
-    AHEAD_SPEED_TYPE,
-    Number,
-    json_of,
-    outputs,
-    show_progress,
-    show_report,
-    write_text,
-)
+from trainer.cli.answers import json_of, outputs, show_progress, show_report, write_text
 from trainer.cli.options import (
     CSV_OUTPUT,
     HTML_OUTPUT,
@@ -36,7 +28,7 @@ from trainer.cli.options import (
     seed_option,
     text_option,
 )
-from trainer.cli.types import File, Word
+from trainer.cli.types import AHEAD_SPEED_TYPE, File, Number, Word
 from trainer.config.words import EQUATION_SETS
 
 if TYPE_CHECKING:

@@ -12,15 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli import ships
-from trainer.cli.answers import (
-    AHEAD_SPEED_TYPE,
-    Number,
-    outputs,
-    print_note,
-    show_report,
-    show_step,
-    write_text,
-)
+from trainer.cli.answers import outputs, print_note, show_report, show_step, write_text
 from trainer.cli.options import (
     CSV_OUTPUT,
     HTML_OUTPUT,
@@ -30,67 +22,50 @@ from trainer.cli.options import (
     VESSEL_HELP,
     VESSEL_NAME,
     combine_options,
+    kind_option,
     options_given,
     record_of,
 )
-from trainer.cli.types import File, Name, Output, ParentCommand
+from trainer.cli.types import AHEAD_SPEED_TYPE, File, Name, Number, Output, ParentCommand
+from trainer.config.fit_options import SHIP_MODELS, USUAL_PRIOR_STRENGTH
+from trainer.config.words import LINEAR_MODELS
 
 if TYPE_CHECKING:
     from trainer.identify.options import IdentifyOptions
     from trainer.identify.pages.results import Identification
     from trainer.identify.record.study import Study
 
-LINEAR_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 OUTPUT_CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD_FILE: Final = File(".toml", ".trainer", ".csv")
 SYSTEM_FILE: Final = File(".toml", ".py")
 TURNS_FILE: Final = File(".toml", ".csv")
 FIT_KERNELS_TEXT: Final = "the kernels of fits, once (up to a minute)"
 POSITIVE_NUMBER: Final = Number(0.0, 1e6, min_open=True)
-strength_option = click.option(
-    "--prior-strength",
-    type=Number(0.0, 100.0),
-    default=0.5,
-    help="Widths of what books say of a ship, times this; 0 for no book.",
-)
+strength_option = kind_option("prior_strength", default=USUAL_PRIOR_STRENGTH)
 model_options = combine_options(
-    click.option(
-        "--model",
-        type=click.Choice((*LINEAR_MODELS, *ships.SHIP_MODELS)),
-        help="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
+    kind_option(
+        "model",
+        text="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
         "[default: the study's]",
     ),
     click.option("--vessel", type=VESSEL_NAME, help=VESSEL_HELP),
-    click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres."),
-    click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots."),
-    click.option(
+    kind_option("length", text="Of the ship."),
+    kind_option("speed", "--at", "knots", text="Speed; else the record's mean."),
+    kind_option(
+        "outputs",
         "--output",
         "channels",
-        type=click.Choice((*OUTPUT_CHANNELS, "bow_sway", "stern_sway")),
-        multiple=True,
-        help="What to fit, may be repeated. [default: all the model has]",
+        text="What to fit, may be repeated. [default: all the model has]",
     ),
-    click.option(
-        "--noise",
-        type=click.Choice(("output-error", "innovations", "covariance")),
-        help="[default: covariance]",
-    ),
-    click.option(
-        "--method",
-        type=click.Choice(("scoring", "bfgs", "direct")),
-        help="Minimiser. [default: scoring, by BFGS where it gets no further]",
-    ),
+    kind_option("noise"),
+    kind_option("method", text="Minimiser; else scoring, by BFGS where it gets no further."),
     click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
     click.option("--system", type=SYSTEM_FILE, help="Your own: matrices, or a program."),
-    click.option(
-        "--reject",
-        type=Number(0.0, 0.5, min_open=True),
-        metavar="P",
-        help="Leave samples out that are less probable.",
-    ),
-    click.option("--every", type=click.IntRange(1, 1000), help="Thin the record."),
-    click.option("--from", "begin", type=Number(), help="First second."),
-    click.option("--to", "end", type=Number(), help="Last second."),
+    kind_option("reject", metavar="P"),
+    kind_option("between_readings", text="How the rudder goes; else as name and record say."),
+    kind_option("every"),
+    kind_option("begin", "--from", "begin"),
+    kind_option("end", "--to", "end"),
 )
 of_ships = combine_options(
     click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
@@ -363,7 +338,7 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
     for folder in filter(Path.is_dir, files):
         raise click.UsageError(f"{folder} is a folder; name a study, a recording or a CSV file")
-    if options["model"] in ships.SHIP_MODELS:
+    if options["model"] in SHIP_MODELS:
         sys.exit(ships.identify(files, options))
     ships.refuse_idle(options)
     from trainer.identify.options import IdentifyOptions, study_of
@@ -381,8 +356,8 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
 @click.command()
 @click.argument("record", type=File(".csv", ".trainer"))
 @click.option("-o", "--output", type=TOML_OUTPUT, metavar="FILE", help="[default: beside]")
-@click.option("--length", type=POSITIVE_NUMBER, help="Of the ship, metres.")
-@click.option("--at", "knots", type=AHEAD_SPEED_TYPE, help="Speed, knots.")
+@kind_option("length", text="Of the ship.")
+@kind_option("speed", "--at", "knots", text="Speed.")
 @click.option("--ship", type=TOML_OUTPUT, metavar="FILE", help="A ship's file instead.")
 def new(
     record: Path, output: Path | None, length: float | None, knots: float | None, ship: Path | None

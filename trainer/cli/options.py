@@ -14,7 +14,9 @@ from typing import Any, Final, TypeVar
 import click
 from click.core import ParameterSource
 
-from trainer.cli.types import Duration, File, Name, Output, Speed
+from trainer.cli.types import Duration, File, Name, Number, Output, Speed
+from trainer.config.fit_options import FIT_KINDS
+from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
 from trainer.config.words import EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.options import RunOptions
@@ -66,6 +68,27 @@ def combine_options(*options: Decorator) -> Decorator:
         return command
 
     return add
+
+
+def kind_option(name: str, *flags: str, text: str = "", **more: Any) -> Decorator:
+    """Return the option of a fit that ``FIT_KINDS`` has under ``name``.
+
+    Unit, limits and meaning are those of the study's key; ``text`` stands for the meaning.
+    """
+    kind, words = FIT_KINDS[name], flags or (f"--{name.replace('_', '-')}",)
+    text = text or f"{kind.form.meaning[:1].upper()}{kind.form.meaning[1:]}."
+    if isinstance(kind, Choice | Choices):
+        several = isinstance(kind, Choices)
+        choice = click.Choice(kind.words)
+        return click.option(*words, type=choice, multiple=several, help=text, **more)
+    if isinstance(kind, Quantity):
+        limits = kind.limits
+        number = Number(limits.low, limits.high, min_open=limits.open_below)
+        unit = "" if kind.unit == "-" else f" [{kind.unit}]"
+        return click.option(*words, type=number, help=f"{text[:-1]}{unit}.", **more)
+    if isinstance(kind, WholeNumber):
+        return click.option(*words, type=click.IntRange(kind.low, kind.high), help=text, **more)
+    raise TypeError(kind)
 
 
 def text_option(flag: str, text: Callable[[], str], told: str) -> Decorator:

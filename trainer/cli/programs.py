@@ -11,8 +11,9 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import AHEAD_SPEED_TYPE, SPEED_TYPE, Number, outputs, show_report
+from trainer.cli.answers import outputs, show_report
 from trainer.cli.options import CSV_FILE, VESSEL_NAME, combine_options
+from trainer.cli.types import AHEAD_SPEED_TYPE, SPEED_TYPE, Number
 
 COMMAND_SPEED_TYPE: Final = Number(-60.0, 60.0)
 MEAN_MOTION_TYPE: Final = Number(0.0, 50.0)

@@ -12,13 +12,13 @@ import click
 
 from trainer.cli.answers import print_note, show_report, show_step, write_text
 from trainer.cli.options import flags_given, options_given, record_of
+from trainer.config.fit_options import SHIP_MODELS
 
 if TYPE_CHECKING:
     from trainer.config.sensors import Sensors
 
 SHIP_KERNELS: Final = "boat/ship", "identify/kernels"
 SHIP_KERNELS_TEXT: Final = "the kernels of ships, once (some 20 s)"
-SHIP_MODELS: Final = ("linear", "mavmm", "abkowitz", "mmg")
 # fmt: off
 LINEAR_FIT_OPTIONS: Final = (  # options that these models do not know
     "vessel", "length", "knots", "channels", "noise", "method", "exact", "armax", "most",

@@ -336,3 +336,26 @@ def _entries(folder: str) -> list[str]:
 def _shown(name: str, typed: str) -> bool:
     """Return whether to offer a name. A hidden one needs its dot typed."""
     return typed.startswith(".") or not name.startswith(".")
+
+
+class Number(click.FloatRange):
+    """A number within limits, and not "nan".
+
+    click's own limits let "nan" pass, because no comparison with it is true.
+    """
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return number
+
+    def _describe_range(self) -> str:
+        """Return the limits for a help page, "" where there are none; click says "x<=None"."""
+        bounded = self.min is not None or self.max is not None
+        return super()._describe_range() if bounded else ""
+
+
+AHEAD_SPEED_TYPE: Final = Number(0.0, 60.0, min_open=True)  # [kn] ahead
+SPEED_TYPE: Final = Number(0.0, 60.0)  # [kn] rest included

@@ -11,13 +11,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import (
-    Number,
-    json_of,
-    outputs,
-    show_progress,
-    show_report,
-)
+from trainer.cli.answers import json_of, outputs, show_progress, show_report
 from trainer.cli.options import (
     SEA_NAME,
     TOML_OUTPUT,
@@ -26,6 +20,7 @@ from trainer.cli.options import (
     cores_option,
     method_options,
 )
+from trainer.cli.types import Number
 
 
 @click.command()

@@ -15,9 +15,9 @@ The records are what other rooms use, so nearly all modules are open. ``similari
 __all__ = [
     "ballast_records", "baseline", "bottom", "casualties", "check_case", "coefficients",
     "condition", "conformity", "contacts", "course", "current", "derivatives", "derived",
-    "exercise", "extras", "file_schemas", "files", "hull", "loss_words", "nomoto", "outcome",
-    "plausibility", "progress", "propulsion", "reference_crew", "schema", "score_rules", "sea",
-    "sensors", "ship", "soundings", "stated", "steps", "tables", "vessel", "vessel_records",
+    "exercise", "extras", "file_schemas", "files", "fit_options", "hull", "loss_words", "nomoto",
+    "outcome", "plausibility", "progress", "propulsion", "reference_crew", "schema", "score_rules",
+    "sea", "sensors", "ship", "soundings", "stated", "steps", "tables", "vessel", "vessel_records",
     "vessel_template", "words", "world",
 ]
 # fmt: on

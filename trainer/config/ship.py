@@ -20,6 +20,7 @@ from trainer.config.files import (
     read_text,
     toml_value,
 )
+from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import (
     Choice,
     Quantities,
@@ -103,12 +104,8 @@ class Roll:
 class RecordSettings:
     """How the ship's records are meant."""
 
-    positive_rudder: str | None = optional(
-        Choice(("port", "starboard"), "way a positive rudder turns the ship; else port")
-    )
-    between_readings: str | None = optional(
-        Choice(("straight", "step"), "of the rudder; else as name and record say")
-    )
+    positive_rudder: str | None = optional(FIT_KINDS["positive_rudder"])
+    between_readings: str | None = optional(FIT_KINDS["between_readings"])
     current: str | None = optional(
         Choice(("none",), "said where velocities are over ground, and the water stood still")
     )

@@ -15,7 +15,7 @@ import numpy as np
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, Position, offer_known, path_named, write_over
-from trainer.config.schema import Kind, Quantity, WholeNumber, within
+from trainer.config.fit_options import FIT_KINDS, USUAL_PRIOR_STRENGTH
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
@@ -36,14 +36,15 @@ from trainer.identify.record.sources import (
     record_of,
 )
 from trainer.identify.record.study import observe_record, plain_study
-from trainer.identify.record.study_records import (
-    FIT_METHODS,
-    NOISE_MODELS,
-    STUDY_MODELS,
-    ParameterRow,
-)
+from trainer.identify.record.study_records import ParameterRow
 from trainer.identify.ships import page as ships_page
-from trainer.identify.ships.records import READING_CHANNELS, ROLL_CHANNELS, load_trial, trial_of
+from trainer.identify.ships.records import (
+    READING_CHANNELS,
+    ROLL_CHANNELS,
+    load_trial,
+    trial_of,
+    with_path,
+)
 from trainer.identify.ships.results import ShipIdentification as IdentifiedShip
 from trainer.identify.ships.results import fit_trials
 from trainer.report.plots import Panel, Screen, draw_plot, figure_of
@@ -53,26 +54,14 @@ if TYPE_CHECKING:
 
 Frame = Mapping[str, Any] | str | Path
 FRAME_PATH: Final = Path("frame")  # what messages call a record of arrays
-OPTION_CHOICES: Final = {
-    "model": STUDY_MODELS,
-    "noise": NOISE_MODELS,
-    "method": FIT_METHODS,
-    "positive_rudder": ("port", "starboard"),
-}
-OPTION_NUMBERS: Final[Mapping[str, Kind]] = {
-    "length": Quantity("m", within(0.1, 600), "of the ship"),
-    "speed": Quantity("kn", within(0.01, 60), "of the ship"),
-    "every": WholeNumber(1, 1000, "samples of which one is taken"),
-    "begin": Quantity("s", within(-1e9, 1e9), "first time used"),
-    "end": Quantity("s", within(-1e9, 1e9), "last time used"),
-}
 MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
+# taken as ``IdentifyOptions`` has them
+OPTIONS_AS_ASKED: Final = ("noise", "method", "between_readings", "every", "begin", "end")
 # fmt: off
 LINEAR_FIT_OPTIONS: Final = (  # not taken by ships that are not linear
     "length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed",
 )
 # fmt: on
-MAX_PRIOR_STRENGTH: Final = 100.0  # [-] times the books' width, as on the command line
 ManoeuvringModel = Literal["linear", "mavmm", "abkowitz", "mmg"]
 
 
@@ -90,6 +79,7 @@ class FitOptions(TypedDict, total=False):
     method: Literal["scoring", "bfgs", "direct"] | None
     start: Mapping[str, float]
     fixed: Mapping[str, float]
+    between_readings: Literal["straight", "step"] | None
     every: int | None
     begin: float | None
     end: float | None
@@ -98,16 +88,15 @@ class FitOptions(TypedDict, total=False):
 
 
 DEFAULT_OPTIONS: Final[FitOptions] = {
-    **dict.fromkeys(
-        ("length", "speed", "vessel", "noise", "method", "every", "begin", "end", "ship")
-    ),  # type: ignore[typeddict-item]
+    **dict.fromkeys(("length", "speed", "vessel", "ship")),  # type: ignore[typeddict-item]
+    **dict.fromkeys(OPTIONS_AS_ASKED),
     "outputs": (),
     "columns": {},
     "units": {},
     "positive_rudder": "port",
     "start": {},
     "fixed": {},
-    "prior_strength": 0.5,
+    "prior_strength": USUAL_PRIOR_STRENGTH,
 }
 
 
@@ -142,9 +131,10 @@ def fit(
     ``model``: 1 is sway and yaw, 2 sway, 3 yaw, ``nomoto1`` K/(1 + T s), ``nomoto2`` K(1 + T3 s)/
     ((1 + T1 s)(1 + T2 s)). ``length`` [m] and ``speed`` [kn] scale it; a ``vessel`` has a length,
     and Model 1's start; without a speed it is the record's mean. ``outputs`` are what is fitted,
-    else all that the model has. ``noise`` and ``method`` are those of a study. ``start`` and
-    ``fixed`` are numbers of parameters to begin from and to hold. One sample of ``every`` is taken,
-    from ``begin`` to ``end`` [s].
+    else all that the model has. ``noise``, ``method`` and ``between_readings`` (of the rudder,
+    ``straight`` or ``step``) are those of a study. ``start`` and ``fixed`` are numbers of
+    parameters to begin from and to hold. One sample of ``every`` is taken, from ``begin`` to
+    ``end`` [s].
 
     ``linear``, ``mavmm``, ``abkowitz`` and ``mmg`` are of ships that are not linear, by the file
     ``ship`` of their dimensions; ``prior_strength`` times the width of what books say. They need
@@ -161,7 +151,7 @@ def fit(
         if name not in DEFAULT_OPTIONS:
             raise ConfigError(f"no keyword {name!r}{offer_known(name, DEFAULT_OPTIONS)}")
     chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
-    _check_numbers(chosen)
+    _check_keywords({**chosen, "model": model})
     unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
@@ -172,11 +162,12 @@ def fit(
     return _fit_steering(cast("Frame", frame), model, chosen)
 
 
-def _check_numbers(given: Mapping[str, Any]) -> None:
-    """Check that numbers among the keywords can be so; ConfigError if one cannot."""
-    for name, kind in OPTION_NUMBERS.items():
-        value = given[name]
+def _check_keywords(given: Mapping[str, Any]) -> None:
+    """Check the values of keywords by their kinds; ConfigError if one cannot be."""
+    for name, kind in FIT_KINDS.items():
+        value = given.get(name)
         if value is not None:  # numpy's numbers are taken as Python's own
+            value = [*value] if name == "outputs" else value
             kind.read(name, value.item() if hasattr(value, "item") else value, Position("fit", ""))
     for name in ("start", "fixed"):
         if not isinstance(given[name], Mapping):
@@ -188,17 +179,15 @@ def _check_numbers(given: Mapping[str, Any]) -> None:
 
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    wishes: dict[str, Any] = {**given, "model": model}
-    for name, words in OPTION_CHOICES.items():
-        if wishes[name] not in (None, *words):
-            raise ConfigError(f"{name} = {wishes[name]!r}: must be {' or '.join(words)}")
+    wishes: Mapping[str, Any] = given
+    same = {name: wishes[name] for name in OPTIONS_AS_ASKED}
     options = IdentifyOptions(
         model=model,
         vessel=str(given["vessel"]) if given["vessel"] else None,
         length=given["length"],
         knots=given["speed"],
         channels=tuple(given["outputs"]),
-        **{name: wishes[name] for name in ("noise", "method", "every", "begin", "end")},
+        **same,
     )
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
@@ -222,10 +211,8 @@ def _fit_manoeuvring(
     """Return a ship that is not linear, fitted to its records."""
     if given["ship"] is None:
         raise ConfigError(f"model {model}: lacks ship, the file of the ship's dimensions")
-    strength = given["prior_strength"]
-    if not 0.0 <= strength <= MAX_PRIOR_STRENGTH:
-        raise ConfigError(f"prior_strength = {strength:g}: must be 0 to {MAX_PRIOR_STRENGTH:g}")
     ship = load_ship(path_named(str(given["ship"]), "ships"))
+    ship = with_path(ship, given["between_readings"])
     sign = sign or ship.records.positive_rudder
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
     one = isinstance(frame, str | Path) or hasattr(frame, "keys")  # mappings and pandas frames
@@ -234,7 +221,10 @@ def _fit_manoeuvring(
     if not trials:
         raise ConfigError(f"model {model}: needs a frame")
     options = IdentifyOptions(
-        model=model, begin=given["begin"], end=given["end"], prior_strength=strength
+        model=model,
+        begin=given["begin"],
+        end=given["end"],
+        prior_strength=given["prior_strength"],
     )
     return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 

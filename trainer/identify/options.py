@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.files import ConfigError, quote, relative_name
+from trainer.config.fit_options import USUAL_PRIOR_STRENGTH
 from trainer.config.vessel import load_vessel
 from trainer.identify.model.models import MODELS
 from trainer.identify.model.system_files import load_system
@@ -25,7 +26,7 @@ class IdentifyOptions:
     """A user's wishes beside the study; None means as the study has it.
 
     ``ship``, ``prior_strength`` and ``predict`` are for ships that are not linear. Of the others
-    these ships take ``model``, ``every``, ``begin``, ``end`` and ``without``.
+    these ships take ``model``, ``between_readings``, ``every``, ``begin``, ``end`` and ``without``.
     """
 
     model: str | None = None
@@ -38,6 +39,7 @@ class IdentifyOptions:
     exact: bool = False  # a recording is read without errors of instruments
     system: Path | None = None  # of the user's own
     reject: float | None = None  # [-] probability below which a sample is an outlier
+    between_readings: str | None = None  # one of INPUT_PATHS, of the rudder
     every: int | None = None
     begin: float | None = None  # [s]
     end: float | None = None  # [s]
@@ -56,7 +58,7 @@ class IdentifyOptions:
     matrices: bool = False
     checkpoint: Path | None = None
     ship: Path | None = None  # file of its dimensions
-    prior_strength: float = 0.5  # [-] times the width of what books say
+    prior_strength: float = USUAL_PRIOR_STRENGTH  # [-] times the width of what books say
     predict: tuple[Path, ...] = ()  # records held back
 
 
@@ -71,8 +73,8 @@ def study_of(file: Path, options: IdentifyOptions) -> Study:
 
 def as_asked(study: Study, options: IdentifyOptions) -> Study:
     """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
-    times = _given(every=options.every, from_s=options.begin, to_s=options.end)
-    heading = replace(study.heading, **times)
+    times = {"every": options.every, "from_s": options.begin, "to_s": options.end}
+    heading = replace(study.heading, **_given(**times, between_readings=options.between_readings))
     runs = list(study.runs)
     for path in options.further:
         if path.suffix == ".toml":

@@ -19,6 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.config.files import ConfigError, Position, collecting, parse_toml, quote, read_text
+from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -33,7 +34,6 @@ from trainer.config.tables import CsvTable, read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.record.sources import write_columns
 from trainer.identify.record.study import read_parts
-from trainer.identify.record.study_records import RUDDER_SIGN_CHOICE
 from trainer.identify.record.track import (
     Drift,
     derivative,
@@ -209,7 +209,7 @@ class DeccaHeading:
     )
     current_east_kn: float = with_default(0.0, "kn", within(-20, 20), "taken off; else 0")
     current_north_kn: float = with_default(0.0, "kn", within(-20, 20), "likewise")
-    positive_rudder: str = with_default("port", RUDDER_SIGN_CHOICE)
+    positive_rudder: str = with_default("port", FIT_KINDS["positive_rudder"])
 
 
 @dataclass(frozen=True, kw_only=True)

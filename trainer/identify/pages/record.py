@@ -41,7 +41,7 @@ class RecordSummary:
     interval_s: float
     begin_s: float
     end_s: float
-    between_readings: str  # one of measurements.INPUT_PATHS, of the inputs
+    between_readings: str  # one of fit_options.INPUT_PATHS, of the inputs
     findings: tuple[str, ...]
     channels: tuple[ChannelSummary, ...]
 

@@ -144,7 +144,7 @@ class IdentifyReport:
     units: tuple[str, ...]
     samples: int
     interval_s: float
-    between_readings: str  # one of measurements.INPUT_PATHS, of the inputs
+    between_readings: str  # one of fit_options.INPUT_PATHS, of the inputs
     findings: tuple[str, ...]
     converged: bool
     doubt: str  # why it did not settle

@@ -14,11 +14,10 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError, raise_problems
+from trainer.config.fit_options import INPUT_PATHS, MOTION_CHANNELS
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import (
-    INPUT_PATHS,
-    OUTPUT_CHANNELS,
     POSITION_CHANNELS,
     Finding,
     Record,
@@ -271,7 +270,7 @@ def _intervals(record: Record) -> Iterator[Finding]:
 
 def _missing_outputs(record: Record) -> Iterator[Finding]:
     """Yield which outputs have missing values."""
-    for channel in OUTPUT_CHANNELS:
+    for channel in MOTION_CHANNELS:
         values = getattr(record, channel)
         if values is None or (finding := _missing(record, channel, values)) is None:
             continue
@@ -361,7 +360,7 @@ def _find_feedback(record: Record) -> Iterator[Finding]:
 
 def _constant_outputs(record: Record) -> Iterator[Finding]:
     """Yield outputs that never change."""
-    for channel in OUTPUT_CHANNELS:
+    for channel in MOTION_CHANNELS:
         values = getattr(record, channel)
         if values is not None and channel != "speed" and _is_constant(values):
             yield record.finding(channel, "is the same in all rows: is it recorded?")
@@ -389,7 +388,7 @@ def _is_constant(values: Numbers) -> bool:
 
 def _spikes(record: Record) -> Iterator[Finding]:
     """Yield readings that stand out from both neighbours: outliers."""
-    for channel in (*OUTPUT_CHANNELS, *POSITION_CHANNELS):
+    for channel in (*MOTION_CHANNELS, *POSITION_CHANNELS):
         values = getattr(record, channel)
         if values is None or len(values) < MIN_SAMPLES:
             continue

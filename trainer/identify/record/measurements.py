@@ -36,9 +36,7 @@ SHIP_CHANNEL_UNITS: Final = {  # likewise, of ships that are not linear
 }
 POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
 MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
-OUTPUT_CHANNELS: Final = tuple(name for name in CHANNEL_UNITS if name != "rudder")
 STANDING_SHARE: Final = 0.1  # [-] of the rate of a rudder under way: one that is slower stands
-INPUT_PATHS: Final = ("straight", "step")  # of inputs from reading to reading
 Indices = NDArray[np.int64]
 
 

@@ -7,9 +7,9 @@ reader, its messages, the JSON Schema and docs/identification.md.
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.config.fit_options import FIT_KINDS, MOTION_CHANNELS
 from trainer.config.schema import (
     Choice,
-    Choices,
     Rows,
     Text,
     above,
@@ -19,24 +19,17 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.ship import MISSING_NUMBERS
+from trainer.config.words import LINEAR_MODELS
 from trainer.identify.record.measurements import (
     CHANNEL_UNITS,
-    INPUT_PATHS,
-    OUTPUT_CHANNELS,
     POSITION_CHANNELS,
 )
 
-MAX_TIME_S: Final = 1e9  # [s]
-STUDY_MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2", "own")
-NOISE_MODELS: Final = ("output-error", "innovations", "covariance")
-FIT_METHODS: Final = ("scoring", "bfgs", "direct")
+STUDY_MODELS: Final = (*LINEAR_MODELS, "own")
 MEAN_TREATMENTS: Final = ("none", "mean", "trend")
 YES_NO: Final = ("yes", "no")
 # other starts in a row that must find nothing better, before a fit counts as settled
 USUAL_RESTARTS: Final = 12.0
-RUDDER_SIGN_CHOICE: Final = Choice(
-    ("port", "starboard"), "way a positive rudder turns the ship; else port"
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +39,10 @@ class StudyHeading:
     schema: str = required(Choice(("identify/1",), "form of the file"))
     name: str = required(Text(79, "what is studied"))
     data: str = required(Text(200, "CSV file or recording, from this file's folder"))
-    positive_rudder: str = with_default("port", RUDDER_SIGN_CHOICE)
-    between_readings: str | None = optional(
-        Choice(INPUT_PATHS, "of the rudder; else as name and record say")
-    )
-    from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
-    to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
+    positive_rudder: str = with_default("port", FIT_KINDS["positive_rudder"])
+    between_readings: str | None = optional(FIT_KINDS["between_readings"])
+    from_s: float | None = optional(FIT_KINDS["begin"])
+    to_s: float | None = optional(FIT_KINDS["end"])
     every: float = with_default(1.0, "-", within(1, 1000), "takes one sample of so many")
     interval_s: float | None = optional(
         "s", within(1e-4, 3600), "from row to row, where there is no column of times"
@@ -76,8 +67,8 @@ class ColumnRow:
 class Ship:
     """The ship that sailed."""
 
-    length_m: float = required("m", within(0.1, 600), "length")
-    speed_kn: float | None = optional("kn", within(0.01, 60), "else the record's mean")
+    length_m: float = required(FIT_KINDS["length"])
+    speed_kn: float | None = optional(FIT_KINDS["speed"])
     bow_log_m: float | None = optional(
         "m", within(0, 600), "forward log, ahead of the centre of mass"
     )
@@ -106,24 +97,20 @@ class ModelTable:
     """The model and how it is fitted."""
 
     kind: str = required(Choice(STUDY_MODELS, "model"))
-    outputs: tuple[str, ...] = with_default(
-        (), Choices(OUTPUT_CHANNELS, "channels fitted; none for own")
-    )
+    outputs: tuple[str, ...] = with_default((), FIT_KINDS["outputs"])
     file: str | None = optional(Text(200, "system file, or a program, of kind own"))
     system: str = with_default("prime", Choice(("prime", "bis"), "of the derivatives; else prime"))
-    noise: str = with_default("covariance", Choice(NOISE_MODELS, "noise model; else covariance"))
+    noise: str = with_default("covariance", FIT_KINDS["noise"])
     measurement: str = with_default(
         "instantaneous", Choice(("instantaneous", "integrating"), "else instantaneous")
     )
-    method: str = with_default("scoring", Choice(FIT_METHODS, "minimiser; else scoring"))
+    method: str = with_default("scoring", FIT_KINDS["method"])
     restarts: float = with_default(
         USUAL_RESTARTS, "-", within(0, 100), "others in a row that find no better; else 12"
     )
     predict_from: float = with_default(1.0, "-", within(1, 1000), "steps predicted, fewest; else 1")
     predict_to: float = with_default(1.0, "-", within(1, 1000), "steps predicted, most; else 1")
-    reject: float | None = optional(
-        "-", above(0, 0.5), "probability below which a sample is an outlier; else none"
-    )
+    reject: float | None = optional(FIT_KINDS["reject"])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,8 +131,8 @@ class RunRow:
     """A further record of the same ship, fitted together with the first."""
 
     data: str = required(Text(200, "CSV file or recording of the same columns"))
-    from_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used")
-    to_s: float | None = optional("s", within(-MAX_TIME_S, MAX_TIME_S), "last time used")
+    from_s: float | None = optional(FIT_KINDS["begin"])
+    to_s: float | None = optional(FIT_KINDS["end"])
     speed_kn: float | None = optional("kn", within(0.01, 60), "else the ship's")
 
 
@@ -153,7 +140,7 @@ class RunRow:
 class ArmaxTable:
     """ARMAX models of one output by the rudder."""
 
-    output: str = required(Choice(OUTPUT_CHANNELS, "channel"))
+    output: str = required(Choice(MOTION_CHANNELS, "channel"))
     most: float = with_default(4.0, "-", within(1, 10), "highest order tried; else 4")
     remove: str = with_default("mean", Choice(MEAN_TREATMENTS, "taken off both series; else mean"))
     dead_time: float = with_default(0.0, "-", within(0, 100), "samples; else 0")

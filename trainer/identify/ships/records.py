@@ -106,6 +106,12 @@ def filter_table(record: Record, constants: Numbers) -> Numbers:
     return np.ascontiguousarray(np.column_stack(columns))
 
 
+def with_path(ship: ShipFile, between_readings: str | None) -> ShipFile:
+    """Return the ship, its records' rudder going as ``between_readings`` says if it says it."""
+    said = between_readings or ship.records.between_readings
+    return replace(ship, records=replace(ship.records, between_readings=said))
+
+
 def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Record:
     """Return a record, its rows averaged by ``every``. ConfigError with what forbids its use."""
     return trial_of(_read(path, ship), ship, every)

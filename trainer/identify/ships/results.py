@@ -40,6 +40,7 @@ from trainer.identify.ships.records import (
     notes_of,
     readings_of,
     turned_ranges,
+    with_path,
 )
 from trainer.units import KNOT
 
@@ -166,7 +167,7 @@ def read_trials(
             f"--model {options.model} needs --ship FILE, a file of the ship's dimensions: "
             f"trainer identify new {files[0]} --ship ship.toml begins one"
         )
-    ship, every = load_ship(options.ship), options.every or 1
+    ship, every = with_path(load_ship(options.ship), options.between_readings), options.every or 1
     trials = tuple(load_trial(path, ship, every) for path in files)
     return ship, trials, tuple(load_trial(path, ship, every) for path in options.predict)
 
