@@ -15,7 +15,7 @@ import numpy as np
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, Position, offer_known, path_named, write_over
-from trainer.config.fit_options import FIT_KINDS, USUAL_PRIOR_STRENGTH
+from trainer.config.fit_options import FIT_KINDS
 from trainer.config.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
@@ -55,8 +55,7 @@ if TYPE_CHECKING:
 Frame = Mapping[str, Any] | str | Path
 FRAME_PATH: Final = Path("frame")  # what messages call a record of arrays
 MANOEUVRING_FIT_OPTIONS: Final = ("ship", "prior_strength")  # not taken by linear ships
-# taken as ``IdentifyOptions`` has them
-OPTIONS_AS_ASKED: Final = ("noise", "method", "between_readings", "every", "begin", "end")
+OPTION_NAMES: Final = {"speed": "knots", "outputs": "channels"}  # of IdentifyOptions, where others
 # fmt: off
 LINEAR_FIT_OPTIONS: Final = (  # not taken by ships that are not linear
     "length", "speed", "vessel", "outputs", "noise", "method", "start", "fixed",
@@ -85,19 +84,6 @@ class FitOptions(TypedDict, total=False):
     end: float | None
     ship: str | Path | None
     prior_strength: float
-
-
-DEFAULT_OPTIONS: Final[FitOptions] = {
-    **dict.fromkeys(("length", "speed", "vessel", "ship")),  # type: ignore[typeddict-item]
-    **dict.fromkeys(OPTIONS_AS_ASKED),
-    "outputs": (),
-    "columns": {},
-    "units": {},
-    "positive_rudder": "port",
-    "start": {},
-    "fixed": {},
-    "prior_strength": USUAL_PRIOR_STRENGTH,
-}
 
 
 @overload
@@ -148,18 +134,19 @@ def fit(
     """
     require_library("scipy", "identify")
     for name in keywords:
-        if name not in DEFAULT_OPTIONS:
-            raise ConfigError(f"no keyword {name!r}{offer_known(name, DEFAULT_OPTIONS)}")
-    chosen: FitOptions = {**DEFAULT_OPTIONS, **keywords}
-    _check_keywords({**chosen, "model": model})
+        if name not in FitOptions.__annotations__:
+            known = offer_known(name, FitOptions.__annotations__)
+            raise ConfigError(f"no keyword {name!r}{known}")
+    given = cast("FitOptions", {name: x for name, x in keywords.items() if x is not None})
+    _check_keywords({**given, "model": model})
     unfit = LINEAR_FIT_OPTIONS if model in MANOEUVRING_MODELS else MANOEUVRING_FIT_OPTIONS
     if strange := [name for name in unfit if name in keywords]:
         raise ConfigError(f"{', '.join(strange)}: not with model {model}")
     if model in MANOEUVRING_MODELS:
-        return _fit_manoeuvring(frame, model, chosen, keywords.get("positive_rudder"))
+        return _fit_manoeuvring(frame, model, given)
     if not isinstance(frame, str | Path | Mapping) and not hasattr(frame, "keys"):
         raise ConfigError(f"model {model}: takes one frame")
-    return _fit_steering(cast("Frame", frame), model, chosen)
+    return _fit_steering(cast("Frame", frame), model, given)
 
 
 def _check_keywords(given: Mapping[str, Any]) -> None:
@@ -170,62 +157,58 @@ def _check_keywords(given: Mapping[str, Any]) -> None:
             value = [*value] if name == "outputs" else value
             kind.read(name, value.item() if hasattr(value, "item") else value, Position("fit", ""))
     for name in ("start", "fixed"):
-        if not isinstance(given[name], Mapping):
+        numbers = given.get(name, {})
+        if not isinstance(numbers, Mapping):
             raise ConfigError(f"fit: {name}: must be numbers by name, such as {{'T': 20.0}}")
-        for key, value in given[name].items():
+        for key, value in numbers.items():
             if not (isinstance(value, int | float | np.number) and np.isfinite(value)):
                 raise ConfigError(f"fit: {name}: {key} = {value!r}: must be a finite number")
 
 
+def _options_of(model: str | None, given: FitOptions) -> IdentifyOptions:
+    """Return what the command would be asked for the same fit."""
+    wishes: dict[str, Any] = {OPTION_NAMES.get(name, name): x for name, x in given.items()}
+    wishes |= {"vessel": str(given["vessel"])} if "vessel" in given else {}
+    known = IdentifyOptions.__dataclass_fields__
+    return IdentifyOptions(model=model, **{name: wishes[name] for name in wishes if name in known})
+
+
 def _fit_steering(frame: Frame, model: str | None, given: FitOptions) -> "FittedShip":
     """Return a linear or Nomoto ship fitted to a record."""
-    wishes: Mapping[str, Any] = given
-    same = {name: wishes[name] for name in OPTIONS_AS_ASKED}
-    options = IdentifyOptions(
-        model=model,
-        vessel=str(given["vessel"]) if given["vessel"] else None,
-        length=given["length"],
-        knots=given["speed"],
-        channels=tuple(given["outputs"]),
-        **same,
-    )
+    options, units = _options_of(model, given), given.get("units", {})
     if isinstance(frame, str | Path):
         study, loaded = study_of(Path(frame), options), None
     else:
         plain = plain_study(FRAME_PATH)
-        heading = replace(plain.heading, positive_rudder=given["positive_rudder"])
-        columns = columns_of(frame, given["columns"], given["units"], ())
+        heading = replace(plain.heading, positive_rudder=given.get("positive_rudder", "port"))
+        columns = columns_of(frame, given.get("columns", {}), units, ())
         study = replace(plain, path=FRAME_PATH, heading=heading, columns=columns)
         loaded = record_of(arrays_of(frame, study.columns), study.columns)
         study = as_asked(study, options)
-    rows = [ParameterRow(name=name, start=x) for name, x in given["start"].items()]
-    rows += [ParameterRow(name=name, start=x, free="no") for name, x in given["fixed"].items()]
+    rows = [ParameterRow(name=name, start=x) for name, x in given.get("start", {}).items()]
+    fixed = given.get("fixed", {}).items()
+    rows += [ParameterRow(name=name, start=x, free="no") for name, x in fixed]
     study = replace(study, parameters=(*study.parameters, *rows))
     fitted = fitting.fit_study(study, observe_record(study, loaded), ignore_news)
-    return FittedShip(describe_fit(fitted), given["units"])
+    return FittedShip(describe_fit(fitted), units)
 
 
 def _fit_manoeuvring(
-    frame: Frame | Sequence[Frame], model: str, given: FitOptions, sign: str | None
+    frame: Frame | Sequence[Frame], model: str, given: FitOptions
 ) -> "ManoeuvringShip":
     """Return a ship that is not linear, fitted to its records."""
-    if given["ship"] is None:
+    if "ship" not in given:
         raise ConfigError(f"model {model}: lacks ship, the file of the ship's dimensions")
     ship = load_ship(path_named(str(given["ship"]), "ships"))
-    ship = with_path(ship, given["between_readings"])
-    sign = sign or ship.records.positive_rudder
+    ship = with_path(ship, given.get("between_readings"))
+    sign = given.get("positive_rudder", ship.records.positive_rudder)
     ship = replace(ship, records=replace(ship.records, positive_rudder=sign))
     one = isinstance(frame, str | Path) or hasattr(frame, "keys")  # mappings and pandas frames
     frames = cast("Sequence[Frame]", [frame] if one else frame)
-    trials = tuple(_trial_of(each, ship, given, given["every"] or 1) for each in frames)
+    trials = tuple(_trial_of(each, ship, given, given.get("every") or 1) for each in frames)
     if not trials:
         raise ConfigError(f"model {model}: needs a frame")
-    options = IdentifyOptions(
-        model=model,
-        begin=given["begin"],
-        end=given["end"],
-        prior_strength=given["prior_strength"],
-    )
+    options = _options_of(model, given)
     return ManoeuvringShip(fit_trials(ship, trials, (), options, lambda *_: None), given, ship)
 
 
@@ -236,7 +219,9 @@ def _trial_of(frame: Frame, ship: ShipFile, given: FitOptions, every: int) -> Re
     """
     if isinstance(frame, str | Path):
         return load_trial(Path(frame), ship, every)
-    columns = columns_of(frame, given["columns"], given["units"], SHIP_CHANNEL_UNITS)
+    columns = columns_of(
+        frame, given.get("columns", {}), given.get("units", {}), SHIP_CHANNEL_UNITS
+    )
     record = record_of(arrays_of(frame, columns), columns)
     return trial_of(record, replace(ship, sensors=None), every)
 
@@ -443,7 +428,7 @@ class ManoeuvringShip(_ShipDisplay):
         """
         trial = _trial_of(frame, self._ship, self._given, 1)  # all rows: the fit alone thins
         sailed = self._found.fit.problem.sail(self._found.fit.found.theta, trial)
-        units = self._given["units"]
+        units = self._given.get("units", {})
         names = (*READING_CHANNELS, *ROLL_CHANNELS)
         series = {
             name: values / factor(name, units.get(name))
