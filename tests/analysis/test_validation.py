@@ -20,7 +20,6 @@ from trainer.analysis.trainees import (
     SillyPolicy,
     Skill,
     coarse_order,
-    opposite_order,
     silly_orders,
 )
 from trainer.analysis.validation import (
@@ -37,6 +36,7 @@ from trainer.analysis.validation import (
 )
 from trainer.cli.main import cli
 from trainer.config.files import shipped_names
+from trainer.debrief.controls import opposite_order
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
 

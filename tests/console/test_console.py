@@ -962,6 +962,14 @@ def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time()
     assert [each.seconds for each in seen.timeline.attainable] == [10.0]
     (row,) = evaluation(seen, 80, 1)
     assert "50 s ago" in "".join(part for part, _ in row)
+    beyond = "20.000,31.0,0.0,open,1,0,order course left 330"
+    talk.say(sentences.fact(40, 20.0, "attainable", beyond))
+    seen.hear()
+    (row,) = evaluation(seen, 80, 1)
+    text = "".join(part for part, _ in row)
+    assert text.startswith("earn 31")
+    assert text.endswith(" not for order course left 330")
+    assert len(text) == 80
     talk.say(sentences.fact(60, 30.0, "no-attainable", "this exercise has no end"))
     seen.hear()
     (row,) = evaluation(seen, 80, 1)

@@ -8,19 +8,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.explored import (
+    by_crew,
+    explored,
+    late,
+    nobody_of,
+    plan_of,
+    planted,
+    with_nobody_else,
+)
 from helpers.givers import journalled
 from helpers.sessions import start_plan
 
 from trainer.boat.mute_crew import MuteCrew, is_same_order
-from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import shipped_names
-from trainer.debrief.attainable import (
-    AttainableCurve,
-    ChangeCause,
-    NoCurve,
-    RunExplorer,
-    attainable_curve,
-)
+from trainer.debrief.attainable import NoCurve, RunExplorer
+from trainer.debrief.attainable_changes import ChangeCause
+from trainer.debrief.attainable_curve import AttainableCurve, attainable_curve
 from trainer.debrief.attainable_falls import PassedKind, SteepFall, parted_falls, what_passes
 from trainer.debrief.attainable_stretches import (
     MAX_TICKS,
@@ -31,12 +35,12 @@ from trainer.debrief.attainable_stretches import (
     without_luck,
 )
 from trainer.debrief.attainable_words import change_words, until_words
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.judgement import judge_run
+from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
 from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.plan import plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 STEP_S = 0.5  # [s] of the boats that fly here
@@ -97,42 +101,9 @@ SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved 
 @pytest.fixture(autouse=True)
 def wider_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer moments than a user's debrief does."""
-    monkeypatch.setattr("trainer.debrief.attainable.POINT_PERIODS", SPREAD_FACTOR * POINT_PERIODS)
-
-
-@cache
-def plan_of(name: str) -> Plan:
-    return plan_run(RunOptions(exercise=name)).alone()
-
-
-@cache
-def nobody_of(name: str) -> dict[str, float]:
-    return plain_marks(fly_rehearsal(plan_of(name)).trajectory, plan_of(name))
-
-
-@cache
-def by_crew(name: str) -> Rehearsal:
-    return fly_rehearsal(plan_of(name), plan_of(name).crew)
-
-
-def explored(name: str, run: Rehearsal) -> RunExplorer:
-    plan = plan_of(name)
-    judge = partial(judge_run, plan=plan, nobody=nobody_of(name))
-    explorer = RunExplorer(plan, run.trajectory, judge)
-    explorer.fly_again()
-    return explorer
-
-
-def planted(name: str, seconds: float, text: str, without: str = "") -> Rehearsal:
-    """Return the reference crew's run with one order more, and perhaps one less."""
-    plan = plan_of(name)
-    boat = start_plan(plan)
-    given = [each for each in by_crew(name).trajectory.orders if each.text != without]
-    orders: dict[int, list[Any]] = {}
-    more = [journalled(9000, round(2 * seconds), "panel", text, "")] if text else []
-    for entry in (*given, *more):
-        orders.setdefault(entry.tick, []).append(entry)
-    return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
+    monkeypatch.setattr(
+        "trainer.debrief.attainable_curve.POINT_PERIODS", SPREAD_FACTOR * POINT_PERIODS
+    )
 
 
 @pytest.mark.long
@@ -149,11 +120,6 @@ def test_on_the_reference_crew_s_own_run_nothing_is_ever_lost(name: str, step_s:
     assert own
     lost = {tick / 2.0: run.point(tick).marks for tick in range(0, run.last, 2 * step_s)}
     assert {at: marks for at, marks in lost.items() if abs(marks - own) > 1.0} == {}
-
-
-def late(name: str, seconds: float) -> Rehearsal:
-    """Return the run of the reference crew, slower by some seconds in all it does."""
-    return fly_rehearsal(plan_of(name), plan_of(name).crew, CrewReaction(late=seconds))
 
 
 @cache
@@ -256,38 +222,28 @@ def test_where_the_reference_crew_would_wait_the_debrief_says_so() -> None:
     assert said.endswith("The reference crew orders nothing for 30 s from 0:20 on.")
 
 
-def with_nobody_else(name: str, seconds: float, text: str) -> Rehearsal:
-    """Return a run in which nobody gives any order but one."""
-    plan = plan_of(name)
-    boat = start_plan(plan)
-    alone = journalled(9000, round(2 * seconds), "panel", text, "")
-    orders: dict[int, list[Any]] = {}
-    for entry in (*fly_rehearsal(plan).trajectory.orders, alone):
-        orders.setdefault(entry.tick, []).append(entry)
-    return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
-
-
 @pytest.mark.slow
 def test_a_fatal_order_is_named_where_without_it_nobody_does_anything() -> None:
-    order = "stern planes dive 10"
+    order = "stern planes rise 10"
     said = sentences(
         explored("first-depth-change", with_nobody_else("first-depth-change", 65.0, order))
     )
-    assert any(each.startswith(f'1:05: "{order}", by panel, cost ') for each in said)
+    assert any(each.startswith(f'1:05: "{order}", by panel, the wrong way') for each in said)
 
 
 @pytest.mark.slow
 def test_planes_that_nobody_touched_were_not_worked_by_anybody() -> None:
     name = "first-depth-change"
     (told,) = sentences(explored(name, fly_rehearsal(plan_of(name))))
-    assert "lost; nobody worked the planes." in told
+    assert "lost; nobody worked the planes from 1:04 on." in told
     touched = sentences(explored(name, with_nobody_else(name, 90.0, "bow planes rise 1")))
-    assert not [each for each in touched if "nobody worked" in each]
+    (again,) = [each for each in touched if "nobody worked" in each]
+    assert "nobody worked the planes from 5:34 on." in again
 
 
 @pytest.mark.slow
 def test_an_order_of_a_file_is_somebody_s(tmp_path: Path) -> None:
-    (tmp_path / "mine.orders").write_text("65 stern planes dive 10\n")
+    (tmp_path / "mine.orders").write_text("65 stern planes rise 10\n")
     options = RunOptions(exercise="first-depth-change", orders_file=tmp_path / "mine.orders")
     plan = plan_run(options)
     run = fly_rehearsal(plan)
@@ -295,7 +251,7 @@ def test_an_order_of_a_file_is_somebody_s(tmp_path: Path) -> None:
     explorer = RunExplorer(plan, run.trajectory, judge)
     explorer.fly_again()
     said = sentences(explorer)
-    assert any("by the file of orders, cost" in each for each in said)
+    assert any("by the file of orders, the wrong way" in each for each in said)
     assert not [each for each in said if "nobody worked" in each]
 
 
@@ -361,9 +317,10 @@ def named(name: str, seconds: float | None, more: str, less: str) -> bool:
         orders = by_crew(name).trajectory.orders
         seconds = next(each.tick / 2.0 for each in orders if each.text == less)
     curve = attainable_curve(explored(name, planted(name, seconds, more, less)))
-    cause = (ChangeCause.ORDER, more) if more else (ChangeCause.MISSING, less)
+    causes = (ChangeCause.ORDER, ChangeCause.WRONG_WAY) if more else (ChangeCause.MISSING,)
     return any(
-        (each.cause, each.order) == cause
+        each.cause in causes
+        and each.order == (more or less)
         and each.tick is not None
         and abs(each.tick / 2.0 - seconds) <= 5.0
         for each in curve.changes
@@ -439,7 +396,7 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        pytest.param("depth-gauge-failure", PassedKind.LOSS, marks=pytest.mark.slow),
+        pytest.param("depth-gauge-failure", PassedKind.LIMIT, marks=pytest.mark.slow),
         ("stern-plane-jam", PassedKind.RULE),
         ("stern-plane-jam", PassedKind.LOSS),
     ],
@@ -465,7 +422,8 @@ def test_where_marks_fall_within_a_second_the_debrief_says_what_passes(
 def test_no_part_of_a_change_is_told_with_more_marks_than_it_cost() -> None:
     before, after = (SteepFall(tick, 37.0, PassedKind.RULE, "Settled") for tick in (384, 410))
     for own, rest, parts in (
-        (-20.0, -64.0, ((), (before, after))),
+        (-20.0, -64.0, ((), (before,))),
+        (-20.0, -80.0, ((), (before, after))),
         (-64.0, -20.0, ((after,), ())),
         (-44.0, -40.0, ((after,), (before,))),
     ):

@@ -18,7 +18,9 @@ from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
-from trainer.debrief.attainable import AttainableCurve, ChangeCause, RunExplorer
+from trainer.debrief.attainable import RunExplorer
+from trainer.debrief.attainable_changes import ChangeCause
+from trainer.debrief.attainable_curve import AttainableCurve
 from trainer.debrief.attainable_words import TEXT_COLUMNS, text_axis
 from trainer.debrief.charts import attainable_chart, ground_of, runs_beside
 from trainer.debrief.data import (

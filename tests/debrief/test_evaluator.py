@@ -12,7 +12,10 @@ import pytest
 from helpers.recorded import record
 
 from trainer.debrief.attainable import NoCurve, RunExplorer
+from trainer.debrief.attainable_curve import AttainableCurve
+from trainer.debrief.attainable_words import until_words
 from trainer.debrief.data import gather_debrief, judge_as_changed
+from trainer.debrief.episodes import ordered_beyond
 from trainer.debrief.evaluator import Evaluator, answers
 from trainer.io.recording.recording import Recording
 from trainer.session.header import open_recording
@@ -83,6 +86,26 @@ def test_a_wrong_order_costs_what_it_would_bring_and_one_that_is_refused_says_wh
     assert blown["refused"] == ""
     assert "greatest depth" in evaluator.answer(asked(recording, 180, "depth 2000"))["refused"]
     assert evaluator.answer(asked(recording, 180)) == alone
+
+
+def test_what_the_instructor_has_ordered_since_is_told_beside_marks_that_are_not_for_it(
+    tmp_path: Path,
+) -> None:
+    """The reference crew obeys it too, and the exercise's tasks do not ask for it."""
+    ordered = [(62.0, "order course 020"), (100.0, "order course left 330")]
+    path = record(tmp_path / "turn.trainer", "steady-course", ordered, who="instructor")
+    with open_recording(path) as opened:
+        evaluator = Evaluator.of(opened, path)
+        before, after = (evaluator.answer(asked(opened, tick)) for tick in (190, 210))
+    assert (before["beyond"], after["beyond"]) == ("", "order course left 330")
+    assert after["marks"] < before["marks"] - 30.0
+    with open_recording(path) as opened:
+        debrief = gather_debrief(opened, path, None)
+    run = RunExplorer(debrief.plan, debrief.trajectory, partial(judge_as_changed, debrief))
+    curve = AttainableCurve((run.point(run.last),), (), 2, ordered_beyond(run.trajectory.orders))
+    order = '"order course left 330", by instructor at 1:40'
+    told = f"The marks are for the exercise's own orders, not for {order}."
+    assert told in until_words(curve, 0.5)
 
 
 def test_a_run_that_is_flown_on_without_marks_says_so_apart(tmp_path: Path) -> None:

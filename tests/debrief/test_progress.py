@@ -7,6 +7,7 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.recorded import record
 
@@ -23,7 +24,7 @@ from trainer.config.progress import (
     read_progress,
     trainees_folder,
 )
-from trainer.debrief.attainable import ChangeCause, MarkChange
+from trainer.debrief.attainable_changes import ChangeCause, MarkChange
 from trainer.debrief.progress import costs_of, remember_run
 from trainer.debrief.progress_words import progress_lines
 from trainer.session.header import names_of
@@ -106,8 +107,36 @@ def test_kinds_of_loss_follow_from_the_causes_of_the_curve() -> None:
         MarkChange(30, 40, -4.0, cause.ORDER, "rudder left 20"),
         MarkChange(40, 50, 6.0, cause.BETTER),
     ]
-    found = {"late": 20.0, "trim": 7.0, "overshoot": 9.0, "wrong way": 4.0, "other": 0.0}
+    found = {"late": 20.0, "trim": 7.0, "overshoot": 7.0, "wrong way": 0.0, "other": 0.0}
     assert costs_of(changes) == found
+
+
+def test_late_overshoot_wrong_way_and_trim_are_told_apart_by_what_was_done() -> None:
+    cause = ChangeCause
+    kinds = {
+        MarkChange(0, 1, -9.0, cause.MISSING, "hover on", tick=0, came=70): "late",
+        MarkChange(0, 1, -9.0, cause.MISSING, "pump trim aft 3", tick=0, came=70): "late",
+        MarkChange(0, 1, -9.0, cause.MISSING, control="planes", tick=0, came=70): "late",
+        MarkChange(0, 1, -9.0, cause.MISSING, control="planes", tick=0): "late",
+        MarkChange(0, 1, -9.0, cause.MISSING, "pump trim aft 3", tick=0): "trim",
+        MarkChange(0, 1, -9.0, cause.ORDER, "flood auxiliary 9"): "trim",
+        MarkChange(0, 1, -9.0, cause.WRONG_WAY, "pump trim forward 3"): "wrong way",
+        MarkChange(0, 1, -9.0, cause.ORDER, "blow all"): "wrong way",
+        MarkChange(0, 1, -9.0, cause.ORDER, "rudder right 30"): "overshoot",
+        MarkChange(0, 1, -9.0, cause.STEERING): "overshoot",
+        MarkChange(0, 1, -9.0, cause.NO_ORDER): "other",
+    }
+    for change, kind in kinds.items():
+        assert {each for each, marks in costs_of([change]).items() if marks} == {kind}
+
+
+def test_what_cost_marks_adds_up_to_what_was_lost() -> None:
+    cause, draws = ChangeCause, np.random.default_rng(3)
+    for _ in range(200):
+        marks = draws.normal(-5.0, 20.0, 8)
+        falls = [MarkChange(i, i, each, cause.STEERING) for i, each in enumerate(marks)]
+        lost = max(-float(marks.sum()), 0.0)
+        assert sum(costs_of(falls).values()) == pytest.approx(lost, abs=0.3)
 
 
 def test_what_cost_most_is_of_the_last_five_runs_with_marks() -> None:

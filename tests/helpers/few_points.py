@@ -2,7 +2,7 @@
 
 import pytest
 
-from trainer.debrief import attainable
+from trainer.debrief import attainable_curve
 from trainer.debrief.attainable import RunExplorer
 
 
@@ -16,9 +16,9 @@ def look_at_few_moments(patch: pytest.MonkeyPatch) -> None:
         run.point(before)
         run.point(after)
 
-    patch.setattr(attainable, "POINT_PERIODS", 100)
-    patch.setattr(attainable, "IDLE_POINTS", 1)
-    patch.setattr(attainable, "halve", look_at_ends)
+    patch.setattr(attainable_curve, "POINT_PERIODS", 100)
+    patch.setattr(attainable_curve, "IDLE_POINTS", 1)
+    patch.setattr(attainable_curve, "halve", look_at_ends)
 
 
 @pytest.fixture

@@ -180,6 +180,22 @@ def test_a_fall_of_the_marks_is_told_in_words_and_recorded(ship: Crewed) -> None
     assert [each for each in ship.recording.events() if each.text.startswith(fall)]
 
 
+def test_marks_that_are_not_for_what_the_instructor_ordered_say_so(ship: Crewed) -> None:
+    for count, ticks in enumerate((1, 19), 1):
+        ship.fly(ticks)
+        settled(ship, count)
+    Answering.answer = {**ANSWER, "marks": 31.0, "beyond": "order course left 330"}
+    ship.fly(20)
+    settled(ship, 3)
+    told = ship.facts(ship.instructor, "attainable")
+    assert told[-1] == "20.000,31.0,14.0,won,1,0,order course left 330"
+    basis = "; for the exercise's own orders, not for `order course left 330`"
+    (fall,) = [each for each in ship.events(ship.instructor, "exercise") if "31 marks" in each]
+    assert fall.endswith(basis)
+    ship.order("status")
+    assert f"could still earn 31 marks, 14 so far (at 00:00:20, branch 1){basis}" in ship.said
+
+
 @pytest.mark.parametrize(
     ("exercise", "kept", "why"),
     [

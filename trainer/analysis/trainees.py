@@ -19,6 +19,7 @@ from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew, RuleProgress
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRow, CrewRule
+from trainer.debrief.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import CREW_TALK
 from trainer.session.manning import in_hand
@@ -30,12 +31,6 @@ LATE_SPREAD: Final = 0.2  # [-] of a delay, either way
 MISREAD_TURN_RAD: Final = np.pi / 2.0  # of which a share is misread of the heading
 HAND_ORDER: Final = re.compile(r"(stern planes|bow planes|rudder) (rise|dive|left|right) (\d+)")
 ZERO_WORDS: Final = {"rudder": "amidships", "stern planes": "zero", "bow planes": "zero"}
-OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
-    ("aft", "forward"),
-    ("rise", "dive"),
-    ("left", "right"),
-    ("flood", "pump"),
-)
 EVENT_ORDERS: Final = CREW_TALK | {"casualty"}  # of a plan: what a crew has to answer
 FORGOTTEN_ORDER: Final = GivenOrder("", "")
 
@@ -169,16 +164,6 @@ def coarse_order(text: str, step: int) -> str:
         return text
     angle = step * round(int(match[3]) / step)
     return f"{match[1]} {match[2]} {angle}" if angle else f"{match[1]} {ZERO_WORDS[match[1]]}"
-
-
-def opposite_order(text: str) -> str:
-    """Return an order with its side turned round; the order itself if it has none."""
-    for pair in OPPOSITE_WORDS:
-        for word, other in (pair, pair[::-1]):
-            turned = re.sub(rf"\b{word}\b", other, text)
-            if turned != text and isinstance(parse(turned), Order):
-                return turned
-    return text
 
 
 # Silly crews

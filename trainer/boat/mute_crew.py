@@ -5,7 +5,8 @@ have ordered, what of that somebody has ordered, and what its hands remember. Fr
 of it can take over and speak.
 """
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 from copy import copy
 from operator import itemgetter
 
@@ -67,6 +68,13 @@ class MuteCrew:
         due = [(each.due, each) for each in self.crew.followed if each.due is not None]
         late = [(at, each) for at, each in due if at < now + TIME_ROUNDING_S]
         return [each for _, each in sorted(late, key=itemgetter(0))]
+
+    def hand_orders(self) -> Iterator[tuple[str, list[str]]]:
+        """Yield each hand with what it would order now, if it looked."""
+        for name, hand in self.crew.hands.items():
+            hand.find_ordered()
+            hand.looked = -math.inf
+            yield name, hand.look(self.crew.gauges)
 
     def _stands(self, order: Order) -> bool:
         """Return whether an order would change nothing of the boat.

@@ -73,12 +73,13 @@ class AttainablePoint(NamedTuple):
     marks: float  # [%]
     so_far: float  # [%] of a run that ended there
     outcome: Outcome  # WON, LOST or OPEN
+    beyond: str = ""  # the instructor's order that these marks are not for
 
     @classmethod
     def of(cls, fields: str) -> "AttainablePoint":
         """Return the point that a fact tells."""
-        seconds, marks, so_far, outcome = fields.split(",")[:4]
-        return cls(float(seconds), float(marks), float(so_far), Outcome(outcome))
+        seconds, marks, so_far, outcome, _, _, *beyond = fields.split(",")
+        return cls(float(seconds), float(marks), float(so_far), Outcome(outcome), *beyond[:1])
 
 
 @dataclass

@@ -12,7 +12,7 @@ rooms judge a run, rehearse an exercise, or write a page; what a page consists o
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "attainable", "beside", "episodes", "evaluator", "forms", "history", "judgement", "page",
-    "progress", "progress_words", "rehearsal", "scoring", "trajectory",
+    "attainable", "beside", "controls", "episodes", "evaluator", "forms", "history", "judgement",
+    "page", "progress", "progress_words", "rehearsal", "scoring", "trajectory",
 ]
 # fmt: on

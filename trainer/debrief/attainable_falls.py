@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 
-from trainer.debrief.attainable_stretches import WORTH_MARKS, AttainablePoint, MarkStretch
+from trainer.debrief.attainable_stretches import WORTH_MARKS, AttainablePoint
 from trainer.debrief.judgement import before_gate, marks_given, share_of
 
 
@@ -32,11 +32,25 @@ class SteepFall:
     text: str
 
 
-def steep_falls(stretch: MarkStretch, finest: int) -> tuple[SteepFall, ...]:
-    """Return the falls of a stretch within ``finest`` ticks, those of one kind as one."""
+def lasting_points(points: Sequence[AttainablePoint]) -> tuple[AttainablePoint, ...]:
+    """Return at each point the best that it or any later one still had.
+
+    What a later take-over has again was not lost for good.
+    """
+    lasting: list[AttainablePoint] = []
+    for point in reversed(points):
+        later = lasting[-1] if lasting else point
+        best = point if point.marks >= later.marks else later
+        lost = point.lost and later.lost
+        lasting.append(replace(best, tick=point.tick, lost=lost))
+    return tuple(reversed(lasting))
+
+
+def steep_falls(points: Sequence[AttainablePoint], finest: int) -> tuple[SteepFall, ...]:
+    """Return the falls of lasting points within ``finest`` ticks, those of one kind as one."""
     return join_falls(
         SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
-        for before, after in pairwise(stretch.points)
+        for before, after in pairwise(points)
         if after.tick - before.tick <= finest and before.marks - after.marks > WORTH_MARKS
     )
 
@@ -59,17 +73,26 @@ def join_falls(falls: Iterable[SteepFall]) -> tuple[SteepFall, ...]:
     )
 
 
+def bound_falls(falls: Iterable[SteepFall], whole: float) -> tuple[SteepFall, ...]:
+    """Return the steepest falls that a change of ``whole`` [%] can hold."""
+    kept: list[SteepFall] = []
+    every = tuple(falls)
+    for fall in sorted(every, key=lambda each: -each.marks):
+        if sum(each.marks for each in (*kept, fall)) <= whole:
+            kept.append(fall)
+    return tuple(each for each in every if each in kept)
+
+
 def parted_falls(
     falls: Sequence[SteepFall], given: int, own: float, rest: float
 ) -> tuple[tuple[SteepFall, ...], tuple[SteepFall, ...]]:
     """Return the falls that an order cost, and those of the rest.
 
-    Nothing fell because of it before the tick at which it was ``given``, and no part of a fall by
-    ``own`` and ``rest`` [%] has one that is greater than itself.
+    Nothing fell because of it before the tick at which it was ``given``, and the parts of a fall by
+    ``own`` and ``rest`` [%] do not add up to more.
     """
-    of_order = tuple(each for each in falls if each.tick >= given and each.marks <= abs(own))
-    left = tuple(each for each in falls if each not in of_order and each.marks <= abs(rest))
-    return of_order, left
+    of_order = bound_falls((each for each in falls if each.tick >= given), abs(own))
+    return of_order, bound_falls((each for each in falls if each not in of_order), abs(rest))
 
 
 def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[PassedKind, str]:

@@ -5,17 +5,14 @@
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.debrief.attainable import (
-    BETTER_TIME_S,
-    AttainableCurve,
-    ChangeCause,
-    MarkChange,
-)
+from trainer.debrief.attainable import BETTER_TIME_S
+from trainer.debrief.attainable_changes import ChangeCause, MarkChange
+from trainer.debrief.attainable_curve import AttainableCurve
 from trainer.debrief.attainable_falls import PassedKind, SteepFall
 from trainer.debrief.attainable_stretches import FINEST_PERIOD_S, POINT_PERIODS
 from trainer.report.svg import TIME_STEPS_S, clock, step_of
@@ -46,6 +43,10 @@ def until_words(curve: AttainableCurve, step: float) -> str:
         sentences.append(f"Until {clock(curve.until_saved * step)} the boat could be saved.")
     if not sentences:
         sentences.append("To its end nothing was lost that decides the exercise.")
+    for order in curve.beyond:
+        moment = clock(math.floor(order.tick * step))
+        by = f'"{order.text}", by {order.who} at {moment}'
+        sentences.append(f"The marks are for the exercise's own orders, not for {by}.")
     if curve.finest * step >= 2.0 * FINEST_PERIOD_S:
         near, far = (f"{each * curve.finest * step:g} s" for each in (1, POINT_PERIODS))
         sentences.append(
@@ -60,7 +61,7 @@ def change_words(change: MarkChange, step: float) -> str:
 
     It is one sentence, one more for each of its steep falls, and one with the better order.
     """
-    falls = (_fall_words(fall, step) for fall in change.falls)
+    falls = _falls_words(change.falls, step)
     return " ".join((_cause_words(change, step), *falls, *_better_words(change, step)))
 
 
@@ -74,35 +75,54 @@ def _better_words(change: MarkChange, step: float) -> Iterator[str]:
     yield f"The reference crew orders {' and '.join(orders) or none}."
 
 
-def _fall_words(fall: SteepFall, step: float) -> str:
-    """Return what passes where marks fall within a second, because no order need come there."""
-    what = FALL_WORDS[fall.kind].format(fall.text)
-    return f"Of these, {fall.marks:.0f} went at {clock(fall.tick * step)}: from there even {what}."
+def _falls_words(falls: Iterable[SteepFall], step: float) -> Iterator[str]:
+    """Yield what passes where marks fall within a second, because no order need come there.
+
+    The marks are rounded so that they add up to no more than the whole, as it is told.
+    """
+    whole = 0.0
+    for fall in falls:
+        marks, whole = round(whole + fall.marks) - round(whole), whole + fall.marks
+        what = FALL_WORDS[fall.kind].format(fall.text)
+        yield f"Of these, {marks} went at {clock(fall.tick * step)}: from there even {what}."
 
 
 def _cause_words(change: MarkChange, step: float) -> str:
-    begin, end, marks = clock(change.begin * step), clock(change.end * step), abs(change.marks)
-    amount = f"{marks:.0f} mark{'' if round(marks) == 1 else 's'}"
-    at = "" if change.tick is None else clock(math.floor(change.tick * step))
-    came = "did not come"
-    if change.came is not None and change.tick is not None:
-        late = math.ceil((change.came - change.tick) * step)
-        came = f"came {late} s late, at {clock(math.floor(change.came * step))}"
-    if change.cause is ChangeCause.BETTER:
-        return f"{begin} to {end}: {amount} won, the crew did better than the reference crew."
-    if change.cause is ChangeCause.ORDER:
-        return f'{at}: "{change.order}", by {change.who}, cost {amount}.'
-    if change.cause is ChangeCause.MISSING:
-        return f'{begin} to {end}: {amount} lost; "{change.order}" was due at {at} and {came}.'
+    """Return what a change came to, and why."""
+    amount = f"{abs(change.marks):.0f} mark{'' if round(abs(change.marks)) == 1 else 's'}"
+    begin, end = clock(change.begin * step), clock(change.end * step)
+    if change.cause in (ChangeCause.ORDER, ChangeCause.WRONG_WAY):
+        way = f' the wrong way for "{change.right}",' if change.right else ""
+        back = "" if change.back is None else f" taken back at {_moment(change.back, step)},"
+        at = _moment(change.tick, step)
+        return f'{at}: "{change.order}", by {change.who},{way}{back} cost {amount}.'
     if change.cause is ChangeCause.RECORD_ENDS:
         return f"{end}: {amount} not earned, the record ends."
-    if change.untouched:
-        controls = " or the ".join(change.untouched)
-        return f"{begin} to {end}: {amount} lost; nobody worked the {controls}."
-    return (
-        f"{begin} to {end}: {amount} lost; planes or rudder were not worked as "
-        "the reference crew would have."
-    )
+    if change.cause is ChangeCause.BETTER:
+        crew = "the crew did better than the reference crew"
+        return f'{begin} to {end}: {amount} won; by "{change.order}" {crew}.'
+    way = "more to be had" if change.marks > 0.0 else "lost"
+    why = {
+        ChangeCause.NO_ORDER: f"{way}; no one order did it",
+        ChangeCause.MISSING: f"lost; {_missing_words(change, step)}",
+    }
+    steered = "lost; planes or rudder were not worked as the reference crew would have"
+    return f"{begin} to {end}: {amount} {why.get(change.cause, steered)}."
+
+
+def _missing_words(change: MarkChange, step: float) -> str:
+    """Return what did not come, or how late it came."""
+    late = math.ceil(((change.came or 0) - (change.tick or 0)) * step)
+    due, came = _moment(change.tick, step), _moment(change.came, step)
+    if not change.order:
+        until = f"until {came}, {late} s late" if came else f"from {due} on"
+        return f"nobody worked the {change.control} {until}"
+    end = f"came {late} s late, at {came}" if came else "did not come"
+    return f'"{change.order}" was due at {due} and {end}'
+
+
+def _moment(tick: int | None, step: float) -> str:
+    return "" if tick is None else clock(math.floor(tick * step))
 
 
 def terminal_lines(curve: AttainableCurve, step: float) -> Iterator[str]:
@@ -152,6 +172,8 @@ def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:
                 "order_s": _seconds(each.tick, step),
                 "came_s": _seconds(each.came, step),
                 "by": each.who,
+                "right": each.right,
+                "taken_back_s": _seconds(each.back, step),
                 "better": [
                     {"seconds": tick * step, "order": text} for tick, text in each.better or ()
                 ],

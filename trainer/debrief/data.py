@@ -19,7 +19,8 @@ from trainer.boat.world.world import world_of
 from trainer.config.files import ConfigError
 from trainer.config.reference_crew import Crew
 from trainer.core.digest import same_core
-from trainer.debrief.attainable import AttainableCurve, NoCurve, RunExplorer, attainable_curve
+from trainer.debrief.attainable import NoCurve, RunExplorer
+from trainer.debrief.attainable_curve import AttainableCurve, attainable_curve
 from trainer.debrief.attainable_words import attainable_figures
 from trainer.debrief.changes import (
     OUTCOME_NAME,

@@ -6,7 +6,7 @@ to tell.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -177,6 +177,47 @@ def first_deflection(trajectory: Trajectory, episode: Episode) -> Deflection | N
 
 # Orders to the crew
 
+HANDS_BY_AXIS: Final = {"course": "helmsman", "depth": "planesman", "pitch": "planesman"}
+
+
+def axis_of(order: Order) -> str:
+    """Return the axis of an order to the crew."""
+    axis = WORDS_AXIS if order.name == "tell" else order.word.partition("_")[0]
+    return axis.replace("periscope", "depth")
+
+
+def asked_of_hands(trajectory: Trajectory, tick: int) -> dict[str, int]:
+    """Return the tick since which each hand has to act, up to a tick.
+
+    It is that of the last order to the crew that is for it, or of the last casualty; else 0.
+    """
+    asked = dict.fromkeys(HANDS_BY_AXIS.values(), 0)
+    for entry in trajectory.orders:
+        order = parse(entry.text)
+        if entry.accepted is False or entry.tick > tick or not isinstance(order, Order):
+            continue
+        if order.name == "casualty":
+            asked = dict.fromkeys(asked, entry.tick)
+        elif entry.crew.news is CrewNews.ORDERED and (axis := axis_of(order)) in HANDS_BY_AXIS:
+            asked[HANDS_BY_AXIS[axis]] = entry.tick
+    return asked
+
+
+def ordered_beyond(orders: Iterable[RecordedOrder]) -> tuple[RecordedOrder, ...]:
+    """Return the instructor's orders to the crew that ask for something else than the exercise."""
+    stands: dict[str, str] = {}
+    beyond = []
+    for entry in orders:
+        order = parse(entry.text)
+        if entry.crew.news is not CrewNews.ORDERED or not isinstance(order, Order):
+            continue
+        axis = axis_of(order)
+        other = entry.crew.order != stands.get(axis)
+        if entry.giver.role == INSTRUCTOR_ROLE and axis in CREW_ORDERS and other:
+            beyond.append(entry)
+        stands[axis] = entry.crew.order
+    return tuple(beyond)
+
 
 @dataclass(frozen=True)
 class ReadBack:
@@ -198,10 +239,7 @@ def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
         if not isinstance(order, Order) or entry.accepted is False:
             continue
         if entry.crew.news is CrewNews.ORDERED:
-            axis = WORDS_AXIS if order.name == "tell" else order.word.partition("_")[0]
-            read_back_list.append(
-                ReadBack(entry, axis.replace("periscope", "depth"), entry.crew.order)
-            )
+            read_back_list.append(ReadBack(entry, axis_of(order), entry.crew.order))
         elif entry.crew.news is not CrewNews.NOTHING:
             _repeat(read_back_list, entry, order.subject)
     return tuple(_carried_out(read_back_list, trajectory))

@@ -25,6 +25,7 @@ from trainer.config.files import ConfigError
 from trainer.core.state import STATE
 from trainer.debrief.attainable import NoCurve, point_of, refuse_plan
 from trainer.debrief.data import events_of, find_branch, nobody_aboard
+from trainer.debrief.episodes import ordered_beyond
 from trainer.debrief.judgement import WIDTH_FACTORS, judge_run
 from trainer.debrief.reference import join_runs
 from trainer.debrief.rehearsal import ByReference, Departure, Flight, Rehearsal, due_tick, fly
@@ -168,6 +169,8 @@ class Evaluator:
         so_far = self.follower.judge(past) if tick else None
         answer: dict[str, Any] = {"so_far": so_far.total if so_far else 0.0}
         answer |= self._marks(past, self.follower.go_on(end, orders))
+        beyond = ordered_beyond(orders)
+        answer["beyond"] = beyond[-1].text if beyond else ""
         if text := asked.get("order", ""):
             run = self.follower.go_on(end, orders, text)
             wrong = [each for each in run.refused if each.giver == ASKER and each.text == text]

@@ -295,13 +295,15 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[MarkCost]:
 
 
 def _by_weakest(card: Scorecard) -> Iterator[MarkCost]:
-    """Yield what the weakest task took of all marks, because it was not carried out."""
+    """Yield what the weakest task took of all marks, because it fell short of being done."""
     verdict = card.verdict
     if verdict is None or verdict.weakest == 1.0:
         return
     weakest = min(card.scores, key=done_share)
     cost = verdict.tasks * _kept_factor(verdict) * (1.0 - _weakest_factor(verdict))
-    sentence = f"{weakest.name}: it was not carried out, beside its own marks: {_marks(cost)}."
+    came = weakest.attained.value is not None
+    fault = "it fell short of what counts as carried out" if came else "it was not carried out"
+    sentence = f"{weakest.name}: {fault}, beside its own marks: {_marks(cost)}."
     yield MarkCost(cost, sentence, weakest.attained.tick)
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.config.progress import COST_KINDS, ProgressRun, add_run
-from trainer.debrief.attainable import ChangeCause, MarkChange
+from trainer.debrief.attainable_changes import ChangeCause, MarkChange
+from trainer.debrief.controls import SURFACE_ORDERS
 from trainer.debrief.data import DebriefData, compare_debrief
 from trainer.debrief.page import read_dossier
 from trainer.io.orders.grammar import name_of
@@ -27,6 +28,8 @@ CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
     ChangeCause.MISSING: "late",
     ChangeCause.STEERING: "overshoot",
     ChangeCause.ORDER: "wrong way",
+    ChangeCause.WRONG_WAY: "wrong way",
+    ChangeCause.NO_ORDER: "other",
     ChangeCause.RECORD_ENDS: "other",
 }
 
@@ -51,17 +54,42 @@ def run_of(debrief: DebriefData, how: Outcome) -> ProgressRun:
 def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
     """Return the marks [%] that were lost, by kind.
 
-    An order that did not come, or not yet, is late; one that was wrong is the wrong way; planes and
-    rudder that were worked otherwise than by the reference crew overshoot. What concerns water is
-    trim.
+    What came back is taken off what was lost last before it, so that they add up to the marks lost.
     """
-    costs = dict.fromkeys(COST_KINDS, 0.0)
+    lost: list[tuple[str, float]] = []
+    won = 0.0  # that nothing lost before it is left for
     for change in changes:
-        if change.marks < 0.0:
-            name = name_of(change.order)
-            trims = name in ORDER_WORDS and ORDER_WORDS[name].works == "ballast"
-            costs["trim" if trims else CAUSE_KINDS[change.cause]] -= change.marks
+        rise = max(change.marks, 0.0)
+        while rise and lost:
+            kind, marks = lost.pop()
+            rise, marks = max(rise - marks, 0.0), max(marks - rise, 0.0)
+            lost += [(kind, marks)] if marks else []
+        won += rise
+        fall = max(-change.marks - won, 0.0)
+        won = max(won + min(change.marks, 0.0), 0.0)
+        lost += [(kind_of(change), fall)] if fall else []
+    costs = dict.fromkeys(COST_KINDS, 0.0)
+    for kind, marks in lost:
+        costs[kind] += marks
     return {kind: round(marks, 1) for kind, marks in costs.items()}
+
+
+def kind_of(change: MarkChange) -> str:
+    """Return the kind of a fall, by what was done.
+
+    The right order too late is late; an order the wrong way, or that nobody needs, is the wrong
+    way; what planes and rudder did else is overshoot. Water that was never moved, or moved without
+    need, is trim.
+    """
+    came_late = change.cause is ChangeCause.MISSING and change.came is not None
+    opposite = change.cause is ChangeCause.WRONG_WAY
+    name = name_of(change.order)
+    trims = name in ORDER_WORDS and ORDER_WORDS[name].works == "ballast"
+    if trims and not (came_late or opposite):
+        return "trim"
+    if change.cause is ChangeCause.ORDER and name in SURFACE_ORDERS:
+        return "overshoot"
+    return CAUSE_KINDS[change.cause]
 
 
 def remember_run(path: Path, branch: int, how: Outcome) -> list[str]:

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from trainer.config.outcome import Outcome
 from trainer.config.score_rules import RULES_FORM
 from trainer.core.digest import same_core
-from trainer.debrief.attainable import MarkChange
+from trainer.debrief.attainable_changes import MarkChange
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name

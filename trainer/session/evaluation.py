@@ -169,11 +169,12 @@ class Evaluation:
             return f"evaluation: {self.why_none.reason if self.why_none else 'not yet known'}"
         if self.latest.what == "no-attainable":
             return f"evaluation: {self.latest.subject}"
-        seconds, marks, so_far, _, branch, left_out = self.latest.subject.split(",")
+        seconds, marks, so_far, _, branch, left_out, *beyond = self.latest.subject.split(",")
         behind = f", {left_out} moments left out" if self.left_out else ""
         return (
             f"could still earn {float(marks):.0f} marks, {float(so_far):.0f} so far "
             f"(at {clock(float(seconds))}, branch {branch}{behind})"
+            f"{basis_text(*beyond)}"
         )
 
     @property
@@ -279,7 +280,9 @@ class Evaluation:
         either = Outcome.LOST if answer["lost"] else Outcome.OPEN
         outcome = Outcome.WON if answer["won"] else either
         numbers = f"{seconds:.3f},{marks:.1f},{answer['so_far'] or 0.0:.1f}"
-        self._note(Fact("attainable", f"{numbers},{outcome},{branch},{self.left_out}"))
+        beyond = answer.get("beyond", "")
+        last = f",{beyond}" if beyond else ""
+        self._note(Fact("attainable", f"{numbers},{outcome},{branch},{self.left_out}{last}"))
         if self._behind and not self._slot:
             self._behind = False
             self._tell(f"the evaluation has caught up; left out so far: {self.left_out}")
@@ -288,7 +291,8 @@ class Evaluation:
             self._best = branch, marks, seconds
         elif marks <= told[1] - TOLD_FALL_MARKS and seconds > told[2]:
             fall = f"{told[1] - marks:.0f} less than at {clock(told[2])}"
-            self._tell(f"{clock(seconds)}: {marks:.0f} marks could still be earned, {fall}")
+            could = f"{clock(seconds)}: {marks:.0f} marks could still be earned, {fall}"
+            self._tell(could + basis_text(beyond))
             self._best = branch, marks, seconds
 
     def _answer(self, question: Question, reply: Reply) -> None:
@@ -322,6 +326,11 @@ class Evaluation:
 
     def _tell(self, text: str) -> None:
         self.log.tell("exercise", text)
+
+
+def basis_text(beyond: str = "") -> str:
+    """Return what marks stand on where the instructor has ordered something else."""
+    return f"; for the exercise's own orders, not for `{beyond}`" if beyond else ""
 
 
 def answer_in_words(question: Question, answer: Mapping[str, Any]) -> Reply:

@@ -7,7 +7,6 @@ marks, a hint costs nothing. The hands of that crew believe their gauges: where 
 broken, a hint tells to compare them, and never what the hand would order.
 """
 
-import math
 from dataclasses import dataclass, field
 
 from trainer.boat.casualties import broken_gauges
@@ -123,10 +122,8 @@ def overdue_text(mute: MuteCrew) -> str:
     broken = broken_gauges(crew.boat)
     if any(hand.gauge in broken for hand in crew.hands.values()):
         return COMPARE_TEXT
-    for name, hand in crew.hands.items():
-        hand.find_ordered()
-        hand.looked = -math.inf
-        if orders := hand.look(crew.gauges):
+    for name, orders in mute.hand_orders():
+        if orders:
             return f"{orders[0]}: so its {name} would steer now"
     return ""
 

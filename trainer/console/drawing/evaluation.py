@@ -25,6 +25,7 @@ def evaluation(model: SessionModel, width: int, _height: int) -> Lines:
     left = line((f"earn{last.marks:3.0f}", ink))
     age = model.picture.seconds - last.seconds
     right_text = f" {age:.0f} s ago" if age > OLD_AGE_S else f" so far {last.so_far:.0f}"
+    right_text = f" not for {last.beyond}" if last.beyond else right_text
     right = line((f"{right_text:<10}", "dim"))
     room = width - len("earn100") - len(right_text.ljust(10))
     if room < MIN_TIMELINE_COLUMNS:

@@ -45,7 +45,8 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "exercise-over": "how it ended: lost, ended, done or not done; time stands still, all stay",
     "marks": "outcome, total [%], aids that were used; to all once they are released",
     "shown": "an order of the reference crew, which shows the way",
-    "attainable": "time [s], marks [%] to be had from it, those so far, outcome, branch, left out",
+    "attainable": "time [s], marks [%] to be had from it, those so far, outcome, branch, left out; "
+    "then the instructor's order that they are not for",
     "no-attainable": "why nothing is told of the marks still to be had",
     "reason": "a reason of the marks that were told last, after the time [s] it is about, if any",
     "debriefing": "the share of a debrief that is written, from 0 to 1; none when that has ended",

@@ -3,7 +3,7 @@ import { clock, one, write } from "../draw.js";
 import { say } from "../words.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
-/** @typedef {{ seconds: number, marks: number, soFar: number, outcome: string, branch: string, leftOut: number }} Point */
+/** @typedef {{ seconds: number, marks: number, soFar: number, outcome: string, branch: string, leftOut: number, beyond: string }} Point */
 
 const OLD = 15; // [s] of exercise time from which the age is told
 
@@ -32,8 +32,8 @@ class EvaluationBar {
 
   /** @param {string} subject */
   take(subject) {
-    const [seconds, marks, soFar, outcome, branch, leftOut] = subject.split(",");
-    const point = { seconds: Number(seconds), marks: Number(marks), soFar: Number(soFar), outcome, branch, leftOut: Number(leftOut) };
+    const [seconds, marks, soFar, outcome, branch, leftOut, beyond = ""] = subject.split(",");
+    const point = { seconds: Number(seconds), marks: Number(marks), soFar: Number(soFar), outcome, branch, leftOut: Number(leftOut), beyond };
     this.points = [...this.points.filter((each) => each.seconds < point.seconds), point];
     this.why = "";
     this.draw();
@@ -88,7 +88,7 @@ class EvaluationBar {
   age() {
     const last = this.points.at(-1);
     if (!last || this.why) return;
-    const { seconds, soFar, branch, leftOut } = last;
+    const { seconds, soFar, branch, leftOut, beyond } = last;
     const age = Math.round(this.session.seconds - seconds);
     const parts = [
       say("so far {0}", Math.round(soFar)),
@@ -96,6 +96,7 @@ class EvaluationBar {
       branch === "1" ? "" : say("branch {0}", branch),
       age > OLD ? say("{0} s ago", age) : "",
       leftOut ? say("left out: {0}", leftOut) : "",
+      beyond ? say("not for {0}", beyond) : "",
     ];
     write(one("#evaluation-says"), parts.filter(Boolean).join(" \u00b7 "));
   }
