@@ -152,7 +152,7 @@ def test_switches_show_what_stands_and_what_is_ordered(instructor: Caller, kept:
 WANTED: Final = """async (lines) => {
   const { Pending } = await import("/assets/js/model/pending.js");
   const latest = new Map();
-  const session = { on: () => {}, readings: { latest } };
+  const session = { onFacts: () => {}, readings: { latest } };
   const pending = new Pending(session, "valves");
   const shown = [];
   let stands = "";

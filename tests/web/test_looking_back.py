@@ -267,6 +267,13 @@ def test_nothing_of_a_branch_that_was_left_is_a_cause(kept: Look, jump: list[str
     assert 2 not in told["depths"]
 
 
+def test_what_is_told_again_leaves_its_signs_and_jumps_nowhere(kept: Look) -> None:
+    again = ["TRF,20,10,order,casualty jam", "TRF,60,30,back,backtrack 80 s"]
+    past = ["TRF,220,110,past,begin,events", *again, "TRF,220,110,past,end,events"]
+    told = heard(kept("helm"), [*NAMES, FIRST, *flown(10, 20, 40, depth=9), *past])
+    assert told == {"causes": ["jam"], "depths": [9, 9, 9]}
+
+
 def test_who_goes_to_a_moment_of_a_branch_that_was_left_sees_the_way_there(kept: Look) -> None:
     first = [*flown(*range(1, 101), depth=1), "TRF,180,90,order,casualty jam"]
     second = [*flown(*range(31, 131), depth=2), "TRF,240,120,order,casualty fire"]

@@ -7,9 +7,11 @@ import pytest
 from helpers import node
 from helpers.places import ROOT
 
+from trainer.io.orders.sentences import FACTS
 from trainer.web.modules import ASSETS_FOLDER
 
 MOST = 250_000  # [bytes] packed: all that a browser can ask for
+FACT_TABLE = re.compile(r"(?:FACTS = \{(.*?)^\};|onFacts\(\{(.*?)\}\);)", re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.process
@@ -23,6 +25,22 @@ def test_rules_are_kept() -> None:
 
     # its base path is where it runs: the assets may lie outside the checkout, in an environment
     assert not node.run("eslint/bin/eslint.js", "--config", rules, "js", folder=ASSETS_FOLDER)
+
+
+def test_pages_wait_for_no_fact_that_the_session_never_tells() -> None:
+    scripts = [path.read_text(encoding="utf-8") for path in ASSETS_FOLDER.rglob("*.js")]
+    names = {name for script in scripts for name in awaited_facts(script)}
+
+    assert {"crew-order", "own-alert", "step-missed", "debrief-page", "aboard"} <= names
+    assert not names - FACTS.keys()
+
+
+def awaited_facts(script: str) -> set[str]:
+    """Return the facts that a script has rows for, in any table."""
+    tables = "".join(inner for found in FACT_TABLE.findall(script) for inner in found)
+    while tables != (outer := re.sub(r"\{[^{}]*\}", "", tables)):  # deeds have keys too
+        tables = outer
+    return set(re.findall(r'([a-z-]+)"?: ', tables))
 
 
 def test_assets_are_small() -> None:

@@ -172,11 +172,12 @@ RANKED: Final = """((role) => {
   const open = new OpenAlerts();
   for (const [number, rank, kind] of [["1", "alarm", "watch"], ["2", "alarm", "depth"],
       ["3", "caution", "watch"], ["4", "emergency", "watch"]]) {
-    open.take(9, "alert-rank", `${number},${rank}`);
-    open.take(9, "alert", `${number},${kind},beyond all, ${number} of ${kind}`);
+    open.rank(`${number},${rank}`);
+    open.raise(9, `${number},${kind},beyond all, ${number} of ${kind}`);
   }
   const session = { role, seconds: 10, state: "running", alerts: open, on: () => undefined,
-    number: (place) => numbers[place] ?? null, exercise: { limits: "depth_m_max:140" } };
+    onFacts: () => undefined, number: (place) => numbers[place] ?? null,
+    exercise: { limits: "depth_m_max:140" } };
   const alerts = new Alerts(session, [bankWatch("Bank", "air.main_full")]);
   alerts.look();
   return alerts.shown.map(({ rank, words, fresh }) => `${rank} ${words}${fresh ? "" : ", seen"}`);

@@ -16,11 +16,7 @@ export function furnishCommand(desk) {
     if (!session.joined) bar.looked = false;
   });
   onArrival(desk, () => void bar.look());
-  session.on("fact", (event) => {
-    const { what, subject } = /** @type {CustomEvent} */ (event).detail;
-    if (what === "command") void bar.look();
-    if (what === "asked") bar.ask(subject);
-  });
+  session.onFacts({ command: () => void bar.look(), asked: (asker) => bar.ask(asker) });
 }
 
 class CommandBar {

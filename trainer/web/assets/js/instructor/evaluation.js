@@ -10,11 +10,10 @@ const OLD = 15; // [s] of exercise time from which the age is told
 /** Furnishes the bar. @param {Desk} desk */
 export function showEvaluation({ session }) {
   const bar = new EvaluationBar(session);
-  session.on("fact", (event) => {
-    const { seconds, what, subject } = /** @type {CustomEvent} */ (event).detail;
-    if (what === "attainable") bar.take(subject);
-    if (what === "no-attainable") bar.refuse(subject);
-    if (what === "back") bar.goBack(seconds);
+  session.onFacts({
+    attainable: (subject) => bar.take(subject),
+    "no-attainable": (why) => bar.refuse(why),
+    back: (_order, seconds) => bar.goBack(seconds),
   });
   session.on("exercise", () => bar.begin());
   session.on("tick", () => bar.age());

@@ -32,13 +32,12 @@ export function furnishExercise(desk, see) {
   });
   for (const what of ["state", "marks"]) session.on(what, () => pane.notice());
   for (const what of ["line", "log"]) session.on(what, () => pane.draw());
-  session.on("fact", (event) => {
-    const { what, subject } = /** @type {CustomEvent} */ (event).detail;
-    if (what === "debriefing") pane.debriefing(subject);
-    if (what === "debrief") pane.debriefed(subject, "");
-    if (what === "debrief-page") pane.debriefed(pane.debrief, subject);
-    if (what === "ready") void pane.lookRound();
-    if (what === "back") pane.goBack();
+  session.onFacts({
+    debriefing: (share) => pane.debriefing(share),
+    debrief: (file) => pane.debriefed(file, ""),
+    "debrief-page": (address) => pane.debriefed(pane.debrief, address),
+    ready: () => void pane.lookRound(),
+    back: () => pane.goBack(),
   });
   setInterval(() => pane.tend(), LOOKED);
   return pane;

@@ -59,10 +59,7 @@ export function furnishTimeLine(desk) {
   for (const what of ["tick", "line", "log", "state", "exercise"]) session.on(what, draw);
   moment.addEventListener("look", draw);
   session.on("tick", () => learnBranch(desk));
-  session.on("fact", (event) => {
-    const { what } = /** @type {CustomEvent} */ (event).detail;
-    if (what === "back" || what === "next") line.look(null);
-  });
+  session.onFacts({ back: () => line.look(null), next: () => line.look(null) });
   line.addEventListener("look", (event) => moment.look(/** @type {CustomEvent} */ (event).detail));
   line.addEventListener("deed", (event) => {
     const watch = /** @type {CustomEvent} */ (event).detail === "watch";

@@ -38,7 +38,11 @@ export class Alerts extends EventTarget {
     this.own = new Map();
     /** @type {Map<string, { seconds: number, held: number | null }>} when each was seen, and when it held last [s] */
     this.seen = new Map();
-    session.on("fact", (event) => this.hear(/** @type {CustomEvent} */ (event).detail));
+    session.onFacts({
+      back: (_order, seconds) => this.goBack(seconds),
+      next: () => this.seen.clear(),
+      "own-alert": (subject, seconds) => this.hear(subject, seconds),
+    });
     for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
   }
 
@@ -122,13 +126,13 @@ export class Alerts extends EventTarget {
     if (!remark) void this.session.ask(`ack over ${key}`);
   }
 
-  /** Hears what another page of the station has seen or silenced. @param {{ seconds: number, what: string, subject: string }} fact */
-  hear({ seconds, what, subject }) {
-    if (what === "back") {
-      for (const [key, seen] of this.seen) if (seen.seconds > seconds) this.seen.delete(key);
-    }
-    if (what === "next") this.seen.clear();
-    if (what !== "own-alert") return;
+  /** Forgets what was seen after a moment gone back to. @param {number} seconds */
+  goBack(seconds) {
+    for (const [key, seen] of this.seen) if (seen.seconds > seconds) this.seen.delete(key);
+  }
+
+  /** Hears what another page of the station has seen or silenced. @param {string} subject key, state, how long @param {number} seconds */
+  hear(subject, seconds) {
     const [key, state, left] = subject.split(",");
     if (state === "seen") this.see(key, seconds);
     else if (state === "over") this.seen.delete(key);

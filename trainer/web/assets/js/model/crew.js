@@ -14,29 +14,6 @@ export class CrewOrders {
     this.own = new Set();
   }
 
-  /** Whether a fact is one of these. @param {string} what */
-  static takes(what) {
-    return ["crew-order", "own-order", "repeated", "wrong-repeat", "belayed"].includes(what);
-  }
-
-  /**
-   * Takes a fact: an order, its repeat, a wrong repeat, its end.
-   * @param {number} seconds
-   * @param {string} what
-   * @param {string} subject
-   */
-  take(seconds, what, subject) {
-    if (what === "crew-order") this.give(seconds, subject);
-    else if (what === "own-order") this.own.add(saysOf(subject));
-    else if (what === "wrong-repeat") {
-      const [said, order] = subject.split("; ");
-      this.wrong = `${said}; ordered ${order}`;
-    } else {
-      this.waiting.delete(subject.split(" ")[0]);
-      this.wrong = "";
-    }
-  }
-
   /** @param {number} seconds @param {string} subject */
   give(seconds, subject) {
     const axis = subject.split(" ")[0];
@@ -46,6 +23,23 @@ export class CrewOrders {
     if (before?.says !== says) this.waiting.delete(axis);
     this.waiting.set(axis, { seconds: before?.says === says ? before.seconds : seconds, axis, says });
     if (axis === "tell") this.told = says;
+    this.wrong = "";
+  }
+
+  /** @param {string} order that this station gave itself */
+  claim(order) {
+    this.own.add(saysOf(order));
+  }
+
+  /** @param {string} subject what was repeated, and the order as it was told */
+  mishear(subject) {
+    const [said, order] = subject.split("; ");
+    this.wrong = `${said}; ordered ${order}`;
+  }
+
+  /** @param {string} order that has been repeated, or stands no longer */
+  settle(order) {
+    this.waiting.delete(order.split(" ")[0]);
     this.wrong = "";
   }
 

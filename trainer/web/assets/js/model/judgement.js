@@ -35,25 +35,21 @@ export class Judgement {
     return this.marks ? [this.marks, ...this.reasons.map(({ text }) => text)] : [];
   }
 
-  /** Whether a fact is one of these. @param {string} what */
-  static takes(what) {
-    return what === "marks" || what === "reason";
-  }
-
-  /** Takes the marks, or a reason of those told last. @param {string} what @param {string} subject */
-  take(what, subject) {
-    const [first, ...rest] = subject.split(",");
-    const text = rest.join(",");
-    if (what === "reason") {
-      const known = this.reasons.some((reason) => reason.text === text); // a debrief tells its own each time
-      if (!known) this.reasons.push({ seconds: first ? Number(first) : null, text });
-      return;
-    }
-    const [total, ...aids] = rest;
+  /** @param {string} subject outcome, total, aids that were used */
+  mark(subject) {
+    const [outcome, total, ...aids] = subject.split(",");
     const marks = total ? say("{0} marks of 100", Math.round(Number(total))) : say("no marks");
-    this.outcome = first;
-    const told = first ? [outcomeOf(first), marks] : [marks];
+    this.outcome = outcome;
+    const told = outcome ? [outcomeOf(outcome), marks] : [marks];
     this.marks = [...told, ...aids.map((aid) => AIDS[aid] ?? aid)].join(", ");
     this.reasons = [];
+  }
+
+  /** @param {string} subject moment and text of a reason of the marks that were told last */
+  explain(subject) {
+    const [moment, ...rest] = subject.split(",");
+    const text = rest.join(",");
+    const known = this.reasons.some((reason) => reason.text === text); // a debrief tells its own each time
+    if (!known) this.reasons.push({ seconds: moment ? Number(moment) : null, text });
   }
 }

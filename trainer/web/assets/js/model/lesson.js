@@ -21,32 +21,31 @@ export class Lesson {
    * @param {(begun: boolean) => void} show is called after a change; whether a step has begun
    */
   constructor(session, show) {
-    session.on("fact", (event) => {
-      const { what, subject } = /** @type {CustomEvent} */ (event).detail;
-      if (this.take(what, subject)) show(what === "step" && this.step !== null);
+    this.show = show;
+    session.onFacts({
+      step: (subject) => this.begin(subject),
+      "step-hint": (hint) => this.change({ hint }),
+      "step-missed": (subject) => this.miss(subject),
+      "steps-undone": (subject) => this.change({ undone: subject.split(",").slice(1) }),
+      exercise: (subject) => subject.startsWith("title=") && this.forget(),
     });
+  }
+
+  /** Takes what has changed, and has it shown. @param {Partial<Lesson>} change */
+  change(change) {
+    Object.assign(this, change);
+    this.show(false);
   }
 
   /** Forgets the lesson before this one. */
   forget() {
-    this.step = this.missed = null;
-    this.hint = "";
-    this.justMissed = this.done = false;
-    this.undone = [];
+    this.change({ step: null, missed: null, hint: "", justMissed: false, done: false, undone: [] });
   }
 
-  /** Takes a fact; returns whether something has changed. @param {string} what @param {string} subject */
-  take(what, subject) {
-    if (what === "step") this.begin(subject);
-    else if (what === "step-hint") this.hint = subject;
-    else if (what === "steps-undone") this.undone = subject.split(",").slice(1);
-    else if (what === "step-missed") {
-      const [number, next] = subject.split(",");
-      this.missed = { number: Number(number), again: next === "again" };
-      this.justMissed = true;
-    } else if (what === "exercise" && subject.startsWith("title=")) this.forget();
-    else return false;
-    return true;
+  /** @param {string} subject number of a step that was not done, and whether it comes again */
+  miss(subject) {
+    const [number, next] = subject.split(",");
+    this.change({ missed: { number: Number(number), again: next === "again" }, justMissed: true });
   }
 
   /** @param {string} subject number, count, what to look at, text; 0 after the last */
@@ -58,5 +57,6 @@ export class Lesson {
     this.justMissed = false;
     this.done = number === "0";
     this.step = this.done ? null : { number: Number(number), count: Number(count), light, text: text.join(",") };
+    this.show(!this.done);
   }
 }

@@ -15,22 +15,23 @@ export class OpenAlerts {
     this.ranks = new Map();
   }
 
-  /** Whether a fact is one of these. @param {string} what */
-  static takes(what) {
-    return ["alert-rank", "alert", "ack"].includes(what);
+  /** @param {string} subject number and rank of the next alert */
+  rank(subject) {
+    const [number, rank] = subject.split(",");
+    this.ranks.set(number, /** @type {Rank} */ (rank));
   }
 
-  /** @param {number} seconds @param {string} what @param {string} subject */
-  take(seconds, what, subject) {
+  /** @param {number} seconds @param {string} subject number, kind and words */
+  raise(seconds, subject) {
     const [number, kind, ...words] = subject.split(",");
-    if (what === "alert-rank") this.ranks.set(number, /** @type {Rank} */ (kind));
-    else if (what === "alert") {
-      const rank = this.ranks.get(number) ?? "warning";
-      this.all.set(number, { number, kind, words: plainly(words.join(",")), seconds, seen: false, rank });
-    } else {
-      const alert = this.all.get(number);
-      if (alert) alert.seen = true;
-    }
+    const rank = this.ranks.get(number) ?? "warning";
+    this.all.set(number, { number, kind, words: plainly(words.join(",")), seconds, seen: false, rank });
+  }
+
+  /** @param {string} number of an alert that somebody has seen */
+  see(number) {
+    const alert = this.all.get(number);
+    if (alert) alert.seen = true;
   }
 
   /** Forgets what came after a moment gone back to. @param {number} seconds */

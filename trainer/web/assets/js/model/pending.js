@@ -22,9 +22,7 @@ export class Pending {
     this.channel = channel;
     /** @type {Map<string, Wanted>} */
     this.wanted = new Map();
-    session.on("fact", (event) => {
-      if (/** @type {CustomEvent} */ (event).detail.what === "back") this.wanted.clear();
-    });
+    session.onFacts({ back: () => this.wanted.clear() });
   }
 
   /** The latest reading of the channel. */

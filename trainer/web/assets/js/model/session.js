@@ -1,6 +1,7 @@
 // The session as one page sees it: values, news, orders, alerts. It knows nothing of elements.
 import { shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
+import { FACTS, PAST_FACTS } from "./facts.js";
 import { History } from "./history.js";
 import { Judgement } from "./judgement.js";
 import { OpenAlerts } from "./open-alerts.js";
@@ -10,7 +11,7 @@ import { Readings, rowOf } from "./readings.js";
 import { Recall } from "./recall.js";
 import { Signs } from "./signs.js";
 import { Stations } from "./stations.js";
-import { entryOf, laidIn, planOf, signOf } from "./told.js";
+import { entryOf, laidIn } from "./told.js";
 import { Vessel } from "./vessel.js";
 import { say } from "../words.js";
 
@@ -38,7 +39,7 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
 
 /**
  * Events: `state`, `tick`, `reading` (detail: a reading), `log`, `alerts`, `crew`, `exercise`,
- * `ranges`, `marks`, `line` (time line, branches), `older`, `fact` (detail: a fact as it comes).
+ * `ranges`, `marks`, `line` (time line, branches), `older`, `fact` (see `onFacts`).
  */
 export class Session extends EventTarget {
   /**
@@ -237,12 +238,9 @@ export class Session extends EventTarget {
   /** @param {Sentence} sentence */
   hear(sentence) {
     const { kind, fields } = sentence;
-    if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
-    else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(this.readings.reading(fields));
-    else if (kind === "TRF" && fields[2] === "chair") location.assign(`./${fields[3]}${location.search}`);
-    else if (kind === "TRF" && fields[2] === "said") this.saying = fields[3];
+    if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");
     else if (kind === "TRE") this.hearEntry(entryOf(fields, this.saying));
-    else if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");
+    else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(this.readings.reading(fields));
     else this.show(this.readings.take(sentence));
   }
 
@@ -314,56 +312,18 @@ export class Session extends EventTarget {
     this.happened({ seconds: this.seconds, kind, text: words, speaker, words, branch: this.present });
   }
 
-  /** @param {number} seconds @param {string} what @param {string} subject */
+  /** Takes a fact by its row. @param {number} seconds @param {string} what @param {string} subject */
   fact(seconds, what, subject) {
-    if (this.past.has("events")) {
-      if (Judgement.takes(what)) this.judge(what, subject);
-      else this.sign(seconds, what, subject); // all else was told when this page came
-      return;
-    }
-    this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
-    if (CrewOrders.takes(what)) {
-      if (!(this.outcome && what === "crew-order")) this.crew.take(seconds, what, subject);
-      this.tell("crew");
-    } else if (OpenAlerts.takes(what)) {
-      this.alerts.take(seconds, what, subject);
-      this.tell("alerts");
-    } else if (what === "exercise" || what === "exercise-over") this.brief(what, subject);
-    else if (what === "range") {
-      this.vessel.take(subject);
-      this.tell("ranges");
-    } else if (Stations.takes(what)) this.stations.take(what, subject);
-    else if (Judgement.takes(what)) this.judge(what, subject);
-    else this.mark(seconds, what, subject);
+    const again = this.past.has("events"); // most of it was told when this page came
+    if (!again) this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
+    const [take, ...events] = (again ? PAST_FACTS : FACTS)[what] ?? [];
+    take?.(this, subject, seconds);
+    for (const event of events) this.tell(event);
   }
 
-  /** @param {string} what @param {string} subject */
-  judge(what, subject) {
-    this.judgement.take(what, subject);
-    this.tell("marks");
-  }
-
-  /** @param {number} seconds @param {string} what @param {string} subject */
-  mark(seconds, what, subject) {
-    if (what === "back") this.goBack(seconds, subject);
-    else if (what === "order" && wordOf(subject) === "replay") this.setAside(seconds);
-    else if (what === "order" && wordOf(subject) === "snapshot") void this.ask("snapshots");
-    else if (what === "branch") this.branch(subject);
-    else if (what === "casualty") this.offer(subject);
-    else if (what === "degree") this.degrees.set(subject.split(",")[0], subject.split(","));
-    else if (what === "plans" || what === "planned") this.plan(what, subject);
-    else if (what === "over") this.over = true;
-    else this.sign(seconds, what, subject);
-  }
-
-  /** Keeps what leaves a sign on the time line. @param {number} seconds @param {string} what @param {string} subject */
-  sign(seconds, what, subject) {
-    const sign = signOf(what, subject);
-    if (sign) this.keep(seconds, sign, subject || say("marked"));
-  }
-
-  /** @param {number} seconds @param {string} sign @param {string} text */
+  /** Keeps a sign on the time line. @param {number} seconds @param {string} sign its letter, "" for none @param {string} text */
   keep(seconds, sign, text) {
+    if (!sign) return;
     this.signs.keep(seconds, sign, text);
     this.tell("line");
   }
@@ -375,13 +335,6 @@ export class Session extends EventTarget {
     const before = this.present;
     this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
     if (before && id > before) this.turn(before, id);
-    for (const what of ["line", "log"]) this.tell(what);
-  }
-
-  /** @param {string} what @param {string} subject */
-  plan(what, subject) {
-    this.plans = what === "plans" ? [] : [...this.plans, planOf(subject)];
-    this.tell("line");
   }
 
   /** @param {string} subject name, degree and meaning of a casualty on offer */
@@ -390,24 +343,22 @@ export class Session extends EventTarget {
     if (!this.casualties.some((each) => each.name === name)) {
       this.casualties.push({ name, degree, says: says.join(",") });
     }
-    this.tell("line");
   }
 
-  /** @param {string} what @param {string} subject */
-  brief(what, subject) {
-    if (what === "exercise-over") {
-      if (!this.outcome) this.judgement = new Judgement(); // else it is told once more
-      this.outcome = subject || "ended";
-      this.crew.end();
-      this.tell("crew");
-    } else {
-      const equals = subject.indexOf("=");
-      const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
-      if (key === "title" && value !== this.exercise.title) this.begin();
-      if (LINES.includes(key)) (this.told[key] ??= []).push(value);
-      else this.exercise[key] = value;
-    }
-    this.tell("exercise");
+  /** @param {string} subject a key of the exercise and its value */
+  brief(subject) {
+    const equals = subject.indexOf("=");
+    const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
+    if (key === "title" && value !== this.exercise.title) this.begin();
+    if (LINES.includes(key)) (this.told[key] ??= []).push(value);
+    else this.exercise[key] = value;
+  }
+
+  /** @param {string} how the exercise has ended */
+  end(how) {
+    if (!this.outcome) this.judgement = new Judgement(); // else it is told once more
+    this.outcome = how || "ended";
+    this.crew.end();
   }
 
   /** Forgets the exercise before this one. */
@@ -496,5 +447,13 @@ export class Session extends EventTarget {
   /** @param {string} what @param {(event: Event) => void} listener */
   on(what, listener) {
     this.addEventListener(what, listener);
+  }
+
+  /** Has facts heard as they come, before the session takes them. @param {Record<string, (subject: string, seconds: number) => void>} deeds by the facts' names */
+  onFacts(deeds) {
+    this.on("fact", (event) => {
+      const { seconds, what, subject } = /** @type {CustomEvent} */ (event).detail;
+      deeds[what]?.(subject, seconds);
+    });
   }
 }

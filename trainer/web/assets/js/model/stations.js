@@ -14,17 +14,13 @@ export class Stations {
     this.expected = 0; // how many are told
   }
 
-  /** Whether a fact is one of these. @param {string} what */
-  static takes(what) {
-    return what === "stations" || what === "aboard";
+  /** @param {number} count of the stations that are told now */
+  expect(count) {
+    [this.coming, this.expected] = [[], count];
   }
 
-  /** Takes how many there are, or one of them. @param {string} what @param {string} subject */
-  take(what, subject) {
-    if (what === "stations") {
-      [this.coming, this.expected] = [[], Number(subject)];
-      return;
-    }
+  /** @param {string} subject role, called, what it is or has, and line of one that is here */
+  add(subject) {
     const [role, called, marks, ...line] = subject.split(",");
     const [own, commands, ready] = ["you", "command", "ready"].map((mark) => marks.split(" ").includes(mark));
     this.coming.push({ role, called, line: line.join(","), own, commands, ready });

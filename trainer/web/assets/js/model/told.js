@@ -14,12 +14,10 @@ export function planOf(subject) {
   return { number, seconds: Number(when), when, text: text.join(",") };
 }
 
-/** Returns the letter of a fact on the time line, "" for none. @param {string} what @param {string} subject */
-export function signOf(what, subject) {
-  if (what === "mark") return "M";
-  if (what === "snapshot") return "S";
-  if (what !== "order" || !movesBoat(subject)) return "";
-  const word = wordOf(subject);
+/** Returns the letter of an order on the time line, "" for none. @param {string} order */
+export function signOf(order) {
+  if (!movesBoat(order)) return "";
+  const word = wordOf(order);
   if (word === "casualty") return "C";
   return word === "clear" ? "c" : "o";
 }

@@ -23,6 +23,14 @@ const stations = new Stations();
 const homes = new Map([...keys()].map((key) => [key, /** @type {Element} */ (key.closest("ul"))]));
 let arranged = ""; // for which exercise the stations stand as they do
 let over = "";
+/** What the session tells this page. @type {Record<string, (subject: string) => void>} */
+const FACTS = {
+  exercise: learn,
+  "exercise-over": (how) => (over = how || "ended"),
+  back: () => (over = ""),
+  stations: (count) => stations.expect(Number(count)),
+  aboard: (subject) => stations.add(subject),
+};
 
 furnishPalette();
 link.addEventListener("open", () => void begin());
@@ -61,10 +69,7 @@ async function begin() {
 function hear(sentence) {
   const { kind, fields } = sentence;
   if (kind === "TRN" || kind === "TRS") readings.take(sentence);
-  else if (kind === "TRF" && fields[2] === "exercise") learn(fields[3] ?? "");
-  else if (kind === "TRF" && fields[2] === "exercise-over") over = fields[3] || "ended";
-  else if (kind === "TRF" && fields[2] === "back") over = "";
-  else if (kind === "TRF" && Stations.takes(fields[2])) stations.take(fields[2], fields[3]);
+  else if (kind === "TRF") FACTS[fields[2]]?.(fields[3] ?? "");
   else if (kind === "TRE" && fields[2] === "station") look();
   showExercise();
 }
