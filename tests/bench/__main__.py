@@ -8,7 +8,7 @@ import click
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
 
-from bench.sections import SECTIONS
+from bench.sections import SECTIONS, parts_against
 from trainer.analysis.bench.sections import BenchRequest, measure_sections
 from trainer.cli.main import run_command
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
@@ -49,8 +49,8 @@ def bench(*, vessel: str, seconds: int, against: str | None, as_json: bool, **pa
               python -m tests.bench --json > figures.json
     """
     chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
-    wanted = BenchRequest(load_vessel(vessel), seconds, against=against)
-    figures, pages = measure_sections(SECTIONS, chosen, wanted)
+    sections = SECTIONS | ({"parts": parts_against(against)} if against else {})
+    figures, pages = measure_sections(sections, chosen, BenchRequest(load_vessel(vessel), seconds))
     click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
 
 

@@ -33,6 +33,11 @@ def same_bits_as_c() -> SameBits:
     return whole.same_bits(whole.ways() | in_c)
 
 
+def parts_against(commit: str) -> Section:
+    """Return the tick by its parts, and beside that of a commit."""
+    return Section(lambda wanted: parts.time_parts(wanted.file, commit), parts.lines)
+
+
 SECTIONS: Final = {
     "against_c": or_left_out(
         NoCompilerError,
@@ -45,7 +50,7 @@ SECTIONS: Final = {
     "same_bits": or_left_out(
         NoCompilerError, Section(lambda _wanted: same_bits_as_c(), whole.lines)
     ),
-    "parts": Section(lambda wanted: parts.time_parts(wanted.file, wanted.against), parts.lines),
+    "parts": Section(lambda wanted: parts.time_parts(wanted.file), parts.lines),
     "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),

@@ -21,7 +21,7 @@ from trainer.analysis.bench.standard_hour import levels_here
 from trainer.analysis.bench.tick import BatchCost
 from trainer.cli.main import run_command
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
+from trainer.config.vessel import VesselFile, load_vessel
 from trainer.session.time.pacer import SPIN_TIME_NS
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
@@ -150,6 +150,21 @@ def test_the_tick_is_timed_beside_that_of_a_checkout(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(parts_module, "TICKS", 50)
     with parts_module.core_process(parts_module.ROOT, load_vessel("bb2")) as child:
         assert all(parts_module.batch_ns(child, *regime) > 0 for regime in (("calm", 60.0),) * 2)
+
+
+def test_the_commit_that_is_typed_is_the_one_whose_tick_is_beside_ours(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def timed(file: VesselFile, commit: str | None = None) -> parts_module.PartTimes:
+        none = dict.fromkeys(parts_module.REGIMES, 0.0)
+        each = {name: dict.fromkeys(parts_module.PARTS, 0.0) for name in none}
+        return parts_module.PartTimes(file.name, none, each, commit, none)
+
+    monkeypatch.setattr(parts_module, "time_parts", timed)
+
+    typed = [said("--parts", *words, "--json") for words in ([], ["--against", "HEAD~1"])]
+
+    assert [json.loads(page)["parts"]["against"] for page in typed] == [None, "HEAD~1"]
 
 
 @pytest.mark.process

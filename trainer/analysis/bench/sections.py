@@ -20,7 +20,6 @@ class BenchRequest:
     seconds: float  # [s] of real time for each part that runs in it
     minutes: float = 0.25  # [min] of a session in a crowd
     attended: float = 60.0  # [s] of a session with pages
-    against: str | None = None  # commit whose tick is timed beside this one's
 
 
 @dataclass(frozen=True)
