@@ -199,7 +199,7 @@ def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
 
 
 def test_a_boat_without_planes_has_empty_fields_for_them(boat: Boat) -> None:
-    boat.toward["bow"] = 0.0
+    boat.vessel["Z_db"] = 0.0
     fields = told(boat)
     assert fields["INXDR2"][4:] == ("A", "", "D", "BOW")
     assert fields["PXSCC"][6:] == ("", "")

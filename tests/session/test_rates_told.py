@@ -15,7 +15,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks
 from trainer.boat.grounding import touch_of
 from trainer.boat.limits import LIMIT_READERS
-from trainer.boat.motion_rates import read_rates
+from trainer.boat.readings import read_rates
 from trainer.boat.world.approach import OwnMotion
 from trainer.core.rates import rates
 from trainer.debrief.rehearsal import fly_rehearsal
@@ -23,6 +23,7 @@ from trainer.session.exercise import quantity_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.rerun import charts
+from trainer.session.rerun.batch import Block, Times
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger
@@ -70,6 +71,13 @@ def of_status(first: str, unit: float) -> Teller:
     return told
 
 
+def block(boat: Boat) -> Block:
+    """Return the present tick as Rerun takes it."""
+    whole = boat.records.state.view(np.float64)[None].copy()
+    one = np.ones(1, np.int64)
+    return Block(Times(one, np.zeros(1)), whole, one, np.zeros(1, np.bool_))
+
+
 def flown(boat: Boat) -> FlownTicks:
     """Return the present tick as those flown at once."""
     return FlownTicks(boat.records.state.view(np.float64)[None].copy(), boat.method.step)
@@ -102,7 +110,7 @@ TELLERS: Final[dict[str, tuple[Teller, str, float]]] = {
             "contacts": lambda boat: OwnMotion.of(boat.state).speed,
             "contacts of a frame": lambda boat: OwnMotion.of(frame_of(boat)).speed,
             "ground": lambda boat: touch_of(numbers(boat), 67.0).way,
-            "Rerun": lambda boat: charts.over_ground(flown(boat))[0] * KNOT,  # type: ignore[arg-type]
+            "Rerun": lambda boat: charts.BlockReadings(boat).read(block(boat), "way")[0],
         }.items()
     },
 }

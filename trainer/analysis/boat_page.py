@@ -17,7 +17,7 @@ import numpy as np
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import AMOUNT_SHARES, GAUGE_UNITS, SURFACE_SIDES
+from trainer.boat.casualties import SURFACE_SIDES
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.depths import (
     GUARD_AHEAD_S,
@@ -26,20 +26,19 @@ from trainer.boat.depths import (
     RELEASE_MARGIN_M,
 )
 from trainer.boat.due_orders import fly_ticks, obey_all, orders_due
-from trainer.boat.export.header import fields_of
 from trainer.boat.export.wasm import numbers_of, shipped_module
 from trainer.boat.helm import LEVER_SHARES
 from trainer.boat.sea_orders import fully_developed, standing_sea
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.config.casualties import Casualty, clause_of
+from trainer.config.casualties import GAUGE_UNITS, SEVERITY_MEASURES, Casualty, clause_of
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError, write_over
 from trainer.config.sea import peak_frequency, significant_height, step_problem
-from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
-from trainer.core.casualties import KINDS
+from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
+from trainer.core.casualties import CASUALTY_TABLE, KINDS, CasualtyKind
 from trainer.core.kernel import Numbers
 from trainer.core.sea.sea import HEIGHT, OMEGA
-from trainer.core.state import MAX_CASUALTIES, SCRATCH, VALVES
+from trainer.core.state import MAX_CASUALTIES, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
@@ -54,7 +53,6 @@ from trainer.session.second_boat import follow_run
 from trainer.session.stations.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import AID_NAMES, ROLES
-from trainer.session.stations.view import Fittings
 from trainer.session.warm_up import warm_boat
 from trainer.units import KNOT
 
@@ -81,9 +79,8 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
     return {
         **numbers_of(boat),
         "title": boat.file.name,
-        "gauges_at": fields_of(SCRATCH)["reading"][0],
-        "channels": {  # name, unit and decimals of every field
-            name: [(field.name, field.unit, field.decimals) for field in channel.fields]
+        "channels": {  # name, unit and decimals of every field, and the number that it shows
+            name: [(each.name, each.unit, each.decimals, each.source) for each in channel.fields]
             for name, channel in CHANNELS.items()
             if name not in AID_NAMES  # which a page has not
         },
@@ -101,37 +98,39 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
 
 def fittings(boat: Boat) -> dict[str, Any]:
     """Return the scales by which the state is read."""
-    scales = Fittings.of(boat)
     bells = boat.file.propulsion.bells_kn
     return {
-        **scales._asdict(),
         "toward": boat.toward,
+        "trims": bool(boat.vessel.capacity[TANKS.index("trim_forward")]),
         "rps": boat.file.propulsion.rps_per_mps,
         "bells": [("stop", 0.0), *((name, speed * KNOT) for name, speed in bells.items())],
-        "tanks": TANKS,
         "compartments": COMPARTMENTS,
-        "banks": BANKS,
         "valves": VALVES,
         "intake": float(boat.vessel.intake_depth) if boat.vessel.compressor_rate else None,
         "kinds": KINDS,
         "slots": MAX_CASUALTIES,
         "axes": CREW_AXES,
-        "sides": SURFACE_SIDES,
-        "gauge_units": GAUGE_UNITS,
-        "shares": AMOUNT_SHARES,
-        "knot": KNOT,
+        "counts": {kind.name: amount_count(boat, kind) for kind in CASUALTY_TABLE},
+    }
+
+
+def amount_count(boat: Boat, kind: CasualtyKind) -> dict[str, Any]:
+    """Return how the amount of a kind of casualty is counted, with unit and size."""
+    measure = SEVERITY_MEASURES[kind.name]
+    unit, size = GAUGE_UNITS.get(kind.equipment, (measure.share, boat.toward.get(kind.equipment)))
+    return {
+        "how": measure.count.value,
+        "unit": unit,
+        "size": size,
+        "sides": SURFACE_SIDES.get(kind.equipment),
     }
 
 
 def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
-    """Return the numbers of a casualty. Key ``limit`` is a surface's angle hard over."""
-    limits = [
-        boat.toward[surface] * float(boat.vessel.limit[i])
-        for i, surface in enumerate(SURFACES)
-        if casualty.kind == f"{surface}-hard-over"
-    ]
+    """Return the numbers of a casualty. Key ``limit`` is a surface's angle hard over, else 1."""
+    limit = casualties.full_angle(boat, casualty.kind)
     measure = casualty.measure
-    amount = casualty.severity * casualty.full * (limits or [1.0])[0]
+    amount = casualty.severity * casualty.full * limit
     usual = casualties.degree_of(boat, casualty)
     return {
         "name": casualty.name,
@@ -142,7 +141,7 @@ def casualty_numbers(boat: Boat, casualty: Casualty, degree: str) -> dict[str, A
         "clear": casualty.clear_ramp_s,
         "says": casualty.description,
         "full": casualty.full,
-        "limit": limits[0] if limits else None,
+        "limit": limit,
         "low": measure.limits.low,
         "high": min(measure.limits.high, 1e300),
         "sudden": measure.sudden,

@@ -4,9 +4,9 @@ Begin with ``assemble``, which turns a vessel file into the core's records, and 
 ticks them; ``machine_code`` calls the compiled kernels. Orders are carried out, or refused with a
 reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what only writes numbers
 has a row in ``effects``. ``limits``, ``depths``, ``grounding`` and ``pilot`` look at each tick and
-call out (``calls`` says how urgent).
-``reference_crew`` flies an exercise by its rules, ``due_orders`` a boat without a session.
-``motion_rates`` are those that others are told. ``linear`` and ``stability`` judge a boat.
+call out (``calls`` says how urgent). ``reference_crew`` flies an exercise by its rules,
+``due_orders`` a boat without a session. ``readings`` are those that others are told. ``linear`` and
+``stability`` judge a boat.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
 machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
@@ -18,7 +18,7 @@ from outside the core, stays here.
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "envelope", "export", "flown_ticks", "grounding",
-    "helm", "limits", "linear", "machine_code", "motion_rates", "mute_crew", "pilot", "platforms",
+    "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms", "readings",
     "reference_crew", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -10,16 +10,29 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.config.casualties import Casualty, severity_rule
+from trainer.config.casualties import (
+    GAUGE_UNITS,
+    SEVERITY_MEASURES,
+    Casualty,
+    Count,
+    severity_rule,
+)
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
-from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, PUMPS, TANKS
-from trainer.core.casualties import CODES, GAUGES, KIND_GAUGES, KINDS, instruments
+from trainer.core.ballast.tanks import BANKS, TANKS
+from trainer.core.casualties import (
+    CASUALTY_TABLE,
+    CODES,
+    HARD_OVER,
+    KINDS,
+    SOUNDER,
+    CasualtyKind,
+    instruments,
+)
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.units import KNOT
 
 TRIGGER_RULES: Final = ("once", "again")
 MAX_RAMP_S: Final = 3600.0  # [s] ramp
@@ -29,22 +42,6 @@ SURFACE_SIDES: Final = {
     "bow": ("rise", "dive"),
 }
 OFFSETS: Final = ("too little", "too much")  # what a gauge shows
-GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
-    "depth-gauge": ("m", 1.0),
-    "gyro": ("deg", math.radians(1.0)),
-    "log": ("kn", KNOT),
-    "sounder": ("m", 1.0),
-}
-AMOUNT_SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
-    "-slow": "of the rate lost",
-    "-free": "of its rate",
-    "-open": "open",
-    "propulsion-lost": "of the turns lost",
-    "pump-": "of the pump lost",
-    "bank-": "of the air bank lost",
-    "blow-": "of the blow lost",
-    "vent-": "of the vent lost",
-}
 
 
 @dataclass(frozen=True)
@@ -175,9 +172,9 @@ def active_casualties(boat: Boat) -> list[ActiveCasualty]:
 
 
 def broken_gauges(boat: Boat) -> set[str]:
-    """Return which of ``GAUGES`` a casualty has spoilt."""
-    gauges = [KIND_GAUGES[CODES[each.kind]] for each in active_casualties(boat)]
-    return {GAUGES[gauge] for gauge in gauges if gauge >= 0}
+    """Return the names of the gauges that a casualty has spoilt."""
+    rows = (kind_row(each.kind) for each in active_casualties(boat))
+    return {row.equipment for row in rows if row.gauge >= 0}
 
 
 def describe_amount(boat: Boat, kind: str, amount: float) -> str:
@@ -191,32 +188,39 @@ def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
 
     None where they do not count it.
     """
-    what, _, how = kind.rpartition("-")
-    surface = kind.partition("-")[0]
-    if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):
+    row, measure = kind_row(kind), SEVERITY_MEASURES[kind]
+    if measure.count is Count.ANGLE:
         # an angle [rad] of a surface with its side, right and rise positive
-        angle = amount * boat.toward[surface]
+        angle = amount * boat.toward[row.equipment]
         size = round(math.degrees(angle), 1) + 0.0
-        more, less = SURFACE_SIDES[surface]
+        more, less = SURFACE_SIDES[row.equipment]
         sides = (less, more) if size else ()
         return Size(f"{abs(size):g}", "deg", side=less if size < 0.0 else more, sides=sides)
-    if what in GAUGE_UNITS:
-        # what is wrong with a gauge, in its unit
-        unit, size = GAUGE_UNITS[what]
-        shown = amount / size
-        if how == "noisy":
-            return Size(f"{shown:.3g}", f"{unit} of noise")
-        if how == "stuck":
-            value = shown % 360.0 if unit == "deg" else shown
-            return Size(f"{value:.1f}", unit, before="at ")
-        side = OFFSETS[shown >= 0.0]
-        return Size(f"{abs(shown):.3g}", unit, before="reads ", side=side, sides=OFFSETS)
-    if kind.startswith(("leak-", "flooding-")):
+    if measure.count is Count.HOLE:
         return Size(f"{1e4 * amount:.3g}", "cm2", before="hole ")
-    share = next(
-        (s for end, s in AMOUNT_SHARES.items() if kind.startswith(end) or kind.endswith(end)), ""
-    )
-    return Size(f"{100.0 * amount:.3g}", f"% {share}") if share else None
+    if measure.count is Count.SHARE:
+        return Size(f"{100.0 * amount:.3g}", f"% {measure.share}")
+    if measure.count is Count.NOTHING:
+        return None
+    return _gauge_size(row.equipment, measure.count, amount)
+
+
+def _gauge_size(gauge: str, count: Count, amount: float) -> Size:
+    """Return what is wrong with a gauge, in its unit."""
+    unit, size = GAUGE_UNITS[gauge]
+    shown = amount / size
+    if count is Count.NOISE:
+        return Size(f"{shown:.3g}", f"{unit} of noise")
+    if count is Count.VALUE:
+        value = shown % 360.0 if unit == "deg" else shown
+        return Size(f"{value:.1f}", unit, before="at ")
+    side = OFFSETS[shown >= 0.0]
+    return Size(f"{abs(shown):.3g}", unit, before="reads ", side=side, sides=OFFSETS)
+
+
+def kind_row(kind: str) -> CasualtyKind:
+    """Return the row of a kind of casualty."""
+    return CASUALTY_TABLE[CODES[kind] - 1]
 
 
 def casualty_listing(boat: Boat) -> list[str]:
@@ -346,11 +350,15 @@ def scale_of(boat: Boat, quantity: str) -> float:
 
 def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:
     """Return the core's amount [SI] of a casualty."""
-    amount = severity * casualty.full
-    for index, surface in enumerate(SURFACES):
-        if casualty.kind == f"{surface}-hard-over":
-            amount *= boat.toward[surface] * float(boat.vessel.limit[index])
-    return amount
+    return severity * casualty.full * full_angle(boat, casualty.kind)
+
+
+def full_angle(boat: Boat, kind: str) -> float:
+    """Return the angle [rad] hard over if a kind drives a surface there, else 1."""
+    row = kind_row(kind)
+    if row.rank != HARD_OVER or row.surface < 0:
+        return 1.0
+    return boat.toward[row.equipment] * float(boat.vessel.limit[row.surface])
 
 
 def _end(boat: Boat, casualty: Casualty) -> int:
@@ -373,22 +381,11 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refu
 
 def _carries(boat: Boat, kind: str) -> bool:
     """Return whether the boat has what the kind acts on; everyone has a propeller and gauges."""
-    c = boat.vessel
-    what, _, rest = kind.partition("-")
-    part = rest.rsplit("-", 1)[0].replace("-", "_")
-    if what in SURFACES:
-        return boat.carries(what)
-    parts = {
-        "pump": (c.pump_rate, PUMPS, part),
-        "bank": (c.bank_volume, BANKS, part),
-        "blow": (c.capacity, BLOWN_TANKS, part),
-        "vent": (c.capacity, BLOWN_TANKS, part),
-        "flooding": (c.capacity, TANKS, f"compartment_{rest}"),
-        "leak": (c.capacity, TANKS, rest.replace("-", "_")),
-    }
-    if what == "sounder":
+    row = kind_row(kind)
+    if row.surface >= 0:
+        return boat.carries(row.equipment)
+    if row.gauge == SOUNDER:
         return bool(boat.state.bottom[0, 0])
-    if what not in parts:
-        return what != "autopilot" or boat.automatic
-    sizes, names, name = parts[what]
-    return bool(sizes[names.index(name)])
+    if row.size:
+        return bool(boat.vessel[row.size][row.part])
+    return row.equipment != "autopilot" or boat.automatic

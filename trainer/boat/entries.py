@@ -25,6 +25,7 @@ from trainer.core.integrators import advance
 from trainer.core.noise import gaussian_pair
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.rates import rates
+from trainer.core.readings import READINGS, write_readings
 from trainer.core.scheme import SCHEME
 from trainer.core.sea.cosine_sum import prepare_sum
 from trainer.core.sea.filter_1969 import corner
@@ -100,6 +101,7 @@ KERNEL_ENTRIES: Final = (
     Entry(substeps, (VESSEL, float, int, STATE), int),
     Entry(full.inertia, (VESSEL, STATE, (6, 6))),
     Entry(instruments, (STATE, SCRATCH)),
+    Entry(write_readings, (VESSEL, STATE, SCRATCH, READINGS)),
     Entry(begin, (int, float, float, STATE), int),
     Entry(end, (int, float, STATE), int),
     Entry(start_ballast, (VESSEL, STATE)),

@@ -13,7 +13,7 @@ import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, count_before
-from trainer.boat.motion_rates import read_rates
+from trainer.boat.readings import read_rates
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
 from trainer.config.bottom import Bottom, charted_at, is_charted
 from trainer.core.bottom import SOUNDING_STATIONS

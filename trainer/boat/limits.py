@@ -16,7 +16,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.grounding import clearance
-from trainer.boat.motion_rates import NumberReader, read_rates
+from trainer.boat.readings import NumberReader, read_rates
 from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of

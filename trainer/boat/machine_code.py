@@ -85,6 +85,7 @@ def made_object() -> bytes | None:
     from trainer.core.cache import cache_folder  # noqa: PLC0415  it claims the folder
 
     facts = [core_digest(), platform_name(), platform.python_version()]
+    facts += [entry.name for entry in KERNEL_ENTRIES]
     facts += [metadata.version(name) for name in ("numba", "llvmlite")]
     name = MADE_PREFIX + hashlib.sha256(repr(facts).encode()).hexdigest()[:16]
     path = cache_folder() / f"{name}.o"
@@ -272,4 +273,5 @@ def find_code(kernel: Kernel) -> Callable[..., Any] | None:
     library = _find_way().library if entry else None
     if entry is None or library is None:
         return None
-    return call_entry(entry, library.address_of(entry.name))
+    address = library.address_of(entry.name)  # 0: the object is of before this entry
+    return call_entry(entry, address) if address else None

@@ -12,7 +12,7 @@ import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
-from trainer.boat.casualties import active_casualties
+from trainer.boat.casualties import active_casualties, kind_row
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.core.autopilot.ascent import (
     ASCENT_AFLOAT,
@@ -131,7 +131,7 @@ def was_limited(boat: Boat, flown: FlownTicks) -> Mask:
 
 def is_broken(boat: Boat, surface: str) -> bool:
     """Return whether a casualty acts on a surface."""
-    return any(each.kind.startswith(f"{surface}-") for each in active_casualties(boat))
+    return any(kind_row(each.kind).equipment == surface for each in active_casualties(boat))
 
 
 @dataclass

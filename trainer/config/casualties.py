@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -35,8 +36,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.schema import Kind as FieldKind
-from trainer.core.casualties import CODES, GAUGES, KINDS
-from trainer.core.state import VALVES
+from trainer.core.casualties import CASUALTY_TABLE, CODES, GAUGES, KINDS
 from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
@@ -60,12 +60,26 @@ PARAMETER_KEYS: Final = (
 # fmt: on
 
 
+class Count(Enum):
+    """How people count the amount of a casualty."""
+
+    NOTHING = ""
+    ANGLE = "angle"  # of a surface, with its side
+    NOISE = "noise"  # of a gauge, in its unit, and the next two
+    VALUE = "value"
+    BIAS = "bias"
+    HOLE = "hole"
+    SHARE = "share"  # in words of ``share``
+
+
 @dataclass(frozen=True)
 class SeverityMeasure:
-    """The meaning of a kind's severity."""
+    """The meaning of a kind's severity, and how its amount is counted."""
 
     limits: NumberLimits
     meaning: str
+    count: Count = Count.NOTHING
+    share: str = ""  # what the amount is a share of
     parameter: str = ""  # key of what severity 1 is
     factor: float = 1.0  # [SI] of the parameter's unit
 
@@ -75,52 +89,68 @@ class SeverityMeasure:
         return self.limits == SWITCH_LIMITS
 
 
-def _measures() -> dict[str, SeverityMeasure]:
-    """Return the severity measure of each kind of casualty."""
-    stuck = SeverityMeasure(SWITCH_LIMITS, "none: held as it stood")
-    taken = SeverityMeasure(SHARE_LIMITS, "share of the rate lost")
-    measures = {
-        "propulsion-lost": SeverityMeasure(SHARE_LIMITS, "share of turns lost"),
-        "propulsion-stuck": stuck,
-        "autopilot-failed": SeverityMeasure(SWITCH_LIMITS, "none: its commands stay"),
-    }
-    for surface in SURFACES:
-        side = "right" if surface == "rudder" else "rise"
-        measures |= {
-            f"{surface}-slow": taken,
-            f"{surface}-follow-up-lost": SeverityMeasure(SWITCH_LIMITS, "none: on or off"),
-            f"{surface}-free": SeverityMeasure(SHARE_LIMITS, "share of its rate"),
-            f"{surface}-hard-over": SeverityMeasure(SIDE_LIMITS, f"of its limit, + {side}"),
-            f"{surface}-stuck": stuck,
-        }
-    units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT), ("m", 1.0))
-    for gauge, (unit, factor) in zip(GAUGES, units, strict=True):
-        measures |= {
-            f"{gauge}-noisy": SeverityMeasure(
-                FACTOR_LIMITS, f"times noise_{unit}", f"noise_{unit}", factor
-            ),
-            f"{gauge}-biased": SeverityMeasure(
-                SIGNED_FACTOR_LIMITS, f"times bias_{unit}", f"bias_{unit}", factor
-            ),
-            f"{gauge}-stuck": stuck,
-        }
-    hole = SeverityMeasure(FACTOR_LIMITS, "times hole_m2", "hole_m2")
-    starts = {
-        **dict.fromkeys(("leak-", "flooding-"), hole),
-        **dict.fromkeys(("pump-", "bank-"), taken),
-        "blow-": SeverityMeasure(SHARE_LIMITS, "share of the opening lost"),
-        "vent-": SeverityMeasure(SHARE_LIMITS, "share of the opening lost"),
-    }
-    for name in KINDS:
-        for start, measure in starts.items():
-            if name.startswith(start):
-                measures[name] = measure
-    for valve in VALVES:
-        measures[f"vent-{valve}-open"] = SeverityMeasure(SHARE_LIMITS, "opening it is stuck at")
-    return measures
+GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
+    "depth-gauge": ("m", 1.0),
+    "gyro": ("deg", math.radians(1.0)),
+    "log": ("kn", KNOT),
+    "sounder": ("m", 1.0),
+}
+AS_IT_STOOD: Final = "none: held as it stood"
 
 
-SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = _measures()
+def _surface_measures(surface: str) -> dict[str, SeverityMeasure]:
+    """Return the measures of a surface's faults."""
+    side = "right" if surface == "rudder" else "rise"
+    return {
+        "slow": _share("share of the rate lost", "of the rate lost"),
+        "follow-up-lost": SeverityMeasure(SWITCH_LIMITS, "none: on or off"),
+        "free": _share("share of its rate", "of its rate"),
+        "hard-over": SeverityMeasure(SIDE_LIMITS, f"of its limit, + {side}", Count.ANGLE),
+        "stuck": SeverityMeasure(SWITCH_LIMITS, AS_IT_STOOD, Count.ANGLE),
+    }
+
+
+def _gauge_measures(gauge: str) -> dict[str, SeverityMeasure]:
+    """Return the measures of a gauge's faults."""
+    unit, size = GAUGE_UNITS[gauge]
+    noise, bias = f"noise_{unit}", f"bias_{unit}"
+    return {
+        "noisy": SeverityMeasure(
+            FACTOR_LIMITS, f"times {noise}", Count.NOISE, parameter=noise, factor=size
+        ),
+        "biased": SeverityMeasure(
+            SIGNED_FACTOR_LIMITS, f"times {bias}", Count.BIAS, parameter=bias, factor=size
+        ),
+        "stuck": SeverityMeasure(SWITCH_LIMITS, AS_IT_STOOD, Count.VALUE),
+    }
+
+
+def _share(meaning: str, share: str) -> SeverityMeasure:
+    return SeverityMeasure(SHARE_LIMITS, meaning, Count.SHARE, share)
+
+
+HOLE: Final = SeverityMeasure(FACTOR_LIMITS, "times hole_m2", Count.HOLE, parameter="hole_m2")
+FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equipment and fault
+    **{surface: _surface_measures(surface) for surface in SURFACES},
+    **{gauge: _gauge_measures(gauge) for gauge in GAUGES},
+    "propulsion": {
+        "lost": _share("share of turns lost", "of the turns lost"),
+        "stuck": SeverityMeasure(SWITCH_LIMITS, AS_IT_STOOD),
+    },
+    "autopilot": {"failed": SeverityMeasure(SWITCH_LIMITS, "none: its commands stay")},
+    "leak": {"hole": HOLE},
+    "flooding": {"hole": HOLE},
+    "pump": {"failed": _share("share of the rate lost", "of the pump lost")},
+    "bank": {"failed": _share("share of the rate lost", "of the air bank lost")},
+    "blow": {"shut": _share("share of the opening lost", "of the blow lost")},
+    "vent": {
+        "shut": _share("share of the opening lost", "of the vent lost"),
+        "open": _share("opening it is stuck at", "open"),
+    },
+}
+SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = {
+    kind.name: FAULT_MEASURES[kind.equipment][kind.fault] for kind in CASUALTY_TABLE
+}
 
 
 def severity_rule(kind: str) -> str:

@@ -15,7 +15,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED_TANKS, PUMPS
+from trainer.core.ballast.tanks import (
+    BANKS,
+    COMPARTMENTS,
+    FIRST_DRY,
+    PUMPED_TANKS,
+    PUMPS,
+    TRIM_FORWARD,
+)
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
 from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, offset_of
@@ -32,56 +39,95 @@ FREE_SLOT: Final = 0  # kind in a slot that holds none
 FIRST_SLOT, NO_SLOT = 0, -1  # of a casualty; those in use come first
 SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
 
-FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
-    *(f"leak-{name.replace('_', '-')}" for name in PUMPED_TANKS),
-    *(f"flooding-{name.removeprefix('compartment_')}" for name in COMPARTMENTS),
-    *(f"pump-{name.replace('_', '-')}-failed" for name in PUMPS),
-    *(f"bank-{name}-failed" for name in BANKS),
-    *(f"blow-{name}-shut" for name in VALVES),
-    *(f"vent-{name}-shut" for name in VALVES),
-)
-
 
 class CasualtyKind(NamedTuple):
-    """A kind of casualty [-]: its name, equipment, fault, and offset in the state."""
+    """A kind of casualty: its name, what breaks and how, and where that stands.
+
+    ``equipment`` is a surface, a gauge, or what a part of is broken, such as "pump"; a boat has it
+    if the number ``part`` of the vessel's block ``size`` is not 0.
+    """
 
     name: str
-    surface: int = -1  # of SURFACES
-    gauge: int = -1  # of GAUGES
-    fault: int = -1  # of SURFACE_FAULTS or GAUGE_FAULTS
+    equipment: str
+    fault: str
+    surface: int = -1  # [-] of SURFACES
+    gauge: int = -1  # [-] of GAUGES
+    rank: int = -1  # [-] of SURFACE_FAULTS or GAUGE_FAULTS
     offset: int = -1  # in the state: the fault that tanks and air read
     sense: int = 1  # [-] sign of the amount there
     holds: bool = False  # it holds what it finds, whatever amount it is given
+    size: str = ""
+    part: int = 0
+
+    @property
+    def turned(self) -> bool:
+        """Return whether its amount is an angle of a surface."""
+        return self.surface >= 0 and self.rank >= HARD_OVER
 
 
+def _part_kinds(
+    wording: str, equipment: str, fault: str, size: str, parts: tuple[str, ...], first: int = 0
+) -> tuple[CasualtyKind, ...]:
+    """Return a kind for each part, of which ``first`` is the place of the first in the block."""
+    return tuple(
+        CasualtyKind(
+            wording.format(name.removeprefix("compartment_").replace("_", "-")),
+            equipment,
+            fault,
+            size=size,
+            part=place,
+        )
+        for place, name in enumerate(parts, first)
+    )
+
+
+PART_FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
+    *_part_kinds("leak-{}", "leak", "hole", "capacity", PUMPED_TANKS, TRIM_FORWARD),
+    *_part_kinds("flooding-{}", "flooding", "hole", "capacity", COMPARTMENTS, FIRST_DRY),
+    *_part_kinds("pump-{}-failed", "pump", "failed", "pump_rate", PUMPS),
+    *_part_kinds("bank-{}-failed", "bank", "failed", "bank_volume", BANKS),
+    *_part_kinds("blow-{}-shut", "blow", "shut", "capacity", VALVES),
+    *_part_kinds("vent-{}-shut", "vent", "shut", "capacity", VALVES),
+)
 CASUALTY_TABLE: Final = (
     *(
-        CasualtyKind(f"{surface}-{name}", surface=number, fault=fault, holds=fault == SURFACE_STUCK)
+        CasualtyKind(
+            f"{surface}-{fault}",
+            surface,
+            fault,
+            surface=number,
+            rank=rank,
+            holds=rank == SURFACE_STUCK,
+        )
         for number, surface in enumerate(SURFACES)
-        for fault, name in enumerate(SURFACE_FAULTS)
+        for rank, fault in enumerate(SURFACE_FAULTS)
     ),
-    CasualtyKind("propulsion-lost"),
-    CasualtyKind("propulsion-stuck", holds=True),
-    CasualtyKind("autopilot-failed"),
-    *(CasualtyKind(name, offset=offset) for offset, name in enumerate(FAULTS, offset_of("breach"))),
+    CasualtyKind("propulsion-lost", "propulsion", "lost"),
+    CasualtyKind("propulsion-stuck", "propulsion", "stuck", holds=True),
+    CasualtyKind("autopilot-failed", "autopilot", "failed"),
+    *(kind._replace(offset=offset) for offset, kind in enumerate(PART_FAULTS, offset_of("breach"))),
     *(  # a vent stuck open is a vent shut with the sign turned: one number has both faults
-        CasualtyKind(f"vent-{name}-open", offset=offset, sense=-1)
-        for offset, name in enumerate(VALVES, offset_of("vent_fault"))
+        kind._replace(offset=offset, sense=-1)
+        for offset, kind in enumerate(
+            _part_kinds("vent-{}-open", "vent", "open", "capacity", VALVES), offset_of("vent_fault")
+        )
     ),
     *(
-        CasualtyKind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)
+        CasualtyKind(
+            f"{name}-{fault}", name, fault, gauge=gauge, rank=rank, holds=rank == GAUGE_STUCK
+        )
         for gauge, name in enumerate(GAUGES)
-        for fault, how in enumerate(GAUGE_FAULTS)
+        for rank, fault in enumerate(GAUGE_FAULTS)
     ),
 )
 KINDS: Final = tuple(kind.name for kind in CASUALTY_TABLE)
 CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
 
 # The columns of the table, by code.
-_CODED_KINDS: Final = (CasualtyKind(""), *CASUALTY_TABLE)
+_CODED_KINDS: Final = (CasualtyKind("", "", ""), *CASUALTY_TABLE)
 KIND_SURFACES: Final = np.array([kind.surface for kind in _CODED_KINDS])
 KIND_GAUGES: Final = np.array([kind.gauge for kind in _CODED_KINDS])
-KIND_FAULTS: Final = np.array([kind.fault for kind in _CODED_KINDS])
+KIND_FAULTS: Final = np.array([kind.rank for kind in _CODED_KINDS])
 KIND_OFFSETS: Final = np.array([kind.offset for kind in _CODED_KINDS])
 KIND_SENSES: Final = np.array([float(kind.sense) for kind in _CODED_KINDS])
 KIND_HOLDS: Final = np.array([kind.holds for kind in _CODED_KINDS])

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
+from trainer.boat.readings import is_depth_kept
 from trainer.config.score_rules import COURSE_QUANTITY
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
@@ -153,7 +154,7 @@ def _under(run: RunBeside, chart: Chart | None, end: float) -> Iterator[CurveLin
 
 
 def _depth(trajectory: Trajectory) -> Chart:
-    by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
+    by_hand = ~is_depth_kept(trajectory.columns.__getitem__)
     lines = (
         CurveLine(
             "ordered", order_in_force(trajectory, "depth", "ordered_depth", by_hand), ORDERED_STYLE

@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.casualties import kind_row
 from trainer.config.casualties import Casualty
 from trainer.config.exercise import AIDS
 from trainer.config.files import ConfigError
@@ -166,7 +167,7 @@ def first_deflection(trajectory: Trajectory, episode: Episode) -> Deflection | N
     start = trajectory.row(episode.begun)
     first: list[Deflection] = []
     for surface in SURFACES:
-        if episode.kind.startswith(surface) or not trajectory.has(surface):
+        if kind_row(episode.kind).equipment == surface or not trajectory.has(surface):
             continue
         angle = trajectory.series(surface)[start:]
         moved = np.flatnonzero(np.abs(angle - angle[0]) >= MIN_DEFLECTION_RAD)

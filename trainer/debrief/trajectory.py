@@ -18,7 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.grounding import STATE_NAMES
-from trainer.boat.motion_rates import MOTION_NAMES, WATER_NAMES, read_rates
+from trainer.boat.readings import MOTION_NAMES, WATER_NAMES, read_rates
 from trainer.boat.world.bottom import ground_under, heights_of_keel, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
 from trainer.config.condition import ANGLE_UNITS, STATE_QUANTITIES
@@ -51,7 +51,7 @@ PASSAGE_FIELDS: Final = (
     *MOTION_NAMES, "x", "y", "held_position",
     "weight", "ordered_depth", "ordered_psi", "ordered_speed",
     "ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b",
-    "rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand",
+    "rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand", "hover",
     "blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth",
     *CASUALTY_SLOTS,
     *CASUALTY_AMOUNTS,

@@ -14,7 +14,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.grounding import clearance
 from trainer.boat.limits import height_showing, is_deep
-from trainer.boat.motion_rates import read_rates
+from trainer.boat.readings import read_rates
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition, Loss

@@ -14,7 +14,6 @@ from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import describe_held, sea_text
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.io.status_line import course
-from trainer.session.stations.channels import set_and_drift, way_made
 from trainer.session.stations.display import view
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Summary
@@ -43,12 +42,12 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         ),
         (
             f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
-            f"rate {frame.rates.down:+.2f} m/s down"
+            f"rate {frame.read('depth_rate'):+.2f} m/s down"
         ),
         (
             f"heading {course(seen.course_deg, 2):>8}     "
             f"ordered {course(math.degrees(s.ordered_psi), 1)}   "
-            f"rate {math.degrees(frame.rates.heading):+.2f} deg/s"
+            f"rate {math.degrees(frame.read('turn_rate') or 0.0):+.2f} deg/s"
         ),
         (
             f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
@@ -108,10 +107,11 @@ def current_lines(frame: Frame, boat: Boat) -> list[str]:
     around = boat.world.parts.get("current")
     if around is None or not around.acts:
         return []
-    track, speed = way_made(frame)
-    towards, drift = set_and_drift(frame)
-    water = "no current" if towards is None else f"towards {course(towards, 0)} at {drift:.2f} kn"
-    return [f"current {water}; over ground {course(track, 1)} at {speed:.2f} kn"]
+    track, way, towards, drift = (frame.read(name) for name in ("track", "way", "set", "drift"))
+    goes = f"towards {course(math.degrees(towards), 0)}" if towards is not None else ""
+    water = f"{goes} at {(drift or 0.0) / KNOT:.2f} kn" if goes else "no current"
+    ground = f"{course(math.degrees(track or 0.0), 1)} at {(way or 0.0) / KNOT:.2f} kn"
+    return [f"current {water}; over ground {ground}"]
 
 
 def ballast_lines(boat: Boat) -> list[str]:

@@ -8,4 +8,4 @@ processors, ``header`` the records as C has them.
 """
 
 # The modules that other rooms may use.
-__all__ = ["fmu", "header", "library", "objects", "targets", "wasm"]
+__all__ = ["fmu", "library", "objects", "targets", "wasm"]

@@ -40,6 +40,7 @@ from trainer.boat.platforms import (
     platform_name,
 )
 from trainer.boat.sea_orders import fully_developed
+from trainer.config.casualties import GAUGE_UNITS
 from trainer.config.files import ConfigError
 from trainer.config.sea import SEA_STATE_HEIGHT, SeaFile, sea_settings, step_problem
 from trainer.core import state
@@ -188,7 +189,7 @@ def variables_of(boat: Boat, sea: SeaFile) -> list[Variable]:
     settable += [*order_inputs(boat, names), *casualty_inputs(boat)]
     gauges = [
         Variable(name.replace("-", "_"), "as it reads", i, "Real", "output", "GAUGE", unit, scale=x)
-        for i, (name, (unit, x)) in enumerate(casualties.GAUGE_UNITS.items())
+        for i, (name, (unit, x)) in enumerate(GAUGE_UNITS.items())
     ]
     taken = {each.name for each in settable}
     states = (each for each in state_outputs(names) if each.name not in taken)

@@ -36,10 +36,12 @@ from trainer.boat.export.lowering import (
 from trainer.boat.export.orders import order_rows
 from trainer.boat.export.targets import Effort
 from trainer.boat.platforms import CPU_TARGETS
+from trainer.boat.readings import READING_OFFSETS
 from trainer.config.files import ConfigError
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.digest import core_digest, same_core
 from trainer.core.kernel import Record
+from trainer.core.readings import READINGS, write_readings
 from trainer.core.scheme import SCHEME
 from trainer.core.sea.sea import TAPER, order_sea
 from trainer.core.state import SCRATCH, STATE
@@ -69,10 +71,11 @@ INSTALL_HINT: Final = (
 CHILD_CODE: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
 SETTLED_BYTES: Final = range(8, fields_of(SCHEME)["trigger_place"][0])  # all but step, triggers
 # room for one boat, of zeros, in the order of the tick; a host may use memory of its own
-ROOM_NAMES: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
+ROOM_NAMES: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted", "readings")
 ROOM_SIZES: Final = (
     *(kind.itemsize for kind in (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)),
     8 * (TAPER + 1),
+    READINGS.itemsize,
 )
 
 
@@ -80,6 +83,7 @@ ROOM_SIZES: Final = (
 HOST_FUNCTIONS: Final[Mapping[str, Entry]] = {
     "trainer_tick": entry_of(update),
     "trainer_read": entry_of(instruments),
+    "trainer_show": entry_of(write_readings),
     "trainer_begin": entry_of(begin),
     "trainer_end": entry_of(end),
     "trainer_sea": entry_of(order_sea),
@@ -209,6 +213,7 @@ def numbers_of(boat: Boat) -> dict[str, Any]:
         "step_s": boat.method.step,
         "state_doubles": STATE.itemsize // 8,
         "places": STATE_OFFSETS,
+        "readings": READING_OFFSETS,
         "orders": order_rows(boat),
         "records": packed,
     }

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.motion_rates import read_rates
+from trainer.boat.readings import read_rates
 from trainer.boat.world.tracks import ShipMotion, situation
 from trainer.core.kernel import Numbers
 

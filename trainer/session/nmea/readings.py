@@ -10,27 +10,23 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
 from typing import Final, NamedTuple
 
+from trainer.boat.world.bottom import keel_of
 from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.casualties import SOUNDER_RANGE
 from trainer.core.surfaces import SURFACES
 from trainer.io.chart import Chart
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
 from trainer.session.nmea.orders import BELL_POSITIONS
-from trainer.session.stations.channels import set_and_drift, way_made
 from trainer.session.stations.panels import (
-    bank_fields,
+    MEGAPASCAL,
+    PERCENT,
     bell,
-    compass,
-    ordered_course,
-    ordered_depth,
-    ordered_speed,
-    ordered_turns,
+    course,
+    reading,
     rpm,
-    surface_fields,
-    tank_fields,
 )
 from trainer.session.stations.view import Frame
-from trainer.units import FOOT, KNOT
+from trainer.units import DEGREE, FOOT, KNOT
 
 BALLAST_TANKS: Final = TANKS[:8]  # those that are not compartments
 FATHOM_M: Final = 6.0 * FOOT  # [m]
@@ -55,15 +51,11 @@ class NmeaReading(NamedTuple):
     widest: float  # as wide as the field can be: what a line has to have room for
 
 
-def over_water_and_ground(frame: Frame) -> tuple[float, float, float]:
-    """Return speed across through the water, ahead and across over the ground [kn].
-
-    To starboard is positive.
-    """
-    north, east = frame.rates.north, frame.rates.east
+def over_ground(frame: Frame) -> tuple[float, float]:
+    """Return the speeds ahead and across over the ground [kn], to starboard positive."""
+    north, east = frame.read("north_rate") or 0.0, frame.read("east_rate") or 0.0
     cosine, sine = math.cos(frame["psi"]), math.sin(frame["psi"])
-    ahead, across = north * cosine + east * sine, east * cosine - north * sine
-    return frame["v"] / KNOT, ahead / KNOT, across / KNOT
+    return (north * cosine + east * sine) / KNOT, (east * cosine - north * sine) / KNOT
 
 
 def depth_shown(frame: Frame) -> float:
@@ -71,70 +63,58 @@ def depth_shown(frame: Frame) -> float:
     return max(frame.readings.depth, 0.0)
 
 
-def sounding(frame: Frame, unit: float = 1.0) -> float | None:
-    """Return the ground's depth below the transducer, in a unit of that size [m].
-
-    The transducer is at the depth of the body's origin. None: there is no echo.
-    """
-    return frame.readings.sounding / unit if frame.readings.sounding else None
+def shown(name: str, decimals: int, widest: float, size: float = 1.0) -> NmeaReading:
+    """Return a reading of the boat, in a unit of that size [SI]."""
+    return NmeaReading(reading(name, "", decimals, size).read, decimals, widest)
 
 
-def turn_rate(frame: Frame) -> float:
-    """Return the rate of turn [deg/min], to starboard positive."""
-    return math.degrees(frame.rates.heading) * 60.0
+def towards(name: str, rounded: int, decimals: int, widest: float) -> NmeaReading:
+    """Return a reading that is a direction, rounded before it is written."""
+    return NmeaReading(course(name, rounded).read, decimals, widest)
 
 
 # Angles are in degrees, speeds in knots, unless said otherwise.
 READINGS: Final[Mapping[str, NmeaReading]] = {
     "north": NmeaReading(lambda f: f["x"], 1, FARTHEST_M),  # [m] of the origin
     "east": NmeaReading(lambda f: f["y"], 1, FARTHEST_M),  # [m]
-    "track": NmeaReading(lambda f: way_made(f)[0], 2, 359.99),  # over the ground
-    "over_ground": NmeaReading(lambda f: way_made(f)[1], 2, 99.99),
-    "over_ground_kmh": NmeaReading(lambda f: way_made(f)[1] * KNOT_KM_H, 2, 99.99 * KNOT_KM_H),
-    "across": NmeaReading(lambda f: over_water_and_ground(f)[0], 2, -99.99),  # through the water
-    "ahead_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[1], 2, -99.99),
-    "across_over_ground": NmeaReading(lambda f: over_water_and_ground(f)[2], 2, -99.99),
-    "current": NmeaReading(
-        lambda f: set_and_drift(f)[0], 1, 359.9
-    ),  # none where water stands still
-    "drift": NmeaReading(lambda f: set_and_drift(f)[1], 2, 99.99),
-    "depth": NmeaReading(lambda f: f.readings.depth, 2, 9999.99),  # [m] by the gauge
-    "altitude": NmeaReading(lambda f: -f.readings.depth, 2, -9999.99),  # [m]
+    "track": towards("track", 2, 2, 359.99),  # over the ground
+    "over_ground": shown("way", 2, 99.99, KNOT),
+    "over_ground_kmh": shown("way", 2, 99.99 * KNOT_KM_H, KNOT / KNOT_KM_H),
+    "across": NmeaReading(lambda f: f["v"] / KNOT, 2, -99.99),  # through the water
+    "ahead_over_ground": NmeaReading(lambda f: over_ground(f)[0], 2, -99.99),
+    "across_over_ground": NmeaReading(lambda f: over_ground(f)[1], 2, -99.99),
+    "current": towards("set", 1, 1, 359.9),  # none where water stands still
+    "drift": shown("drift", 2, 99.99, KNOT),
+    "depth": shown("depth", 2, 9999.99),  # [m] by the gauge
+    "altitude": shown("depth", 2, -9999.99, -1.0),  # [m]
     "depth_shown": NmeaReading(depth_shown, 2, 9999.99),
     "depth_feet": NmeaReading(lambda f: depth_shown(f) / FOOT, 1, 9999.99 / FOOT),
     "depth_fathoms": NmeaReading(lambda f: depth_shown(f) / FATHOM_M, 1, 9999.99 / FATHOM_M),
-    "heading": NmeaReading(lambda f: compass(f.readings.heading, 2), 2, 359.99),  # by the compass
-    "speed": NmeaReading(lambda f: f.readings.speed / KNOT, 2, -99.99),  # by the log
-    "speed_kmh": NmeaReading(lambda f: f.readings.speed / KNOT * KNOT_KM_H, 2, -99.99 * KNOT_KM_H),
-    "sounding": NmeaReading(sounding, 2, 9999.99),
-    "sounding_feet": NmeaReading(lambda f: sounding(f, FOOT), 1, 9999.99 / FOOT),
-    "sounding_fathoms": NmeaReading(lambda f: sounding(f, FATHOM_M), 1, 9999.99 / FATHOM_M),
+    "heading": towards("heading", 2, 2, 359.99),  # by the compass
+    "speed": shown("speed", 2, -99.99, KNOT),  # by the log
+    "speed_kmh": shown("speed", 2, -99.99 * KNOT_KM_H, KNOT / KNOT_KM_H),
+    # the ground's depth below the transducer, which is at that of the body's origin
+    "sounding": shown("sounding", 2, 9999.99),
+    "sounding_feet": shown("sounding", 1, 9999.99 / FOOT, FOOT),
+    "sounding_fathoms": shown("sounding", 1, 9999.99 / FATHOM_M, FATHOM_M),
     # [m] above the transducer, so that it is negative; none where there is no ground
-    "keel": NmeaReading(lambda f: -f.fittings.keel if f["bottom"] else None, 1, -99.9),
+    "keel": NmeaReading(lambda f: -keel_of(f.boat.vessel) if f["bottom"] else None, 1, -99.9),
     "pitch": NmeaReading(lambda f: math.degrees(f["theta"]), 2, -99.99),  # bow up positive
     "heel": NmeaReading(lambda f: math.degrees(f["phi"]), 2, -179.99),  # to starboard positive
-    "turn": NmeaReading(turn_rate, 1, -9999.9),
-    "turn_per_second": NmeaReading(lambda f: turn_rate(f) / 60.0, 3, -9999.9 / 60.0),
+    "turn": shown("turn_rate", 1, -9999.9, DEGREE / 60.0),  # to starboard positive
+    "turn_per_second": shown("turn_rate", 3, -9999.9 / 60.0, DEGREE),
     "rpm": NmeaReading(lambda f: rpm(f, f["u_c"]), 1, -9999.9),
-    "ordered_rpm": NmeaReading(lambda f: rpm(f, ordered_turns(f)), 1, -9999.9),
-    "ordered_course": NmeaReading(ordered_course, 2, 359.99),
-    "ordered_depth": NmeaReading(ordered_depth, 2, 9999.99),  # [m]
-    "ordered_speed": NmeaReading(ordered_speed, 2, -99.99),
+    "ordered_rpm": NmeaReading(lambda f: rpm(f, f.read("ordered_turns")), 1, -9999.9),
+    "ordered_course": towards("ordered_course", 1, 2, 359.99),
+    "ordered_depth": shown("ordered_depth", 2, 9999.99),  # [m]
+    "ordered_speed": shown("ordered_speed", 2, -99.99, KNOT),
     **{  # right and rising positive
-        name: NmeaReading(field.read, 2, -99.99)
+        name: shown(name, 2, -99.99, DEGREE)
         for surface in SURFACES
-        for name, field in zip(
-            (surface, f"ordered_{surface}"), surface_fields(surface)[:2], strict=True
-        )
+        for name in (surface, f"ordered_{surface}")
     },
-    **{  # [%]
-        f"full_{tank}": NmeaReading(tank_fields(index, tank)[1].read, 1, 100.0)
-        for index, tank in enumerate(BALLAST_TANKS)
-    },
-    **{  # [MPa]
-        f"air_{bank}": NmeaReading(bank_fields(index, bank)[0].read, 2, 99.99)
-        for index, bank in enumerate(BANKS)
-    },
+    **{f"full_{tank}": shown(f"{tank}_full", 1, 100.0, PERCENT) for tank in BALLAST_TANKS},  # [%]
+    **{f"air_{bank}": shown(bank, 2, 99.99, MEGAPASCAL) for bank in BANKS},  # [MPa]
 }
 
 
@@ -143,7 +123,7 @@ def read_fields(frame: Frame, chart: Chart, start: datetime) -> dict[str, str]:
 
     The session began at ``start``, UTC.
     """
-    values = {name: reading.read(frame) for name, reading in READINGS.items()}
+    values = {name: each.read(frame) for name, each in READINGS.items()}
     position = chart.position(frame["x"], frame["y"])
     at = start + timedelta(seconds=frame.seconds)
     return describe_fields(values, frame.tick, at, position, str(bell(frame) or ""))

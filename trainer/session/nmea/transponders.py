@@ -45,7 +45,7 @@ def antenna(frame: Frame) -> float:
     depth = frame.boat.file.run.periscope_depth_m
     if depth is not None:
         return depth + MAST_RAISED_M - frame["z"] - frame["eta_wave"]
-    return frame.height(*frame.fittings.sail)
+    return -(frame.read("over_sail") or 0.0)
 
 
 def report_interval(ship: ContactState) -> float:

@@ -4,14 +4,14 @@
 autopilot are on: a code for each tick, and a word for each code.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.boat.motion_rates import read_rates
+from trainer.boat.readings import READING_OFFSETS, read_states
 from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, COMPARTMENTS, PUMPED_TANKS, TANKS
 from trainer.core.casualties import KINDS
@@ -19,11 +19,11 @@ from trainer.core.kernel import Numbers
 from trainer.core.state import MAX_CASUALTIES, VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.session.rerun.batch import Block, IntArray, TickTimings
-from trainer.units import KNOT
+from trainer.units import DEGREE, KNOT
 
 TONNE_KG: Final = 1000.0  # [kg]
 MICROSECOND_NS: Final = 1000.0  # [ns]
-DEGREE_RAD: Final = np.pi / 180.0  # [rad]
+PERCENT: Final = 0.01  # [-]
 DEPTH_SIGN: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
 PATH_UNITS: Final = {"%": "percent"}  # units that are no part of a path as they are
 LEDGER_PATH: Final = "charts/ticks_us"  # work and lateness of the ticks, which no state holds
@@ -83,25 +83,24 @@ def ledger_columns(worked: TickTimings) -> Numbers:
 
 def charts_of(boat: Boat) -> tuple[Chart, ...]:
     """Return the charts for which the boat has values."""
-    c = boat.vessel
-    tonne = float(c.g) * TONNE_KG  # [N]
+    c, read = boat.vessel, BlockReadings(boat)
     capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
     full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
-    depth = _field("true", "z", DEPTH_SIGN), _order("ordered_depth", DEPTH_SIGN, depth_kept)
-    heading = (
-        _field("true", "psi", DEGREE_RAD),
-        _order("ordered_psi", DEGREE_RAD, _automatic("rudder")),
-    )
-    speed = _field("true", "u", KNOT), _order("ordered_speed", KNOT, _automatic("speed"))
-    heavier = Series("heavier than at rest", lambda b: (b["weight"] - float(c.buoyancy)) / tonne)
-    tanks = [
-        _field(_words(t), f"water_{t}", 0.01 * capacity[t]) for t in BLOWN_TANKS if capacity[t]
-    ]
-    trim = [_field(_words(t), f"water_{t}", TONNE_KG) for t in PUMPED_TANKS if capacity[t]]
+    # an order that nobody keeps would look like an error of the boat
+    depth = _field("true", "z", DEPTH_SIGN), read.series("ordered", "ordered_depth", DEPTH_SIGN)
+    heading = _field("true", "psi", DEGREE), read.series("ordered", "ordered_course", DEGREE)
+    speed = _field("true", "u", KNOT), read.series("ordered", "ordered_speed", KNOT)
+    ground = read.series("speed", "way", KNOT), read.series("drift", "drift", KNOT)
+    tanks = [read.series(_words(t), f"{t}_full", PERCENT) for t in BLOWN_TANKS if capacity[t]]
+    trim = [read.series(_words(t), t, TONNE_KG) for t in PUMPED_TANKS if capacity[t]]
     names = {t: t.removeprefix("compartment_") for t in COMPARTMENTS if capacity[t]}
-    flooded = [_field(_words(name), f"flood_{name}", TONNE_KG) for name in names.values()]
-    banks = [
-        _field(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
+    flooded = [read.series(name, f"flood_{name}", TONNE_KG) for name in names.values()]
+    banks = [read.series(_words(bank), f"{bank}_full", PERCENT) for bank in BANKS if full[bank]]
+    surfaces = [
+        read.series(label, name, DEGREE)
+        for surface in SURFACES
+        if boat.toward[surface]
+        for label, name in ((surface, surface), (f"{surface} ordered", f"ordered_{surface}"))
     ]
     charts = (
         Chart("depth", "m", depth, ", downwards"),
@@ -110,12 +109,12 @@ def charts_of(boat: Boat) -> tuple[Chart, ...]:
         Chart(
             "attitude",
             "deg",
-            (_field("pitch", "theta", DEGREE_RAD), _field("heel", "phi", DEGREE_RAD)),
+            (_field("pitch", "theta", DEGREE), _field("heel", "phi", DEGREE)),
         ),
-        Chart("surfaces", "deg", tuple(_surfaces(boat))),
-        Chart("ground", "kn", (Series("speed", over_ground), Series("drift", drift))),
+        Chart("surfaces", "deg", tuple(surfaces)),
+        Chart("ground", "kn", ground),
         Chart("sea", "m", (_field("above the boat", "eta_wave"), _field("height", "sea_height"))),
-        Chart("weight", "t", (heavier,)),
+        Chart("weight", "t", (read.series("heavier than at rest", "heavy", TONNE_KG),)),
         Chart("ballast", "%", tuple(tanks)),
         Chart("trim", "t", tuple(trim)),
         Chart("flooding", "t", tuple(flooded)),
@@ -133,53 +132,24 @@ def _field(name: str, field: str, unit: float = 1.0) -> Series:
     return Series(name, lambda block: block[field] / unit)
 
 
-def _order(field: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
-    """Return the series of a standing order, with gaps while the autopilot does not keep it.
+class BlockReadings:
+    """The readings of a boat in a block, kept for the last one."""
 
-    An order that nobody keeps would look like an error of the boat.
-    """
-    return Series("ordered", lambda b: np.where(kept(b) > 0.0, b[field] / unit, np.nan))
+    def __init__(self, boat: Boat) -> None:
+        """Read off ``boat``, of which only the constants count."""
+        self._boat = boat
+        self._block: Block | None = None
+        self._rows: Numbers = np.empty((0, 0))
 
+    def read(self, block: Block, name: str) -> Numbers:
+        """Return a reading [SI] in each state."""
+        if block is not self._block:
+            self._block, self._rows = block, read_states(self._boat, block.whole)
+        return self._rows[:, READING_OFFSETS[name]]
 
-def _automatic(what: str) -> Callable[[Block], Numbers]:
-    return lambda block: 1.0 - block[f"{what}_by_hand"]
-
-
-def depth_kept(block: Block) -> Numbers:
-    """Return 1 where the boat keeps the ordered depth, by planes or hovering."""
-    by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0  # one pair is automatic
-    return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
-
-
-def over_ground(block: Block) -> Numbers:
-    """Return the speed [kn] over the ground, 0 while the position is held."""
-    speed: Numbers = read_rates(block.__getitem__).way / KNOT
-    return speed
-
-
-def drift(block: Block) -> Numbers:
-    """Return the speed [kn] of the water at the boat over the ground."""
-    north = block["water_north"] + block["shear_north"] * block["z"]
-    east = block["water_east"] + block["shear_east"] * block["z"]
-    speed: Numbers = np.hypot(north, east) / KNOT
-    return speed
-
-
-def _surfaces(boat: Boat) -> Iterator[Series]:
-    """Yield two series for each surface, its angle and its order; right and rise positive."""
-    for surface, letter in SURFACES.items():
-        unit = boat.toward[surface] * DEGREE_RAD
-        if not unit:
-            continue
-        yield _field(surface, f"delta_{letter}", unit)
-
-        def ordered(  # defaults, because the loop goes on before the function is called
-            block: Block, unit: float = unit, surface: str = surface, letter: str = letter
-        ) -> Numbers:
-            by_hand = block[f"{surface}_by_hand"] > 0.0
-            return np.where(by_hand, block[f"ordered_{letter}"], block[f"command_{letter}"]) / unit
-
-        yield Series(f"{surface} ordered", ordered)
+    def series(self, label: str, name: str, unit: float) -> Series:
+        """Return the series of a reading, in a unit of that size [SI]."""
+        return Series(label, lambda block: self.read(block, name) / unit)
 
 
 @dataclass(frozen=True)

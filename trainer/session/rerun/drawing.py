@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.boat.readings import is_depth_kept
 from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.boat.world.scope import Periscope, periscope_of
@@ -27,7 +28,6 @@ from trainer.session.rerun.charts import (
     Lane,
     casualty_lanes,
     charts_of,
-    depth_kept,
     lanes_of,
     ledger_columns,
 )
@@ -208,7 +208,7 @@ def level_of(block: Block) -> Numbers:
 
 def ordered_of(block: Block) -> Numbers:
     """Return the ordered depth [m], minus infinity where none is kept."""
-    return np.where(depth_kept(block) > 0.0, block["ordered_depth"], -np.inf)
+    return np.where(is_depth_kept(block.__getitem__), block["ordered_depth"], -np.inf)
 
 
 def frames(size: Size, depths: Numbers) -> Columns:

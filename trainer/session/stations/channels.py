@@ -6,15 +6,12 @@ value off a frame (``view``). Fields of the crew's instruments stand in ``panels
 periscope in ``plot``.
 """
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Final
 
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.casualties import describe_amount
-from trainer.boat.motion_rates import MotionRates
-from trainer.boat.world.bottom import height_of_keel
 from trainer.core.casualties import KINDS
-from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import MAX_CASUALTIES
 from trainer.session.stations import panels
 from trainer.session.stations.aid_channels import AID_CHANNELS
@@ -22,68 +19,29 @@ from trainer.session.stations.panels import (
     TONNE_KG,
     Channel,
     Field,
+    Source,
     Value,
-    compass,
-    degrees,
-    knots,
-    metres,
+    course,
+    measured,
+    number_of_state,
+    reading,
     word,
 )
 from trainer.session.stations.plot import CONTACTS_CHANNEL, PERISCOPE_CHANNELS
 from trainer.session.stations.view import Frame
-from trainer.units import KNOT
+from trainer.units import DEGREE, KNOT
 
-MIN_SHOWN_SPEED_KN: Final = 0.005  # [kn] that is not written as zero
+TRUE_HEADING: Final = Source(STATE_OFFSETS["psi"], of_state=True, is_course=True)
 TELETYPE_CHANNEL: Final = "teletype"  # the state in one line of 79 columns, under headings
 EVENTS_CHANNEL: Final = "events"  # what happens, when it happens
 
 
-def rate(name: str, read: Callable[[MotionRates], float]) -> Field:
-    """Return a field of the rate of an angle."""
-    return Field(name, "deg/s", 3, lambda frame: math.degrees(read(frame.rates)))
-
-
-def excess_weight(frame: Frame) -> Value:
-    """Return how much heavier [t] than its displacement the boat is."""
-    return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE_KG
-
-
-def clearance(frame: Frame) -> Value:
-    """Return the height [m] of the keel over the ground, None without a ground."""
-    height = height_of_keel(frame.numbers, frame.fittings.length, frame.fittings.keel)
-    return None if math.isinf(height) else height
-
-
-def way_made(frame: Frame) -> tuple[float, float]:
-    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
-    rates = frame.rates
-    speed = float(rates.way) / KNOT
-    angle = math.atan2(rates.east, rates.north) if speed >= MIN_SHOWN_SPEED_KN else frame["psi"]
-    return compass(angle, 2), speed
-
-
-def set_and_drift(frame: Frame) -> tuple[float | None, float]:
-    """Return set [deg] and drift [kn] at the boat. Still water has no set."""
-    north = frame["water_north"] + frame["shear_north"] * frame["z"]
-    east = frame["water_east"] + frame["shear_east"] * frame["z"]
-    drift = math.hypot(north, east) / KNOT
-    return (compass(math.atan2(east, north), 1) if drift >= MIN_SHOWN_SPEED_KN else None), drift
-
-
-def sea_fields(block: str, before: str) -> tuple[Field, ...]:
+def sea_fields(before: str) -> tuple[Field, ...]:
     """Return height, period of the peak and origin of a sea."""
-
-    def period(frame: Frame) -> Value:
-        return math.tau / frame.at(block, OMEGA) if frame.at(block, HEIGHT) else None
-
-    def origin(frame: Frame) -> Value:
-        towards = frame.at(block, DIRECTION)
-        return compass(towards + math.pi, 0) if frame.at(block, HEIGHT) else None
-
     return (
-        Field(f"{before}height", "m", 2, lambda frame: frame.at(block, HEIGHT)),
-        Field(f"{before}period", "s", 1, period),
-        Field(f"{before}from", "deg", 0, origin),
+        reading(f"{before}height", "m", 2),
+        reading(f"{before}period", "s", 1),
+        course(f"{before}from", 0, of=f"{before}origin"),
     )
 
 
@@ -132,44 +90,44 @@ INSTRUCTOR_CHANNELS: Final = (
         "motion",
         "the truth and its rates, for displays that move between ticks",
         (
-            Field("depth", "m", 2, lambda frame: frame.truth.depth),
-            Field("heading", "deg", 2, lambda frame: compass(frame.truth.heading, 2)),
-            Field("speed", "kn", 2, lambda frame: frame.truth.speed / KNOT),
-            degrees("pitch", "theta", decimals=2),
-            degrees("heel", "phi", decimals=2),
-            metres("north", "x"),
-            metres("east", "y"),
-            Field("depth_rate", "m/s", 3, lambda frame: frame.rates.down),
-            rate("turn_rate", lambda rates: rates.heading),
+            number_of_state("depth", "z", "m", 2),
+            measured("heading", "deg", 2, TRUE_HEADING),
+            number_of_state("speed", "u", "kn", 2, KNOT),
+            number_of_state("pitch", "theta", "deg", 2, DEGREE),
+            number_of_state("heel", "phi", "deg", 2, DEGREE),
+            number_of_state("north", "x", "m", 1),
+            number_of_state("east", "y", "m", 1),
+            reading("depth_rate", "m/s", 3),
+            reading("turn_rate", "deg/s", 3, DEGREE),
             # an acceleration is of the forces within a tick: it is that of the tick before
-            knots("speed_rate", "udot", "kn/s", 4),
-            rate("pitch_rate", lambda rates: rates.pitch),
-            rate("heel_rate", lambda rates: rates.heel),
-            Field("north_rate", "m/s", 2, lambda frame: frame.rates.north),
-            Field("east_rate", "m/s", 2, lambda frame: frame.rates.east),
-            Field("heavy", "t", 1, excess_weight),
-            Field("clearance", "m", 1, clearance),
+            number_of_state("speed_rate", "udot", "kn/s", 4, KNOT),
+            reading("pitch_rate", "deg/s", 3, DEGREE),
+            reading("heel_rate", "deg/s", 3, DEGREE),
+            reading("north_rate", "m/s", 2),
+            reading("east_rate", "m/s", 2),
+            reading("heavy", "t", 1, TONNE_KG),
+            reading("clearance", "m", 1),
         ),
     ),
     Channel(
         "sea",
         "the sea in force, the one it is becoming, and the surface above the boat",
         (
-            *sea_fields("sea", ""),
-            *sea_fields("sea_target", "ordered_"),
-            metres("ramp", "sea_ramp", "s"),
-            metres("elevation", "eta_wave", decimals=2),
-            Field("over_sail", "m", 1, lambda frame: -frame.height(*frame.fittings.sail)),
+            *sea_fields(""),
+            *sea_fields("ordered_"),
+            number_of_state("ramp", "sea_ramp", "s", 1),
+            number_of_state("elevation", "eta_wave", "m", 2),
+            reading("over_sail", "m", 1),
         ),
     ),
     Channel(
         "current",
         "the water at the boat, where it goes to and how fast, and the way made over the ground",
         (
-            Field("set", "deg", 1, lambda frame: set_and_drift(frame)[0]),
-            Field("drift", "kn", 2, lambda frame: set_and_drift(frame)[1]),
-            Field("course_over_ground", "deg", 1, lambda frame: round(way_made(frame)[0], 1) % 360),
-            Field("speed_over_ground", "kn", 2, lambda frame: way_made(frame)[1]),
+            course("set"),
+            reading("drift", "kn", 2, KNOT),
+            course("course_over_ground", of="track"),
+            reading("speed_over_ground", "kn", 2, KNOT, of="way"),
         ),
     ),
     Channel(

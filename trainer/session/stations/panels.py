@@ -8,22 +8,32 @@ their instruments have no casualty.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
+from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.crew_orders import CREW_AXES
+from trainer.boat.readings import READING_OFFSETS
 from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
-from trainer.core.surfaces import SURFACES
 from trainer.io.nmea import number
 from trainer.session.stations.view import Frame
-from trainer.units import KNOT
+from trainer.units import DEGREE, KNOT
 
 Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
 TONNE_KG: Final = 1000.0  # [kg]
-# still to go: nearly round, the other way than was ordered
-LONG_TURN_RAD: Final = math.radians(350.0)
+PERCENT: Final = 0.01  # [-]
+MEGAPASCAL: Final = 1e6  # [Pa]
 VALVE_POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
+
+
+class Source(NamedTuple):
+    """The number that a field shows, in the state or among the readings."""
+
+    place: int
+    size: float = 1.0  # [SI] of the field's unit
+    of_state: bool = False
+    is_course: bool = False  # an angle that is shown from 0 to 360 degrees
 
 
 @dataclass(frozen=True)
@@ -38,6 +48,7 @@ class Field:
     decimals: int
     read: Callable[[Frame], Value]
     packed: bool = False  # for programs alone: words leave it out
+    source: Source | None = None  # of what it shows, if no more than a number is read
 
     def text(self, frame: Frame) -> str:
         """Return the value with its decimals, "" for none."""
@@ -71,46 +82,48 @@ def compass(angle: float, decimals: int = 1) -> float:
     return round(math.degrees(angle), decimals) % 360.0
 
 
-def degrees(name: str, field: str, unit: str = "deg", decimals: int = 1) -> Field:
-    """Return a field of an angle or its rate, from a field of the state."""
-    return Field(name, unit, decimals, lambda frame: math.degrees(frame[field]))
+def measured(name: str, unit: str, decimals: int, source: Source) -> Field:
+    """Return a field of a number of the state or of a reading."""
+    place, size, of_state, is_course = source
+
+    def read(frame: Frame) -> Value:
+        value = (frame.numbers if of_state else frame.shown)[place]
+        if math.isnan(value):
+            return None
+        return compass(value, decimals) if is_course else value / size
+
+    return Field(name, unit, decimals, read, source=source)
 
 
-def metres(name: str, field: str, unit: str = "m", decimals: int = 1) -> Field:
-    """Return a field of a length or its rate, from a field of the state."""
-    return Field(name, unit, decimals, lambda frame: frame[field])
+def reading(name: str, unit: str, decimals: int, size: float = 1.0, of: str = "") -> Field:
+    """Return a field of a reading in a unit of that size [SI].
+
+    ``of`` is its name in the core, if it has another.
+    """
+    return measured(name, unit, decimals, Source(READING_OFFSETS[of or name], size))
 
 
-def knots(name: str, field: str, unit: str = "kn", decimals: int = 1) -> Field:
-    """Return a field of a speed or its rate, from a field of the state."""
-    return Field(name, unit, decimals, lambda frame: frame[field] / KNOT)
+def course(name: str, decimals: int = 1, of: str = "") -> Field:
+    """Return a field of a reading that is a direction."""
+    return measured(name, "deg", decimals, Source(READING_OFFSETS[of or name], is_course=True))
 
 
-HEADING_FIELD: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
-DEPTH_FIELD: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
-SPEED_FIELD: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
-SOUNDING_FIELD: Final = Field("sounding", "m", 1, lambda frame: frame.readings.sounding or None)
-PITCH_FIELD: Final = degrees("pitch", "theta")
-HEEL_FIELD: Final = degrees("heel", "phi")
+def number_of_state(name: str, field: str, unit: str, decimals: int, size: float = 1.0) -> Field:
+    """Return a field of the state in a unit of that size [SI]."""
+    return measured(name, unit, decimals, Source(STATE_OFFSETS[field], size, of_state=True))
+
+
+HEADING_FIELD: Final = course("heading")
+DEPTH_FIELD: Final = reading("depth", "m", 1)
+SPEED_FIELD: Final = reading("speed", "kn", 1, KNOT)
+PITCH_FIELD: Final = number_of_state("pitch", "theta", "deg", 1, DEGREE)
+HEEL_FIELD: Final = number_of_state("heel", "phi", "deg", 1, DEGREE)
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:
     """Return the angle of a surface, its order, and who orders it."""
-    letter = SURFACES[surface]
-
-    def angle(field: str, frame: Frame) -> float | None:
-        toward = frame.boat.toward[surface]
-        return math.degrees(frame[field]) * toward if toward else None
-
-    def ordered(frame: Frame) -> float | None:
-        by_hand = frame[f"{surface}_by_hand"]
-        return angle(f"ordered_{letter}" if by_hand else f"command_{letter}", frame)
-
-    return (
-        Field(surface, "deg", 1, lambda frame: angle(f"delta_{letter}", frame)),
-        Field(f"ordered_{surface}", "deg", 1, ordered),
-        mode_field(surface),
-    )
+    angle, ordered = (reading(name, "deg", 1, DEGREE) for name in (surface, f"ordered_{surface}"))
+    return angle, ordered, mode_field(surface)
 
 
 def mode_field(what: str) -> Field:
@@ -118,30 +131,9 @@ def mode_field(what: str) -> Field:
     return word(f"{what}_mode", lambda frame: "hand" if frame[f"{what}_by_hand"] else "auto")
 
 
-def ordered_course(frame: Frame) -> Value:
-    """Return the course kept [deg]."""
-    return None if frame["rudder_by_hand"] else compass(frame["ordered_psi"])
-
-
-def ordered_depth(frame: Frame) -> Value:
-    """Return the depth kept [m], by the planes or hovering."""
-    is_kept = not (frame["stern_by_hand"] and frame["bow_by_hand"]) or frame["hover"]
-    return frame["ordered_depth"] if is_kept else None
-
-
-def ordered_speed(frame: Frame) -> Value:
-    """Return the speed kept [kn]."""
-    return None if frame["speed_by_hand"] else frame["ordered_speed"] / KNOT
-
-
-def rpm(frame: Frame, u_c: float) -> float:
+def rpm(frame: Frame, u_c: float | None) -> float:
     """Return the revolutions a minute of a command speed [m/s]."""
-    return u_c * frame.boat.file.propulsion.rps_per_mps * 60.0
-
-
-def ordered_turns(frame: Frame) -> float:
-    """Return the command speed [m/s] that is asked for, by hand or by the autopilot."""
-    return frame["ordered_u_c"] if frame["speed_by_hand"] else frame["command_u_c"]
+    return (u_c or 0.0) * frame.boat.file.propulsion.rps_per_mps * 60.0
 
 
 def bell(frame: Frame) -> Value:
@@ -154,39 +146,16 @@ def bell(frame: Frame) -> Value:
     return rung[0].replace("_", "-") if rung else None
 
 
-def tonnes(name: str, field: str) -> Field:
-    """Return a field of a mass."""
-    return Field(name, "t", 1, lambda frame: frame[field] / TONNE_KG)
-
-
-def tank_fields(index: int, tank: str) -> tuple[Field, ...]:
+def tank_fields(tank: str) -> tuple[Field, ...]:
     """Return the content of a tank or compartment. A tank also tells how full it is."""
     name = tank.replace("compartment_", "flood_")
-
-    def water(frame: Frame) -> float | None:
-        return frame.at("water", index) / TONNE_KG if frame.fittings.capacity[index] else None
-
-    def share(frame: Frame) -> float | None:
-        whole = frame.fittings.capacity[index]
-        return 100.0 * frame.at("water", index) / whole if whole else None
-
-    mass = Field(name, "t", 1, water)
-    return (mass,) if tank in COMPARTMENTS else (mass, Field(f"{name}_full", "%", 1, share))
+    mass = reading(name, "t", 1, TONNE_KG)
+    return (mass,) if tank in COMPARTMENTS else (mass, reading(f"{name}_full", "%", 1, PERCENT))
 
 
-def bank_fields(index: int, bank: str) -> tuple[Field, ...]:
+def bank_fields(bank: str) -> tuple[Field, ...]:
     """Return the pressure of a bank, and how full it is."""
-
-    def share(frame: Frame, whole: float, unit: float) -> float | None:
-        return frame[f"bank_{bank}"] * unit / whole if whole else None
-
-    def pressure(frame: Frame) -> float | None:
-        return share(frame, frame.fittings.bank_volume[index], frame.fittings.gas / 1e6)
-
-    def full(frame: Frame) -> float | None:
-        return share(frame, frame.fittings.bank_full[index], 100.0)
-
-    return Field(bank, "MPa", 1, pressure), Field(f"{bank}_full", "%", 1, full)
+    return reading(bank, "MPa", 1, MEGAPASCAL), reading(f"{bank}_full", "%", 1, PERCENT)
 
 
 def valve_fields(valve: str) -> tuple[Field, ...]:
@@ -214,7 +183,7 @@ def compressor(frame: Frame) -> Value:
 
 def trim_mode(frame: Frame) -> Value:
     """Return who trims, where the boat has trim tanks."""
-    if not frame.fittings.capacity[TANKS.index("trim_forward")]:
+    if frame.read("trim_forward") is None:
         return None
     return "hand" if frame["trim_by_hand"] else "auto"
 
@@ -225,48 +194,20 @@ def drained_compartment(frame: Frame) -> Value:
     return COMPARTMENTS[index - 1].removeprefix("compartment_") if index else None
 
 
-def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
-    """Return a reader of a number of an order to the crew. It reads None without an order."""
-    index = CREW_AXES.index(axis)
-    return lambda frame: read(frame) if frame.at("crew_order_tick", index) else None
-
-
 def crew_since(axis: str) -> Field:
     """Return the field of how long [s] an order to the crew has stood."""
-    index = CREW_AXES.index(axis)
 
-    def since(frame: Frame) -> float:
-        ticks = frame["tick"] - frame.at("crew_order_tick", index) + 1.0
-        return ticks * frame.boat.method.step
+    def since(frame: Frame) -> Value:
+        ticks = frame.read(f"{axis}_since")
+        return None if ticks is None else ticks * frame.boat.method.step
 
-    return Field(f"{axis}_since", "s", 0, crew_order(axis, since))
-
-
-def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
-    """Return the field of what is still to go to an order, by the gauge."""
-
-    def to_go(frame: Frame) -> float:
-        wanted, shown = ordered.read(frame), gauge.read(frame)
-        if isinstance(wanted, float) and isinstance(shown, float):
-            return wanted - shown
-        return math.nan  # no boat lacks these gauges
-
-    return Field(f"{axis}_error", unit, 1, crew_order(axis, to_go))
+    return Field(f"{axis}_since", "s", 0, since)
 
 
-def crew_value(axis: str, unit: str, size: float) -> Field:
-    """Return an order to the crew in a unit of that size [SI]."""
-    index = CREW_AXES.index(axis)
-    read = crew_order(axis, lambda frame: frame.at("crew_order", index) / size)
-    return Field(axis, unit, 1, read)
-
-
-def course_to_go(frame: Frame) -> float:
-    """Return the angle [deg] still to turn, right positive, by the way that was ordered."""
-    to_go = frame.at("crew_order", 0) - frame.readings.heading
-    if not frame["crew_course_side"] or abs(to_go) > LONG_TURN_RAD:
-        to_go = math.remainder(to_go, math.tau)
-    return math.degrees(to_go)
+def crew_fields(axis: str, unit: str, size: float) -> tuple[Field, ...]:
+    """Return an order to the crew, what is to go, and how long it stands."""
+    ordered = reading(axis, unit, 1, size, of=f"crew_{axis}")
+    return ordered, reading(f"{axis}_error", unit, 1, size), crew_since(axis)
 
 
 def course_side(frame: Frame) -> Value:
@@ -281,29 +222,20 @@ def depth_unit(frame: Frame) -> Value:
     return ("m" if frame["crew_depth_unit"] == 1.0 else "ft") if stands else None
 
 
-DEPTH_ORDER: Final = crew_value("depth", "m", 1.0)
-SPEED_ORDER: Final = crew_value("speed", "kn", KNOT)
-PITCH_ORDER: Final = crew_value("pitch", "deg", math.radians(1.0))
+DEPTH_FIELDS: Final = crew_fields("depth", "m", 1.0)
 ORDERS_CHANNEL: Final = Channel(
     "orders",
     "what the crew is ordered; errors are to go, right, deeper, faster and bow up positive",
     (
-        Field(
-            "course", "deg", 1, crew_order("course", lambda frame: compass(frame["crew_course"]))
-        ),
+        course("course", of="crew_course"),
         word("course_side", course_side),
-        Field("course_error", "deg", 1, crew_order("course", course_to_go)),
+        reading("course_error", "deg", 1, DEGREE),
         crew_since("course"),
-        DEPTH_ORDER,
+        DEPTH_FIELDS[0],
         word("depth_unit", depth_unit),
-        crew_error("depth", "m", DEPTH_ORDER, DEPTH_FIELD),
-        crew_since("depth"),
-        SPEED_ORDER,
-        crew_error("speed", "kn", SPEED_ORDER, SPEED_FIELD),
-        crew_since("speed"),
-        PITCH_ORDER,
-        crew_error("pitch", "deg", PITCH_ORDER, PITCH_FIELD),
-        crew_since("pitch"),
+        *DEPTH_FIELDS[1:],
+        *crew_fields("speed", "kn", KNOT),
+        *crew_fields("pitch", "deg", DEGREE),
         word("told", lambda frame: frame.pace.told or None),
     ),
 )
@@ -321,9 +253,9 @@ PANEL_CHANNELS: Final = (
         "the helm's panel",
         (
             HEADING_FIELD,
-            Field("ordered_course", "deg", 1, ordered_course),
+            course("ordered_course"),
             *surface_fields("rudder"),
-            degrees("turn_rate", "r", "deg/s", 2),
+            number_of_state("turn_rate", "r", "deg/s", 2, DEGREE),
         ),
     ),
     Channel(
@@ -331,9 +263,9 @@ PANEL_CHANNELS: Final = (
         "log, telegraph and turns",
         (
             SPEED_FIELD,
-            Field("ordered_speed", "kn", 1, ordered_speed),
+            reading("ordered_speed", "kn", 1, KNOT),
             Field("rpm", "rpm", 1, lambda frame: rpm(frame, frame["u_c"])),
-            Field("ordered_rpm", "rpm", 1, lambda frame: rpm(frame, ordered_turns(frame))),
+            Field("ordered_rpm", "rpm", 1, lambda frame: rpm(frame, frame.read("ordered_turns"))),
             word("bell", bell),
             mode_field("speed"),
         ),
@@ -343,22 +275,22 @@ PANEL_CHANNELS: Final = (
         "the planes' panel",
         (
             DEPTH_FIELD,
-            Field("ordered_depth", "m", 1, ordered_depth),
+            reading("ordered_depth", "m", 1),
             PITCH_FIELD,
             HEEL_FIELD,
             *surface_fields("stern"),
             *surface_fields("bow"),
-            SOUNDING_FIELD,
+            reading("sounding", "m", 1),
         ),
     ),
     Channel(
         "tanks",
         "water aboard, and what is being moved: forward and inward positive",
         (
-            *(field for i, tank in enumerate(TANKS) for field in tank_fields(i, tank)),
-            tonnes("moving_trim", "move_trim"),
-            tonnes("moving_auxiliary", "move_auxiliary"),
-            tonnes("moving_depth_control", "move_depth_control"),
+            *(field for tank in TANKS for field in tank_fields(tank)),
+            number_of_state("moving_trim", "move_trim", "t", 1, TONNE_KG),
+            number_of_state("moving_auxiliary", "move_auxiliary", "t", 1, TONNE_KG),
+            number_of_state("moving_depth_control", "move_depth_control", "t", 1, TONNE_KG),
             word("draining", drained_compartment),
             is_working("hover"),
             word("trim_mode", trim_mode),
@@ -368,7 +300,7 @@ PANEL_CHANNELS: Final = (
         "air",
         "the air banks",
         (
-            *(field for i, bank in enumerate(BANKS) for field in bank_fields(i, bank)),
+            *(field for bank in BANKS for field in bank_fields(bank)),
             word("compressor", compressor),
         ),
     ),

@@ -226,7 +226,7 @@ def of_swell(read: Callable[[Swell], Value]) -> Callable[[Frame], Value]:
         if not frame["sea_height"] or not optics_are_out(frame):
             return None
         if "swell" not in frame.kept:
-            frame.kept["swell"] = swell_round(frame.numbers, frame.fittings.g)
+            frame.kept["swell"] = swell_round(frame.numbers, float(frame.boat.vessel.g))
         return read(frame.kept["swell"])
 
     return value

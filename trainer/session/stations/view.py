@@ -15,9 +15,8 @@ import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
-from trainer.boat.motion_rates import MotionRates, read_rates
-from trainer.boat.world.bottom import keel_of
-from trainer.core.casualties import instruments
+from trainer.boat.readings import READING_OFFSETS
+from trainer.core.readings import new_readings, write_readings
 from trainer.core.state import SOUNDING_COUNT, new_scratch, new_state
 from trainer.session.stations.aids import NO_AIDS, ShownAids
 from trainer.session.time.ledger import Summary
@@ -46,36 +45,6 @@ class Picture(NamedTuple):
     pace: Pace
 
 
-class Fittings(NamedTuple):
-    """The scales of tanks, banks and weight: the vessel's constants as plain numbers."""
-
-    capacity: tuple[float, ...]  # [kg] by tank
-    bank_volume: tuple[float, ...]  # [m3]
-    bank_full: tuple[float, ...]  # [kg]
-    gas: float  # [J/kg]
-    buoyancy: float  # [N]
-    g: float  # [m/s2]
-    sail: tuple[float, float]  # [m] its top, body axes x and z
-    length: float  # [m]
-    keel: float  # [m] below the origin
-
-    @classmethod
-    def of(cls, boat: Boat) -> "Fittings":
-        """Return the scales of a boat as floats, because its record is slow to read."""
-        c = boat.vessel
-        return cls(
-            tuple(c.capacity.tolist()),
-            tuple(c.bank_volume.tolist()),
-            tuple(c.bank_full.tolist()),
-            float(c.gas),
-            float(c.buoyancy),
-            float(c.g),
-            (float(c.x_sail), float(c.z_sail)),
-            float(c.ell),
-            keel_of(c),
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class Frame:
     """One tick. ``frame[name]`` is a field of the state [SI], by its name in the core.
@@ -84,15 +53,19 @@ class Frame:
     """
 
     boat: Boat
-    fittings: Fittings
     numbers: list[float]
-    readings: InstrumentReadings
+    shown: list[float]  # the readings [SI], by READING_OFFSETS
     pace: Pace
     summary: Callable[[], Summary]
     kept: dict[str, Any] = field(default_factory=dict)  # results that several fields share
 
     def __getitem__(self, name: str) -> float:
         return self.numbers[STATE_OFFSETS[name]]
+
+    def read(self, name: str) -> float | None:
+        """Return a reading [SI] by its name in the core, None for nothing to read."""
+        value = self.shown[READING_OFFSETS[name]]
+        return None if math.isnan(value) else value
 
     def at(self, block: str, index: int) -> float:
         """Return the number at an index of a block of the state [SI]."""
@@ -103,11 +76,6 @@ class Frame:
         """Return the summary of the ticks."""
         return self.summary()
 
-    @cached_property
-    def rates(self) -> MotionRates:
-        """Return the rates of attitude and location at this tick [SI]."""
-        return read_rates(self.__getitem__)
-
     @property
     def tick(self) -> int:
         """Return the number of ticks done."""
@@ -117,6 +85,12 @@ class Frame:
     def seconds(self) -> float:
         """Return the time [s] since the start."""
         return self["tick"] * self.boat.method.step
+
+    @property
+    def readings(self) -> InstrumentReadings:
+        """Return what depth gauge [m], gyro [rad], log [m/s] and sounder [m] read."""
+        depth, heading, speed, sounding = self.shown[:4]
+        return InstrumentReadings(depth, heading, speed, 0.0 if math.isnan(sounding) else sounding)
 
     def height(self, x: float, z: float) -> float:
         """Return the height [m] over the waves of a point in body axes."""
@@ -138,9 +112,9 @@ class StateReader:
     def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:
         """Look at ``boat``; ``summary`` is that of the session's ledger, asked for when shown."""
         self._boat = boat
-        self._fittings = Fittings.of(boat)
         self._summary = summary
         self._state, self._scratch = new_state(), new_scratch()
+        self._readings = new_readings()
 
     def frame(self, picture: Picture) -> Frame:
         """Return the frame of a picture; ValueError unless its state is of this core's layout."""
@@ -150,7 +124,8 @@ class StateReader:
             )
         whole = np.frombuffer(picture.state)
         self._state["whole"][0] = whole
-        instruments(self._state, self._scratch)
-        readings = InstrumentReadings(*self._scratch["reading"][0].tolist())
+        records = self._state, self._scratch, self._readings
+        write_readings(self._boat.records.vessel, *records)
+        shown = self._readings["whole"][0].tolist()
         numbers = whole.tolist()
-        return Frame(self._boat, self._fittings, numbers, readings, picture.pace, self._summary)
+        return Frame(self._boat, numbers, shown, picture.pace, self._summary)

@@ -2,13 +2,13 @@
 
 /**
  * @typedef {{ memory: WebAssembly.Memory, trainer_tick: (...places: number[]) => number,
- *   trainer_read: (state: number, scratch: number) => number,
+ *   trainer_show: (vessel: number, state: number, scratch: number, readings: number) => number,
  *   trainer_begin: (kind: number, amount: number, ticks: number, state: number) => number,
  *   trainer_end: (kind: number, ticks: number, state: number) => number,
  *   trainer_sea: (vessel: number, step: number, ramp: number, wanted: number, scratch: number,
  *     state: number) => number } & Record<string, any>} Exports
  * @typedef {{ records: Record<string, string>, places: Record<string, number>, step_s: number,
- *   state_doubles: number, gauges_at: number }} Numbers
+ *   readings: Record<string, number>, state_doubles: number }} Numbers
  */
 
 const ROOMS = ["vessel", "compact", "scheme", "state", "scratch"];
@@ -30,14 +30,14 @@ export class Core {
     this.exports = exports;
     this.boat = boat;
     this.step = boat.step_s;
-    this.at = Object.fromEntries([...ROOMS, "wanted"].map((room) => [room, exports[`trainer_${room}`].value]));
+    this.at = Object.fromEntries([...ROOMS, "wanted", "readings"].map((room) => [room, exports[`trainer_${room}`].value]));
     this.rooms = ROOMS.map((room) => this.at[room]);
     const { buffer } = exports.memory;
     const bytes = new Uint8Array(buffer);
     for (const [room, text] of Object.entries(boat.records)) bytes.set(unpack(text), this.at[room]);
     this.state = new Float64Array(buffer, this.at.state, boat.state_doubles);
     this.wanted = new Float64Array(buffer, this.at.wanted, 9);
-    this.gauges = new Float64Array(buffer, this.at.scratch + boat.gauges_at, 3);
+    this.shown = new Float64Array(buffer, this.at.readings, Object.keys(boat.readings).length);
   }
 
   /** Returns a number of the state by its name. @param {string} name */
@@ -55,10 +55,11 @@ export class Core {
     return this.exports.trainer_tick(...this.rooms);
   }
 
-  /** Returns what depth gauge [m], gyro [rad] and log [m/s] read. */
-  read() {
-    this.exports.trainer_read(this.at.state, this.at.scratch);
-    return this.gauges;
+  /** Returns all that is read off the boat [SI], as the core's table of readings has it. */
+  show() {
+    const { vessel, state, scratch, readings } = this.at;
+    this.exports.trainer_show(vessel, state, scratch, readings);
+    return this.shown;
   }
 
   /** @param {number} kind @param {number} amount [SI] @param {number} ticks */

@@ -6,7 +6,7 @@ import { describe } from "./readings.js";
  * @typedef {import("./core.js").Core} Core
  * @typedef {import("./grammar.js").Order} Order
  * @typedef {{ name: string, kind: string, code: number, severity: number, ramp: number, clear: number,
- *   says: string, full: number, limit: number | null, low: number, high: number, sudden: boolean,
+ *   says: string, full: number, limit: number, low: number, high: number, sudden: boolean,
  *   degree: string, told: string, usual: string }} Casualty
  * @typedef {{ orders: string[], casualties: Casualty[], calms: Record<string, [number, number]>,
  *   ramp_s: number }} Table
@@ -86,8 +86,7 @@ export class BoatOrders {
       throw new Refusal(`severity ${severity}: it is ${found.low} to ${found.high}`);
     }
     if (ramp > LONGEST || (found.sudden && ramp)) throw new Refusal(`${found.kind} has no such ramp`);
-    const whole = severity * found.full;
-    const amount = found.limit === null ? whole : whole * found.limit;
+    const amount = severity * found.full * found.limit;
     if (!this.core.begin(found.code, amount, this.ticks(ramp))) throw new Refusal("too many casualties: clear one");
     const degree = found.sudden ? "" : `, ${describe(this.fittings, found.kind, amount)}`;
     return `casualty ${found.name}${degree}${ramp ? ` within ${ramp} s` : ""}`;

@@ -1,4 +1,8 @@
-"""The rates of attitude and location at the tick that is told.
+"""What is read off many states of a boat, and rates of the tick told.
+
+``core/readings`` has all that is read off one state; ``read_states`` does it for many that are
+whole. Where only some numbers of the ticks of a flight were kept, ``read_rates`` and
+``is_depth_kept`` compute what is needed of them, in columns; a test holds them to the core's.
 
 The rates in a state are those with which its last tick began, so whoever tells them is a tick late.
 Here they follow from the motion as it stands, [ASSES] (7), and from the water as the last tick had
@@ -15,8 +19,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from trainer.boat.boat import Boat
+from trainer.core.kernel import Numbers
 from trainer.core.kinematics import MIN_PITCH_COSINE
+from trainer.core.readings import READINGS, new_readings, write_readings
+from trainer.core.state import new_scratch, new_state
 
+READING_OFFSETS = {
+    name: offset // 8
+    for name, (kind, offset, *_) in (READINGS.fields or {}).items()
+    if not kind.shape
+}
 # a number of one state [SI] by its name, or those of many as an array
 NumberReader = Callable[[str], Any]
 MOTION_NAMES = ("u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "z")
@@ -61,3 +74,25 @@ def read_rates(read: NumberReader) -> MotionRates:
         east=(along * sin_psi + across * cos_psi + water_east + shear_east * z) * moves,
         down=(downward * cos_th - u * sin_th) * sinks,
     )
+
+
+def is_depth_kept(read: NumberReader) -> Any:
+    """Return whether the ordered depth is kept, by a pair of planes or hovering."""
+    in_hand = (read("stern_by_hand") != 0.0) & (read("bow_by_hand") != 0.0)
+    return ~in_hand | (read("hover") != 0.0)
+
+
+def read_states(boat: Boat, states: Numbers) -> Numbers:
+    """Return the readings [n, READINGS] of many states [n, STATE] of a boat."""
+    vessel, state, scratch, readings = (
+        boat.records.vessel,
+        new_state(),
+        new_scratch(),
+        new_readings(),
+    )
+    out = np.empty((len(states), READINGS.itemsize // 8))
+    for row, numbers in zip(out, states, strict=True):
+        state["whole"][0] = numbers
+        write_readings(vessel, state, scratch, readings)
+        row[:] = readings["whole"][0]
+    return out
