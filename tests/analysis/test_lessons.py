@@ -15,6 +15,7 @@ from helpers.line import Line
 from trainer.analysis.exercise_page import check_exercise
 from trainer.analysis.stated import READING_TIMES_S, StepFlight, fly_steps
 from trainer.boat.boat import Boat
+from trainer.boat.quantities import quantity_of
 from trainer.config.course import course, lessons
 from trainer.config.derived import Condition
 from trainer.config.exercise import load_exercise
@@ -23,7 +24,6 @@ from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
 from trainer.console.exercise import LessonStep
 from trainer.console.model import SessionModel
-from trainer.session.exercise import quantity_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import briefing_of

@@ -14,6 +14,7 @@ import pytest
 from helpers.crewed import PLACE, Begin, Crewed
 from helpers.line import Line, fields_of
 
+from trainer.boat.quantities import is_met, quantity_of
 from trainer.cli.run import debriefing
 from trainer.config.course import course, lessons
 from trainer.config.derived import ALL_QUANTITIES, Condition
@@ -25,7 +26,6 @@ from trainer.core.state import STATE
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
-from trainer.session.exercise import is_met, quantity_of
 from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
 
 # The end of an exercise

@@ -14,6 +14,7 @@ from trainer.analysis.boat_page import boat_of
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor, following_speed_ratio
+from trainer.boat.quantities import is_met
 from trainer.boat.world.world import World
 from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
@@ -24,7 +25,6 @@ from trainer.config.sea import load_sea
 from trainer.debrief.measures import rows_beyond
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.session.exercise import is_met
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
 from trainer.session.options import RunOptions

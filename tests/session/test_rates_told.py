@@ -15,11 +15,11 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks
 from trainer.boat.grounding import touch_of
 from trainer.boat.limits import LIMIT_READERS
+from trainer.boat.quantities import quantity_of
 from trainer.boat.readings import read_rates
 from trainer.boat.world.approach import OwnMotion
 from trainer.core.rates import rates
 from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.session.exercise import quantity_of
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.rerun import charts

@@ -16,13 +16,14 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
+from trainer.boat.quantities import is_met
 from trainer.config.files import Position
 from trainer.config.stated import StatedValue
 from trainer.config.steps import Step
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
-from trainer.session.exercise import LossMonitor, is_met
+from trainer.session.exercise import LossMonitor
 from trainer.session.plan import Plan
 
 READING_TIMES_S: Final = (0.5, 2.0, 4.0, 8.0)  # [s] until each newcomer types; an estimate

@@ -18,7 +18,7 @@ from outside the core, stays here.
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "envelope", "export", "flown_ticks", "grounding",
-    "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms", "readings",
-    "reference_crew", "sea_orders", "ship", "stability", "world",
+    "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms", "quantities",
+    "readings", "reference_crew", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import casualty_refusal, scale_of
+from trainer.boat.quantities import is_met
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Position
@@ -21,7 +22,6 @@ from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, pa
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.status_line import clock
-from trainer.session.exercise import is_met
 from trainer.session.stations.station import Fact
 
 MAX_PLANS: Final = 40  # plans that may wait at once, and entries of the list that programs get

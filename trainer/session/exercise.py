@@ -11,13 +11,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.casualties import scale_of
-from trainer.boat.grounding import clearance
-from trainer.boat.limits import height_showing, is_deep
-from trainer.boat.readings import read_rates
-from trainer.boat.world.scope import eye_height
-from trainer.config.condition import STATE_QUANTITIES
-from trainer.config.derived import Condition, Loss
+from trainer.boat.quantities import is_met
+from trainer.config.derived import Loss
 from trainer.config.loss_words import word_loss
 from trainer.config.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -59,30 +54,6 @@ class LossMonitor:
     def follow(self, moment: Moment) -> None:
         """Count anew after a jump, unless that very moment has lost the exercise."""
         self.held = self.ticks if moment.state in self.ends else 0
-
-
-def is_met(condition: Condition, boat: Boat) -> bool:
-    """Return whether a condition holds now; False if the boat lacks its quantity."""
-    value = quantity_of(boat, condition.quantity)
-    beyond = condition.sense * (value - condition.threshold)
-    return beyond > 0.0 if condition.strict else beyond >= 0.0
-
-
-def quantity_of(boat: Boat, name: str) -> float:
-    """Return the true value of a condition's quantity [SI]. NaN if the boat lacks it."""
-    if name == "showing":
-        return -math.inf if is_deep(boat) else height_showing(boat)
-    if measure := {"eye": eye_height, "clearance": clearance}.get(name):
-        return measure(boat)
-    if name == "course":
-        return boat.plain[STATE_OFFSETS["psi"]] % math.tau
-    if name == "heavy":
-        vessel = boat.vessel
-        return (boat.plain[STATE_OFFSETS["weight"]] - float(vessel.buoyancy)) / float(vessel.g)
-    if name == "speed_over_ground":
-        return float(read_rates(lambda name: boat.plain[STATE_OFFSETS[name]]).way)
-    factor = scale_of(boat, name)
-    return boat.plain[STATE_OFFSETS[STATE_QUANTITIES[name].field]] / factor if factor else math.nan
 
 
 @dataclass

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from trainer.boat.quantities import is_met
 from trainer.config.outcome import Outcome
 from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -19,7 +20,6 @@ from trainer.io.recording.recording import Moment, RecordingError
 from trainer.session.aside import BackgroundTask
 from trainer.session.control import Control
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import is_met
 from trainer.session.shown import ScreenOutput
 from trainer.session.stations.station import Fact
 
