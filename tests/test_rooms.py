@@ -153,8 +153,8 @@ HOUSE: Final = {"trainer.boat": ["helm", "world"], "trainer.boat.world": ["botto
 @pytest.mark.parametrize(
     ("user", "used", "room"),
     [
-        ("trainer.session.plan", "trainer.boat.entries", "boat"),
-        ("trainer.session.plan", "trainer.boat.world.swell", "boat/world"),
+        ("trainer.session.past.plan", "trainer.boat.entries", "boat"),
+        ("trainer.session.past.plan", "trainer.boat.world.swell", "boat/world"),
         ("trainer.boat.limits", "trainer.boat.world.swell", "boat/world"),
         ("trainer", "trainer.boat.entries", "boat"),
         ("trainer.core.kernel", "trainer.boat.entries", "boat"),
@@ -172,12 +172,12 @@ def test_a_use_of_what_a_room_keeps_is_seen(user: str, used: str, room: str) -> 
 @pytest.mark.parametrize(
     ("user", "used"),
     [
-        ("trainer.session.plan", "trainer.boat.helm"),
-        ("trainer.session.plan", "trainer.boat.world.bottom"),
+        ("trainer.session.past.plan", "trainer.boat.helm"),
+        ("trainer.session.past.plan", "trainer.boat.world.bottom"),
         ("trainer.boat.world.contacts", "trainer.boat.entries"),
         ("trainer.boat.world.contacts", "trainer.boat.world.swell"),
-        ("trainer.session.plan", "trainer.boat"),
-        ("trainer.session.plan", "trainer.core.full"),
+        ("trainer.session.past.plan", "trainer.boat"),
+        ("trainer.session.past.plan", "trainer.core.full"),
     ],
 )
 def test_a_use_of_what_is_named_or_within_a_room_is_free(user: str, used: str) -> None:
@@ -186,7 +186,7 @@ def test_a_use_of_what_is_named_or_within_a_room_is_free(user: str, used: str) -
 
 def test_a_name_used_from_within_alone_is_seen_as_idle() -> None:
     within = Use("trainer.boat.limits", 3, "trainer.boat.helm")
-    without = Use("trainer.session.plan", 3, "trainer.boat.world.bottom")
+    without = Use("trainer.session.past.plan", 3, "trainer.boat.world.bottom")
 
     (fault,) = idle_names([within, without], HOUSE)
     assert fault == "trainer/boat/__init__.py: no other room uses helm, which __all__ names"

@@ -56,14 +56,14 @@ TOKEN = "a-word"  # noqa: S105 not a secret
 EVIL_CALLS = {"eval", "exec", "compile", "__import__", "system", "popen", "mktemp"}
 TOLD = {
     "io/recording/file.py",  # when it happened, beside the tick
-    "session/header.py",  # when it was begun
+    "session/past/header.py",  # when it was begun
     "io/paths.py",  # a recording's name
     "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
     "cli/guide.py",  # when a guide was made
     "debrief/changes.py",  # when a mark was changed
     "debrief/progress_words.py",  # how many days ago an exercise was flown
     "console/exercise_choice.py",  # likewise
-    "session/training.py",  # likewise, of the next one
+    "session/exercise/training.py",  # likewise, of the next one
 }
 TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
 

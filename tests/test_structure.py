@@ -15,7 +15,7 @@ from trainer.boat.export.header import PUBLISHED_NAMES, record_members
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.orders import sentences
-from trainer.session.layout import LAYOUT
+from trainer.session.past.layout import LAYOUT
 from trainer.session.stations.roles import EVENT_KINDS
 
 PACKAGE = ROOT / "trainer"

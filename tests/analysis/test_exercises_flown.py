@@ -42,8 +42,8 @@ from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.facts import REFERENCE_GIVER, SCHEDULE_GIVER
 from trainer.io.recording.recording import Recording
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.run import run_boat
 
 NAMES = shipped_names("exercises")

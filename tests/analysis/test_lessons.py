@@ -24,11 +24,11 @@ from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows
 from trainer.console.exercise import LessonStep
 from trainer.console.model import SessionModel
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.exercise.step_guide import StepGuide
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.run import briefing_of
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
-from trainer.session.step_guide import StepGuide
 
 NAMES = [each.name for each in lessons()]
 DRILL = """
@@ -390,7 +390,7 @@ def test_the_progress_of_a_lesson_says_done_only_if_each_step_is(
     ship, trainee = missed
     kept: list[str] = []
     monkeypatch.setattr(
-        "trainer.session.training.begin_aside", lambda words: kept.append(words[-1])
+        "trainer.session.exercise.training.begin_aside", lambda words: kept.append(words[-1])
     )
     training = ship.conduct.training
     training.trainees, training.keeper = ("Ann",), ("keep",)

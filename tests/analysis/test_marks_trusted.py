@@ -18,7 +18,7 @@ from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.queries import RecordedOrder
-from trainer.session.manning import in_hand
+from trainer.session.crew.manning import in_hand
 
 NAMES = shipped_names("exercises")
 # in these a second counts

@@ -15,8 +15,8 @@ from trainer.analysis.check_page import Readiness, examine_boat, render_readines
 from trainer.cli.vessel import check
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_template import vessel_text
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 BOATS = ("bb2", "sdv-mk9", "remus100")
 OF_COMPACT = re.compile(r"^\[(compact|compensation\.\w+)\].*?(?=^\[)", re.DOTALL | re.MULTILINE)

@@ -19,8 +19,8 @@ from trainer.config.files import ConfigError, Position, path_named, read_text, s
 from trainer.config.reference_crew import CREW_HANDS
 from trainer.config.score_rules import SCORE_MEASURES, parse_quantity
 from trainer.config.stated import JUDGED_KINDS, TEXT_UNITS, TextFigure, figures_of
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 NAMES = shipped_names("exercises")
 STATING = tuple(name for name in NAMES if load_exercise(name).stated)

@@ -18,7 +18,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.io.orders.grammar import Refused
 from trainer.session.stations.panels import compressor
-from trainer.session.status import status_lines
+from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 

@@ -22,7 +22,7 @@ from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER
 from trainer.boat.platforms import CPU_TARGETS
 from trainer.cli.export import boat_at_start
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 HOST = Path(__file__).with_name("emulated.c")
 LEAST_HOST = Path(__file__).with_name("least.c")

@@ -60,7 +60,7 @@ from trainer.core.digest import core_digest
 from trainer.core.noise import gaussian_pair
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 HOUR = 7200  # [ticks] of 0.5 s
 OPTIONS = RunOptions(sea="sea-state-4", seed=7)

@@ -10,7 +10,7 @@ from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
 from trainer.core.state import STATE_FIELDS
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.session.status import status_lines
+from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 

@@ -19,7 +19,7 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)
 CARD = dict(line.split(" ", 1) for line in SHIPPED_CARD.read_text().splitlines())

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from trainer.cli.main import COMMAND_GROUPS, EARLIER_NAMES, cli
 from trainer.config.course import AXIS_STATIONS, course
-from trainer.session.manning import BY_HAND, workers
+from trainer.session.crew.manning import BY_HAND, workers
 
 # fmt: off
 IN_SIGHT = [

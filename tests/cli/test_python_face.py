@@ -24,7 +24,7 @@ import trainer
 from trainer.analysis.series import load_series
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.session.header import open_whole_recording
+from trainer.session.past.header import open_whole_recording
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
 

@@ -9,8 +9,8 @@ from trainer.boat.world.contacts import contacts_in
 from trainer.config.contacts import SHIP_TYPES
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.units import KNOT
 
 HEAD = 'schema = "exercise/1"\nname = "Ships"\nbriefing = "Ships."\nduration_s = 60\n'

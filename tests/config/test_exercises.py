@@ -22,8 +22,8 @@ from trainer.config.course import lessons as step_lessons
 from trainer.config.exercise import AUTOMATIC_ORDERS, Exercise, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order, Refused, parse
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.units import KNOT
 
 NAMES = (

@@ -30,8 +30,8 @@ from trainer.config.soundings import (
     read_grid,
 )
 from trainer.io.chart import Chart
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 HEAD = "ncols 2\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 100\n"
 SAMPLES = "10 20\n30 40\n"

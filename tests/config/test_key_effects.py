@@ -28,11 +28,11 @@ from trainer.config.vessel import (
     read_vessel,
 )
 from trainer.io.orders.grammar import Order
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
-from trainer.session.status import status_lines
+from trainer.session.doors.warm_up import refuse_unstable
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
+from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
-from trainer.session.warm_up import refuse_unstable
 
 Path_ = tuple[str | int, ...]  # of a value in tables and lists
 RAISE = Order("scope", 0.0, "raise", "scope raise")
@@ -101,7 +101,7 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         return {}
 
     with monkeypatch.context() as patch:
-        patch.setattr("trainer.session.plan.load_vessel", lambda _: file)
+        patch.setattr("trainer.session.past.plan.load_vessel", lambda _: file)
         patch.setattr(stability, "boat_responses", note_speeds)
         plan = plan_run(RunOptions())
         boat = start_plan(plan)

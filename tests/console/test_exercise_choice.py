@@ -38,7 +38,7 @@ from trainer.console.exercise_choice import (
     side_choice,
 )
 from trainer.console.pane import Pane, plain
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 OFFERED = (
     Lesson(1, "depth-gauge-failure", "Periscope watch, in a sea", "Hold 17.5 m by hand."),

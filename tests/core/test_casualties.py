@@ -33,7 +33,7 @@ from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
-from trainer.session.status import status_lines
+from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 
 KNOT = 1852.0 / 3600.0

@@ -13,7 +13,7 @@ from trainer.config.sea import SeaFile, load_sea
 from trainer.config.words import EQUATION_SETS
 from trainer.core.current import carry_along
 from trainer.core.state import PAST_CYCLES, new_state
-from trainer.session.layout import LAYOUT
+from trainer.session.past.layout import LAYOUT
 from trainer.units import KNOT
 
 pytestmark = pytest.mark.core

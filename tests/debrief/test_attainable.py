@@ -39,8 +39,8 @@ from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 STEP_S = 0.5  # [s] of the boats that fly here

@@ -46,8 +46,8 @@ from trainer.report import pdf
 from trainer.report.html import PAGE_FOLDER
 from trainer.report.pdf import print_pdf
 from trainer.report.svg import ChartGround, clock, step_of, thin_line, ticks
-from trainer.session.history import History
-from trainer.session.options import RunOptions
+from trainer.session.past.history import History
+from trainer.session.past.options import RunOptions
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import PromptSender, Roster

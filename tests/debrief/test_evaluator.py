@@ -18,7 +18,7 @@ from trainer.debrief.data import gather_debrief, judge_as_changed
 from trainer.debrief.episodes import ordered_beyond
 from trainer.debrief.evaluator import Evaluator, answers
 from trainer.io.recording.recording import Recording
-from trainer.session.header import open_recording
+from trainer.session.past.header import open_recording
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 DIVE = {100.0: "stern planes dive 10", 130.0: "stern planes rise 8"}

@@ -31,8 +31,8 @@ from trainer.debrief.rehearsal import (
 )
 from trainer.io.recording.facts import SCHEDULE_GIVER
 from trainer.io.tables import MOTION_COLUMNS
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 
 def plan_of(name: str) -> Plan:

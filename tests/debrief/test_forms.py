@@ -20,8 +20,8 @@ from trainer.debrief.history import (
     trainee_history,
 )
 from trainer.debrief.page import DebriefRequest, as_text, read_compared, read_dossier, render
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.run import run_boat
 
 pytestmark = [

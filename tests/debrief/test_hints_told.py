@@ -17,8 +17,8 @@ from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.recording import RecordedOrder, Recording
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 WHO = "trainee at line 1"

@@ -27,7 +27,7 @@ from trainer.config.progress import (
 from trainer.debrief.attainable_changes import ChangeCause, MarkChange
 from trainer.debrief.progress import costs_of, remember_run
 from trainer.debrief.progress_words import progress_lines
-from trainer.session.header import names_of
+from trainer.session.past.header import names_of
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::RuntimeWarning"),

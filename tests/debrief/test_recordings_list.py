@@ -51,8 +51,8 @@ from trainer.debrief.page import (
 from trainer.io.paths import recordings_folder
 from trainer.io.recording.facts import OVER_WORDS
 from trainer.io.recording.recording import Recording
-from trainer.session.header import names_of, open_whole_recording, plan_of, trainees_of
-from trainer.session.options import RunOptions
+from trainer.session.past.header import names_of, open_whole_recording, plan_of, trainees_of
+from trainer.session.past.options import RunOptions
 from trainer.session.run import run_boat
 
 pytestmark = [

@@ -29,8 +29,8 @@ from trainer.core.sea.wave_filter import (
     PHASE_STEP,
     SLOWEST_CLOCK,
 )
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.units import KNOT
 
 Spectrum = NDArray[np.complex128]

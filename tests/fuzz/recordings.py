@@ -17,8 +17,15 @@ from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Moment, Recording, RecordingError
-from trainer.session.header import PLAN_FORMAT, differences, layout_of, method_of, notes, plan_of
-from trainer.session.layout import LAYOUT
+from trainer.session.past.header import (
+    PLAN_FORMAT,
+    differences,
+    layout_of,
+    method_of,
+    notes,
+    plan_of,
+)
+from trainer.session.past.layout import LAYOUT
 from trainer.units import KNOT
 
 PATCH: Final = 4  # [bytes]  three of a place, one to stand there

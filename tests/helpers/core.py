@@ -6,7 +6,7 @@
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
-from trainer.session.warm_up import warm_boat
+from trainer.session.doors.warm_up import warm_boat
 
 if __name__ == "__main__":
     warm_boat(Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5)))

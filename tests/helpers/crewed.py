@@ -22,8 +22,8 @@ from trainer.config.world import WorldTables
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
-from trainer.session.plan import Plan
+from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
+from trainer.session.past.plan import Plan
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.units import KNOT

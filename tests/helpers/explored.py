@@ -9,8 +9,8 @@ from trainer.boat.reference_crew import CrewReaction
 from trainer.debrief.attainable import RunExplorer
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 OPTIONS: Final = RunOptions(vessel="bb2")
 # a run of ten minutes: after which tick, as the trainer's crew says it, as a simulator sets it

@@ -50,7 +50,7 @@ READ_AT_START: Final = (
 PRELOADED_MODULES: Final = (
     "trainer.cli.main",
     "trainer.session.run",
-    "trainer.session.page_server",
+    "trainer.session.doors.page_server",
 )
 NO_LIMITS: Final[Mapping[str, int]] = MappingProxyType({})
 MAX_REQUEST_BYTES: Final = 200_000

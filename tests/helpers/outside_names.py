@@ -32,7 +32,7 @@ from trainer.io.tables import (
     ORDER_COLUMNS,
     TIMING_COLUMNS,
 )
-from trainer.session.layout import LAYOUT
+from trainer.session.past.layout import LAYOUT
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
 

@@ -9,7 +9,7 @@ from typing import Final
 from helpers.document_tables import roles_with
 from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings, word_of
 from trainer.io.orders.words import ANEW_ORDERS, ORDER_WORDS, OrderWord
-from trainer.session.manning import REPEATING_ROLES, WORDS_AXIS
+from trainer.session.crew.manning import REPEATING_ROLES, WORDS_AXIS
 from trainer.web.modules import ASSETS_FOLDER
 
 PAGE: Final = ASSETS_FOLDER / "js" / "model" / "order-table.js"

@@ -16,9 +16,9 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver
 from trainer.io.recording.recording import Recording
-from trainer.session.crew import CrewTalk
-from trainer.session.manning import HandWork
-from trainer.session.options import RunOptions
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork
+from trainer.session.past.options import RunOptions
 
 PANEL = "planes at a panel"
 

@@ -14,15 +14,15 @@ from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import ColumnSink, NoFile
-from trainer.session.agenda import Agenda
 from trainer.session.attendance import Introduction
-from trainer.session.crew import CrewTalk
-from trainer.session.header import header_of
-from trainer.session.history import History
-from trainer.session.manning import HandWork
-from trainer.session.options import RunOptions
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork
 from trainer.session.parts import Monitors
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.header import header_of
+from trainer.session.past.history import History
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.subscriptions import PromptSender, Roster, Sender
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader

@@ -26,7 +26,7 @@ from helpers.waiting import PATIENCE, eventually
 from trainer.io.recording import durability
 from trainer.io.recording import recording as recording_module
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.event_log import SAFE_TEXT, UNSAFE_TEXT
+from trainer.session.stations.event_log import SAFE_TEXT, UNSAFE_TEXT
 
 LAYER = Path(__file__).parents[1] / "helpers" / "synced_alone.c"
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -43,7 +43,7 @@ from pathlib import Path
 from trainer.io.recording import checkpoint
 from trainer.io.recording.format_1 import giver_of
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.event_log import SAFE_TEXT, UNSAFE_TEXT
+from trainer.session.stations.event_log import SAFE_TEXT, UNSAFE_TEXT
 
 HELM = giver_of("helm")
 checkpoint.MIN_CHECKPOINT_BYTES = 1_500_000  # [bytes]: the log is brought home now and then

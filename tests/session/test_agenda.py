@@ -13,10 +13,10 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import Recording
-from trainer.session.agenda import Agenda, Plans
-from trainer.session.crew import CrewTalk
-from trainer.session.manning import HandWork
-from trainer.session.standing import StandRecord
+from trainer.session.crew.agenda import Agenda, Plans
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork
+from trainer.session.crew.standing import StandRecord
 from trainer.session.stations.roles import ROLES
 
 CAPTAIN = Giver(GiverKind.STATION, "instructor", "instructor at a desk")

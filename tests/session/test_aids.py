@@ -17,9 +17,9 @@ from trainer.config.outcome import Outcome
 from trainer.console.exercise import marks_in_words
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
-from trainer.session.marks import Judgement
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.exercise.marks import Judgement
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.stations.aids import Predictor
 from trainer.session.stations.roles import ROLES
 

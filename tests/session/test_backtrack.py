@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from trainer.boat.casualties import active_casualties
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.session.header import layout_of
-from trainer.session.options import RunOptions
+from trainer.session.past.header import layout_of
+from trainer.session.past.options import RunOptions
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
 from trainer.session.stations.roles import Access

@@ -21,13 +21,13 @@ from trainer.io.orders.table import HELP_TOPICS
 from trainer.io.orders.words import CREW_ROLES, HAND_AXES
 from trainer.io.recording.absence import NoRecording
 from trainer.session.attendance import Introduction
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
-from trainer.session.run import briefing_of, situation
-from trainer.session.stations.briefing import (
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
+from trainer.session.people.briefing import (
     hint,
     ranges,
 )
+from trainer.session.run import briefing_of, situation
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, STRANGER_ROLE, Access
 from trainer.session.stations.station import Station
 

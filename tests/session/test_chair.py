@@ -16,7 +16,7 @@ from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording
-from trainer.session.stations.briefing import hint
+from trainer.session.people.briefing import hint
 from trainer.session.stations.roles import ROLES, Access
 from trainer.session.stations.station import Station
 

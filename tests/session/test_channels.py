@@ -25,9 +25,9 @@ from trainer.session.stations.display import (
 )
 from trainer.session.stations.panels import Channel, word
 from trainer.session.stations.roles import PANEL_NAMES, ROLES
+from trainer.session.stations.status import status_lines
 from trainer.session.stations.subscriptions import display
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
-from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger, Summary
 
 KNOT = 1852.0 / 3600.0

@@ -20,8 +20,8 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.units import KNOT

@@ -24,9 +24,9 @@ from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import parse_sentence
-from trainer.session.alarm import Alarm
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside
-from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
+from trainer.session.doors.alarm import Alarm
+from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
 
 # The end of an exercise
 

@@ -18,10 +18,10 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.queries import Past, RecordedOrder
 from trainer.io.recording.recording import Recording
-from trainer.session.agenda import Agenda
-from trainer.session.crew import CrewTalk
-from trainer.session.manning import HandWork
-from trainer.session.standing import StandRecord
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork
+from trainer.session.crew.standing import StandRecord
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 

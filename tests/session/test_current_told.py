@@ -27,12 +27,12 @@ from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES
+from trainer.session.stations.status import current_lines
 from trainer.session.stations.view import Frame
-from trainer.session.status import current_lines
 from trainer.units import KNOT
 
 START = datetime(2026, 1, 1, tzinfo=UTC)

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from helpers.crewed import Begin, Crewed
 
-from trainer.session import evaluation as module
-from trainer.session.evaluation import Question
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.exercise import evaluation as module
+from trainer.session.exercise.evaluation import Question
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.stations.roles import ROLES
 
 ANSWER = {"marks": 82.0, "so_far": 14.0, "won": True, "lost": False}

@@ -22,11 +22,11 @@ from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART
-from trainer.session.header import differences, plan_of
 from trainer.session.jump import jump_to
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.header import differences, plan_of
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.units import KNOT
 

@@ -24,11 +24,11 @@ from trainer.config.files import (
 )
 from trainer.config.sea import load_sea
 from trainer.core import digest
-from trainer.session import header as header_module
-from trainer.session.header import differences, layout_of, method_of, notes, plan_of
-from trainer.session.layout import LAYOUT, read_state
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past import header as header_module
+from trainer.session.past.header import differences, layout_of, method_of, notes, plan_of
+from trainer.session.past.layout import LAYOUT, read_state
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 PLAIN: dict[str, Any] = {
     "exercise": None,

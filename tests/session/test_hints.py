@@ -13,9 +13,9 @@ from trainer.config.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording
-from trainer.session.hints import COMPARE_TEXT, NOTHING_TEXT
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.exercise.hints import COMPARE_TEXT, NOTHING_TEXT
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
@@ -196,7 +196,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
     line: Line, jam: Crewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("trainer.session.second_boat.follow_run", lambda *_: 1 // 0)
+        patch.setattr("trainer.session.exercise.second_boat.follow_run", lambda *_: 1 // 0)
         assert asks(jam, line) == (
             "no",
             "no hint: ZeroDivisionError: integer division or modulo by zero",

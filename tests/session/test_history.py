@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.io.recording.recording import Moment
-from trainer.session.journal import Moments
+from trainer.session.past.journal import Moments
 
 MOST = 4
 acts = st.lists(

@@ -16,9 +16,9 @@ import pytest
 from helpers.crewed import Begin, Crewed
 
 from trainer.session.jump import followers
-from trainer.session.options import RunOptions
 from trainer.session.parts import Parts
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.stations.station import News
 
 CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes them back

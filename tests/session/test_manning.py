@@ -5,7 +5,7 @@ from helpers.crewed import Begin, Crewed
 from helpers.orders import read_order
 
 from trainer.io.orders.schedule import parse_schedule
-from trainer.session.manning import unheard
+from trainer.session.crew.manning import unheard
 
 BOTH = frozenset({"rudder", "planes"})
 

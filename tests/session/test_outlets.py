@@ -32,10 +32,10 @@ from trainer.io.chart import DEFAULT_CHART
 from trainer.io.line import Outbox
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
+from trainer.session.doors.ports import Ports
 from trainer.session.nmea.outlets import SteadySubscription, open_outlets
 from trainer.session.nmea.sentences import INSTRUMENTS
-from trainer.session.options import RunOptions
-from trainer.session.ports import Ports
+from trainer.session.past.options import RunOptions
 from trainer.session.stations.subscriptions import PromptSender, Publisher, Roster
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger

@@ -6,7 +6,7 @@ import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.line import Line
 
-from trainer.session import own_alerts
+from trainer.session.stations import own_alerts
 
 
 def told(ship: Crewed, page: Line) -> list[str]:

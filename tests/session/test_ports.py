@@ -24,8 +24,8 @@ from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.status_line import StatusView, header, state_line
-from trainer.session.options import RunOptions
-from trainer.session.ports import Ports
+from trainer.session.doors.ports import Ports
+from trainer.session.past.options import RunOptions
 
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 

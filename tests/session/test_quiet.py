@@ -10,7 +10,7 @@ import pytest
 
 from trainer import Boat
 from trainer.io.recording.recording import Recording
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 from trainer.session.quiet import QuietTicks
 from trainer.session.run import run_boat
 from trainer.session.session import Session

@@ -20,12 +20,12 @@ from trainer.boat.readings import read_rates
 from trainer.boat.world.approach import OwnMotion
 from trainer.core.rates import rates
 from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.rerun import charts
 from trainer.session.rerun.batch import Block, Times
 from trainer.session.stations.channels import CHANNELS
-from trainer.session.status import status_lines
+from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 

@@ -26,9 +26,9 @@ from trainer.core.update import update
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
-from trainer.session.header import differences
-from trainer.session.layout import LAYOUT
-from trainer.session.options import RunOptions
+from trainer.session.past.header import differences
+from trainer.session.past.layout import LAYOUT
+from trainer.session.past.options import RunOptions
 from trainer.session.replay import ReplayFlight, replay_anyway
 
 EXERCISE = f"""{TROUBLED_SEA}

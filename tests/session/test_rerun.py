@@ -27,7 +27,7 @@ from helpers.waiting import await_that
 from trainer.analysis.recording_export import export_file
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Recording
-from trainer.session.layout import LAYOUT
+from trainer.session.past.layout import LAYOUT
 from trainer.units import KNOT
 
 pytestmark = pytest.mark.process

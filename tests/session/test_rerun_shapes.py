@@ -14,8 +14,8 @@ from trainer.config.exercise import ExerciseLimits
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.session.layout import LAYOUT
-from trainer.session.options import RunOptions
+from trainer.session.past.layout import LAYOUT
+from trainer.session.past.options import RunOptions
 from trainer.session.rerun import feed as feeds
 from trainer.session.rerun.batch import (
     Batch,

@@ -21,8 +21,8 @@ from helpers.waiting import stay_for
 from trainer.cli import run as run_command
 from trainer.cli.main import main
 from trainer.config.vessel import load_vessel
-from trainer.session.options import RunOptions
-from trainer.session.ports import Ports
+from trainer.session.doors.ports import Ports
+from trainer.session.past.options import RunOptions
 from trainer.session.run import run_boat
 
 pytestmark = pytest.mark.process

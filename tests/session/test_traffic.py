@@ -19,8 +19,8 @@ from trainer.config.world import WorldTables, read_world
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.ships_met import meet_ships
 from trainer.session.jump import jump_to
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.run import run_boat
 from trainer.session.stations.channels import CHANNELS
 

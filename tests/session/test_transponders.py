@@ -25,8 +25,8 @@ from trainer.session.nmea.transponders import (
     antenna,
     report_interval,
 )
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 

@@ -11,8 +11,8 @@ from trainer.boat.mute_crew import MuteCrew
 from trainer.debrief.rehearsal import Departure, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 

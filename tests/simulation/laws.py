@@ -24,12 +24,12 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
-from trainer.session.agenda import Plans
+from trainer.session.crew.agenda import Plans
 from trainer.session.dispatch import Dispatch
-from trainer.session.event_log import MAX_OPEN_ALERTS
-from trainer.session.journal import MAX_KEPT_MOMENTS
+from trainer.session.past.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
+from trainer.session.stations.event_log import MAX_OPEN_ALERTS
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Request, Station
 

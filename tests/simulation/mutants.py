@@ -29,12 +29,12 @@ from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session import dispatch, jump, resume
-from trainer.session.conduct import Conduct
 from trainer.session.dispatch import Dispatch
-from trainer.session.journal import Journal
+from trainer.session.exercise.conduct import Conduct
 from trainer.session.nmea.outlets import SteadySubscription
 from trainer.session.nmea.transponders import Messages, Transponders
 from trainer.session.parts import Parts
+from trainer.session.past.journal import Journal
 from trainer.session.questions import Questions
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
 from trainer.session.stations.view import Picture

@@ -34,8 +34,8 @@ from simulation.wires import Wires
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.config.outcome import Outcome
 from trainer.io.recording.recording import Recording
-from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
-from trainer.session.options import RunOptions
+from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
+from trainer.session.past.options import RunOptions
 from trainer.session.resume import resume_boat
 from trainer.session.run import run_boat
 

@@ -25,8 +25,8 @@ UNPLAYED: Final = frozenset(
     {
         "trainer/io/client.py",  # the far end of a line
         "trainer/io/udp.py",  # replaced whole: Datagrams
-        "trainer/session/attach.py",  # a console
-        "trainer/session/page_server.py",  # a process of its own
+        "trainer/session/doors/attach.py",  # a console
+        "trainer/session/doors/page_server.py",  # a process of its own
         "trainer/session/rerun/feed.py",  # a viewer of another program
         "trainer/session/rerun/request.py",
     }
@@ -41,7 +41,7 @@ EXCEPTED: Final = {
 # A parameter that makes an object of the real module, which nobody waits for in a played session.
 BOUND_EARLY: Final = frozenset(
     {
-        ("trainer/session/evaluation.py", "threading.Event"),  # of another process
+        ("trainer/session/exercise/evaluation.py", "threading.Event"),  # of another process
         ("trainer/session/aside.py", "threading.Event"),  # only set and looked at
         ("trainer/session/parts.py", "threading.Event"),  # a session is given its own
     }

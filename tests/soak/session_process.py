@@ -17,8 +17,8 @@ import click
 from helpers.places import tests_environment
 
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.run import run_boat
 from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock

@@ -44,8 +44,8 @@ from trainer.config.files import ConfigError
 from trainer.io.noise_log import ENTRY_PERIOD_S, MAX_ENTRIES
 from trainer.io.orders import sentences
 from trainer.io.orders.sentences import order_sentence, parse_sentence
-from trainer.session import page_server
-from trainer.session.options import RunOptions
+from trainer.session.doors import page_server
+from trainer.session.past.options import RunOptions
 from trainer.web.address import Address, announce_address
 from trainer.web.bridge import (
     MAX_PAGES_OF_MACHINE,

@@ -24,8 +24,8 @@ from trainer.cli.export import boat_at_start
 from trainer.debrief.rehearsal import Departure
 from trainer.debrief.rehearsal import fly as flown_by_orders
 from trainer.io.recording.recording import RecordedOrder, Recording
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.past import PRESENT_CHANNELS
 from trainer.session.stations.view import Pace, Picture, StateReader

@@ -34,7 +34,7 @@ from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.debrief.page import DebriefRequest, debrief_file
 from trainer.io.recording.recording import Recording
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 from trainer.web import modules
 from trainer.web import single_file as maker
 

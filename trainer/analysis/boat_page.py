@@ -44,16 +44,16 @@ from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
-from trainer.session.header import differences, layout_of, open_whole_recording, plan_of
-from trainer.session.journal import order_of
-from trainer.session.layout import read_state
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
-from trainer.session.second_boat import follow_run
-from trainer.session.stations.briefing import ranges
+from trainer.session.doors.warm_up import warm_boat
+from trainer.session.exercise.second_boat import follow_run
+from trainer.session.past.header import differences, layout_of, open_whole_recording, plan_of
+from trainer.session.past.journal import order_of
+from trainer.session.past.layout import read_state
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
+from trainer.session.people.briefing import ranges
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import AID_NAMES, ROLES
-from trainer.session.warm_up import warm_boat
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)

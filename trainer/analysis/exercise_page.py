@@ -54,8 +54,8 @@ from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import Scorecard, formula_of
 from trainer.debrief.trajectory import missing_quantities
 from trainer.io.recording.facts import REFERENCE_GIVER
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.units import KNOT
 
 SKELETON_NAME: Final = "exercise-skeleton"

@@ -29,8 +29,8 @@ from trainer.io.tables import (
 )
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
-from trainer.session.header import layout_of, method_of, open_whole_recording, trainees_of
-from trainer.session.layout import numbers_of
+from trainer.session.past.header import layout_of, method_of, open_whole_recording, trainees_of
+from trainer.session.past.layout import numbers_of
 
 FORM_LIBRARIES: Final = {"parquet": "pyarrow", "rrd": "rerun"}  # of forms that need one
 USUAL_COLUMNS: Final = ("z", "theta", "u")  # drawn unless other columns are asked for

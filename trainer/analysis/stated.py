@@ -23,8 +23,8 @@ from trainer.config.steps import Step
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.trajectory import Trajectory
-from trainer.session.exercise import LossMonitor
-from trainer.session.plan import Plan
+from trainer.session.exercise.exercise import LossMonitor
+from trainer.session.past.plan import Plan
 
 READING_TIMES_S: Final = (0.5, 2.0, 4.0, 8.0)  # [s] until each newcomer types; an estimate
 

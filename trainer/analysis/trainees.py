@@ -22,8 +22,8 @@ from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRow,
 from trainer.debrief.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import CREW_TALK
-from trainer.session.manning import in_hand
-from trainer.session.plan import Plan
+from trainer.session.crew.manning import in_hand
+from trainer.session.past.plan import Plan
 
 GLANCE_S: Final = 5.0  # [s] for which a gauge is misread alike
 GLANCE_COUNT: Final = 997  # misreadings that are drawn; after the last comes the first again

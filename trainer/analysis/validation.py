@@ -38,7 +38,7 @@ from trainer.io.recording.recording import RecordedOrder
 from trainer.report import html, text
 from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import Curve, Panel
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 MARK_DECIMALS: Final = 6  # of marks [%] that are ranked: a difference in the last bits is a tie
 LEAST_CORRELATION: Final = 0.9  # [-] of marks with skill

@@ -2,8 +2,8 @@
 
 ``helm.obey_order`` finds them in ``DUTIES``. An order writes levers and pump orders into the state;
 water and air then move in the ticks (``core/ballast``). docs/ballast.md has the table of what each
-sets. ``session/crew`` reports by PumpMonitor what pumps have done, and a plan puts the boat out of
-trim at its start, because the exercise asks for it.
+sets. ``session/crew/crew`` reports by PumpMonitor what pumps have done, and a plan puts the boat
+out of trim at its start, because the exercise asks for it.
 """
 
 import math

@@ -343,7 +343,7 @@ class DepthGuard:
 
     An exercise names the depth (``guard_depth_m``), because a visitor might lose the boat. It takes
     the planes while the boat would be too deep soon, and gives them back when it is level.
-    ``session/crew`` asks it only where the planes must be worked by hand.
+    ``session/crew/crew`` asks it only where the planes must be worked by hand.
     """
 
     deepest: float = math.inf  # [m]

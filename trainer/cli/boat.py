@@ -34,14 +34,14 @@ from trainer.io.recording.facts import station
 from trainer.io.recording.recording import Moment, RecordedOrder
 from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, Cell
-from trainer.session.agenda import Agenda
-from trainer.session.header import header_of, refusing_damage
-from trainer.session.history import History
+from trainer.session.crew.agenda import Agenda
 from trainer.session.jump import jump_to
-from trainer.session.layout import LAYOUT
-from trainer.session.options import RunOptions
 from trainer.session.parts import Monitors
-from trainer.session.plan import Plan, plan_run, refuse_depth
+from trainer.session.past.header import header_of, refusing_damage
+from trainer.session.past.history import History
+from trainer.session.past.layout import LAYOUT
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run, refuse_depth
 from trainer.session.run import create_recording, crew_talk, open_publisher, ready_boat
 from trainer.session.session import ColumnFile, Session
 from trainer.session.time.pacer import MonotonicClock, Policy

@@ -26,7 +26,7 @@ from trainer.cli.options import (
     text_option,
 )
 from trainer.cli.types import Choice, Output
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 # Those of the table of targets, which is not read for a list of commands; the first, the default,
 # runs on the most machines.
@@ -228,8 +228,8 @@ def boat_at_start(options: RunOptions) -> Any:
     from trainer.config.files import ConfigError
     from trainer.config.sea import load_sea
     from trainer.config.vessel import load_vessel
-    from trainer.session.plan import choose_method
-    from trainer.session.warm_up import refuse_unstable, warm_boat
+    from trainer.session.doors.warm_up import refuse_unstable, warm_boat
+    from trainer.session.past.plan import choose_method
     from trainer.units import KNOT
 
     file = load_vessel(options.vessel)

@@ -242,8 +242,8 @@ def form(file: str, output: Path, *, peer: bool) -> None:
     marks beside the program's.
     """
     from trainer.debrief.forms import form_page, form_text
-    from trainer.session.options import RunOptions
-    from trainer.session.plan import plan_run
+    from trainer.session.past.options import RunOptions
+    from trainer.session.past.plan import plan_run
 
     plan, kind = plan_run(RunOptions(exercise=file)), "peer" if peer else "assessor"
     write_text(output, (form_page if output.suffix == ".html" else form_text)(plan, kind), "-o")

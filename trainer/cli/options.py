@@ -19,7 +19,7 @@ from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
 from trainer.config.words import EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 Record = TypeVar("Record")
 

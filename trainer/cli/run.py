@@ -41,13 +41,13 @@ from trainer.cli.options import (
 )
 from trainer.config.files import ConfigError
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT, RECORDING_SUFFIX
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 
 if TYPE_CHECKING:
     import threading
 
     from trainer.console.exercise_choice import ExerciseChoice
-    from trainer.session.marks import DebriefSource
+    from trainer.session.exercise.marks import DebriefSource
 from trainer.cli.web import require_pages
 
 MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a menu asks the rest
@@ -258,7 +258,7 @@ def trained(asked: RunOptions) -> RunOptions:
 
 def account_names() -> tuple[str, ...]:
     """Return the name of the user's account, none where none can be kept."""
-    from trainer.session.header import names_of
+    from trainer.session.past.header import names_of
 
     try:
         return tuple(names_of([getpass.getuser()]))
@@ -314,7 +314,7 @@ def debriefing() -> "DebriefSource":
     """
     import numpy as np
 
-    from trainer.session.marks import DebriefSource, Judgement, WrittenDebrief
+    from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
 
     def judge(path: Path, branch: int) -> Judgement:
         from trainer.config.outcome import Outcome
@@ -415,7 +415,7 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
     chosen = run_options(options)
     refuse_both(chosen)
     header = header_from(path)
-    from trainer.session.header import ALONE_KEY, trainees_of
+    from trainer.session.past.header import ALONE_KEY, trainees_of
 
     if chosen.train or (ALONE_KEY in header and not chosen.instruct):
         names = trainees_of(header) or account_names()
@@ -425,7 +425,7 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
 
 def header_from(path: Path) -> Mapping[str, str]:
     """Return the header of a recording."""
-    from trainer.session.header import open_recording
+    from trainer.session.past.header import open_recording
 
     with open_recording(path) as recording:
         return recording.header()
@@ -476,6 +476,6 @@ def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
         from trainer.console.launch import attend_session
 
         return attend_session(url, role, token)
-    from trainer.session.attach import attach_to
+    from trainer.session.doors.attach import attach_to
 
     return attach_to(url, role, token)

@@ -1,6 +1,6 @@
 """Exercise files, checked when they are loaded.
 
-What a file leaves out is as in a run without an exercise. ``session/plan`` makes a run of an
+What a file leaves out is as in a run without an exercise. ``session/past/plan`` makes a run of an
 exercise, and a debrief judges the run by the same rules. All faults of a file are told at once, so
 that its author mends them in one go.
 """

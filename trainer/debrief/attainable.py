@@ -48,7 +48,7 @@ from trainer.debrief.trajectory import Trajectory
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
 BETTER_TIME_S: Final = 30.0  # [s] from a moment, for which the better orders are told

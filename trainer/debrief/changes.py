@@ -25,7 +25,7 @@ from trainer.debrief.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.outputs import renew_whole
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 CHANGES_SCHEMA: Final = "changes/1"
 CHANGES_SUFFIX: Final = ".changes.toml"  # ends the name of the file

@@ -55,9 +55,9 @@ from trainer.io.recording.recording import (
     RecordedOrder,
     Recording,
 )
-from trainer.session.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
-from trainer.session.journal import restore_world
-from trainer.session.plan import Plan
+from trainer.session.past.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
+from trainer.session.past.journal import restore_world
+from trainer.session.past.plan import Plan
 
 NO_MARKS: Final = Scorecard((), None)
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal

@@ -1,6 +1,6 @@
 """The marks that a careful crew could still earn, while the session goes on.
 
-A session starts it as a process of its own (``session/evaluation``): python -m
+A session starts it as a process of its own (``session/exercise/evaluation``): python -m
 trainer.debrief.evaluator FILE. For each moment a line of JSON comes in, and one goes out. The
 orders up to it are read from the recording, and flown again with the reference crew mute; then that
 crew takes over (``attainable``).
@@ -33,8 +33,8 @@ from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording
-from trainer.session.header import open_recording, plan_of
-from trainer.session.plan import Plan
+from trainer.session.past.header import open_recording, plan_of
+from trainer.session.past.plan import Plan
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 
 JOURNAL_TIMEOUT_S: Final = 5.0  # [s] until an order that was given is in the file

@@ -36,7 +36,7 @@ from trainer.config.schema import (
 )
 from trainer.debrief.scoring import Scorecard, formula_of
 from trainer.report.html import fill_page, paragraph, table
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 FORM_SCHEMA: Final = "form/1"
 FORMS_SCHEMA: Final = "forms/1"

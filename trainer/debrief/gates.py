@@ -14,7 +14,7 @@ from trainer.debrief.groundings import groundings
 from trainer.debrief.measures import excess_beyond, limits_of
 from trainer.debrief.trajectory import RowMask, Trajectory, row_stretches
 from trainer.report.svg import clock
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 GATE_TIME_S: Final = 2.0  # [s] for which a limit must be broken before it costs marks
 GATE_CAP: Final = 50.0  # [%] most that is left where a limit was wholly broken

@@ -32,7 +32,7 @@ from trainer.io.lines import plain
 from trainer.io.outputs import renew_whole
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
 from trainer.io.recording.recording import ExcessRows, RecordingError, erase_header
-from trainer.session.header import (
+from trainer.session.past.header import (
     FAMILIARISATION_KEY,
     TRAINEES_KEY,
     open_recording,

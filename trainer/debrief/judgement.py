@@ -28,7 +28,7 @@ from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 LOST_CAP, HARD_CAP = 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over

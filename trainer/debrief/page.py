@@ -58,7 +58,7 @@ from trainer.report.svg import (
     svg_element,
     text,
 )
-from trainer.session.header import open_whole_recording, plan_of
+from trainer.session.past.header import open_whole_recording, plan_of
 
 PAGE_BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 BADGE_SEARCH_CHARS = 2000  # [characters] at the start of a file, among which PAGE_BADGE must stand

@@ -22,7 +22,7 @@ from trainer.debrief.data import DebriefData, compare_debrief
 from trainer.debrief.page import read_dossier
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.words import ORDER_WORDS
-from trainer.session.header import exercise_of
+from trainer.session.past.header import exercise_of
 
 CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
     ChangeCause.MISSING: "late",

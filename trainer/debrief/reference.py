@@ -17,7 +17,7 @@ from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal, last_tick
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import Giver, GiverKind
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 MAX_REFERENCE_TICKS: Final = 400_000  # [ticks] flown while somebody waits for a debrief
 INSTRUCTOR_GIVER: Final = Giver(GiverKind.STATION, INSTRUCTOR_ROLE, INSTRUCTOR_ROLE)

@@ -42,9 +42,9 @@ from trainer.io.recording.facts import (
     GiverKind,
 )
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
-from trainer.session.journal import WorldOrders
-from trainer.session.layout import LAYOUT
-from trainer.session.plan import Plan
+from trainer.session.past.journal import WorldOrders
+from trainer.session.past.layout import LAYOUT
+from trainer.session.past.plan import Plan
 
 LOOKOUT_GIVER: Final = Giver(GiverKind.REFERENCE, LOOKOUT_ROLE, LOOKOUT_ROLE)
 GAUGE_COUNT: Final = len(InstrumentReadings._fields)

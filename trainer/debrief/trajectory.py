@@ -36,7 +36,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import MAX_CASUALTIES
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, RecordedTick, Recording
-from trainer.session.layout import numbers_of
+from trainer.session.past.layout import numbers_of
 
 RowMask = NDArray[np.bool_]  # which ticks of a passage
 

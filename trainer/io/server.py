@@ -1,9 +1,9 @@
 """The sockets of a session, local and TCP, served by one thread.
 
-``session/ports`` opens the server, and makes a station of each connection. The thread waits for no
-single client. A client that does not read loses its own lines, one that sends too much is read
-slowly, and the system's keepalive notices one that vanishes; none delays another. Sockets listen at
-a TCP port, or at a path of this machine.
+``session/doors/ports`` opens the server, and makes a station of each connection. The thread waits
+for no single client. A client that does not read loses its own lines, one that sends too much is
+read slowly, and the system's keepalive notices one that vanishes; none delays another. Sockets
+listen at a TCP port, or at a path of this machine.
 """
 
 import contextlib

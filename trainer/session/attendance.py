@@ -10,14 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.session.agenda import Agenda
-from trainer.session.alarm import Alarm
-from trainer.session.conduct import Conduct
-from trainer.session.crew import CrewTalk
-from trainer.session.evaluation import Evaluation
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.stations.briefing import Briefing, hint, in_words, ranges
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.doors.alarm import Alarm
+from trainer.session.exercise.conduct import Conduct
+from trainer.session.exercise.evaluation import Evaluation
+from trainer.session.past.history import History
+from trainer.session.people.briefing import Briefing, hint, in_words, ranges
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE, Role
 from trainer.session.stations.station import (
     ORDER_RATE,

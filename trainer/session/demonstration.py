@@ -15,11 +15,11 @@ from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment
+from trainer.session.exercise.second_boat import crew_so_far
 from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
-from trainer.session.plan import Plan
-from trainer.session.run_faces import ShownRun
-from trainer.session.second_boat import crew_so_far
+from trainer.session.past.plan import Plan
+from trainer.session.past.run_modes import ShownRun
 from trainer.session.stations.station import Fact, Request
 
 SHOWN_KIND = "shown"

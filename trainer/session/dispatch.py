@@ -40,14 +40,14 @@ from trainer.io.recording.facts import (
     plan_of,
 )
 from trainer.io.recording.recording import RecordingError
-from trainer.session.crew import CrewMessage
+from trainer.session.crew.crew import CrewMessage
+from trainer.session.crew.manning import unheard
 from trainer.session.demonstration import Demonstration
-from trainer.session.event_log import CREW_KIND
-from trainer.session.journal import order_of
 from trainer.session.jump import end_replay, follow_jump
-from trainer.session.manning import unheard
 from trainer.session.parts import Parts
-from trainer.session.run_faces import Due
+from trainer.session.past.journal import order_of
+from trainer.session.past.run_modes import Due
+from trainer.session.stations.event_log import CREW_KIND
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, not_for_visitors
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 

@@ -8,15 +8,15 @@ from trainer.boat.depths import DepthMonitor
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
 from trainer.io.recording.recording import Moment
-from trainer.session.agenda import Agenda
-from trainer.session.conduct import Conduct
-from trainer.session.control import Control
-from trainer.session.crew import CrewTalk
-from trainer.session.evaluation import Evaluation
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.shown import ScreenOutput
-from trainer.session.standing import StandRecord
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.standing import StandRecord
+from trainer.session.exercise.conduct import Conduct
+from trainer.session.exercise.evaluation import Evaluation
+from trainer.session.past.control import Control
+from trainer.session.past.history import History
+from trainer.session.people.shown import ScreenOutput
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.subscriptions import Sender
 from trainer.session.time.timekeeping import Timekeeping
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 from trainer.boat.casualties import available_casualties, casualty_listing, degrees
 from trainer.io.orders.grammar import Reply
-from trainer.session.agenda import Agenda
-from trainer.session.evaluation import Evaluation
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.shown import ScreenOutput
+from trainer.session.crew.agenda import Agenda
+from trainer.session.exercise.evaluation import Evaluation
+from trainer.session.past.history import History
+from trainer.session.people.shown import ScreenOutput
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Duty, Fact, LongAnswer, News, Request
 

@@ -25,7 +25,7 @@ from trainer.io.orders.grammar import Refused
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import GiverKind
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
-from trainer.session.header import (
+from trainer.session.past.header import (
     NO_CHANGES,
     differences,
     layout_of,
@@ -34,9 +34,9 @@ from trainer.session.header import (
     open_whole_recording,
     plan_of,
 )
-from trainer.session.journal import WorldOrders, order_of, worlds_begun
-from trainer.session.layout import StateDifference, read_state, state_difference
-from trainer.session.plan import Plan
+from trainer.session.past.journal import WorldOrders, order_of, worlds_begun
+from trainer.session.past.layout import StateDifference, read_state, state_difference
+from trainer.session.past.plan import Plan
 from trainer.session.resume import refuse_other
 
 

@@ -22,15 +22,15 @@ from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import RecordedOrder, Recording
-from trainer.session.header import differences, layout_of, plan_of, refusing_damage
-from trainer.session.history import History
-from trainer.session.journal import order_of, restore_world
-from trainer.session.layout import read_state
-from trainer.session.marks import DebriefSource
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan
+from trainer.session.doors.warm_up import set_garbage_aside, warm_boat
+from trainer.session.exercise.marks import DebriefSource
+from trainer.session.past.header import differences, layout_of, plan_of, refusing_damage
+from trainer.session.past.history import History
+from trainer.session.past.journal import order_of, restore_world
+from trainer.session.past.layout import read_state
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan
 from trainer.session.run import LastingParts, PreparedRun, fly_session
-from trainer.session.warm_up import set_garbage_aside, warm_boat
 
 
 def resume_boat(

@@ -31,23 +31,25 @@ from trainer.io.recording.recording import Recording, RecordingError, TakenError
 from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
-from trainer.session.agenda import Agenda
-from trainer.session.aids import GHOST
 from trainer.session.attendance import Introduction
-from trainer.session.crew import CrewTalk
-from trainer.session.header import header_of
-from trainer.session.history import History
-from trainer.session.manning import HandWork, in_hand
-from trainer.session.marks import DebriefSource
-from trainer.session.options import RunOptions
-from trainer.session.page_server import PageServer, serving_pages
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork, in_hand
+from trainer.session.doors.page_server import PageServer, serving_pages
+from trainer.session.doors.ports import PORT_TIMEOUT_S, Ports, keeps_no_time
+from trainer.session.doors.warm_up import refuse_unstable, set_garbage_aside, warm_boat
+from trainer.session.exercise.aids import GHOST
+from trainer.session.exercise.marks import DebriefSource
+from trainer.session.exercise.training import SINGLE_REFUSAL
 from trainer.session.parts import Monitors
-from trainer.session.plan import OVERRULED_SETTINGS, Plan, plan_run
-from trainer.session.ports import PORT_TIMEOUT_S, Ports, keeps_no_time
+from trainer.session.past.header import header_of
+from trainer.session.past.history import History
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import OVERRULED_SETTINGS, Plan, plan_run
+from trainer.session.people.briefing import Briefing
 from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
 from trainer.session.session import ColumnFile, Session
-from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.past import recalled_past
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Fact, NoReception
@@ -56,8 +58,6 @@ from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND_NS
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
-from trainer.session.training import SINGLE_REFUSAL
-from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm_boat
 from trainer.units import KNOT
 
 SESSION_OVER = "the session is over"

@@ -2,8 +2,8 @@
 
 There are two ways in. ``serve_pages`` is the command ``trainer web``: somebody starts the pages for
 a session that runs already, or will. ``serve_owner`` is called in a process that a session has
-started itself (``session/page_server``): it ends when that session ends, and writes a byte each
-second, because the session starts it again when the bytes stop.
+started itself (``session/doors/page_server``): it ends when that session ends, and writes a byte
+each second, because the session starts it again when the bytes stop.
 """
 
 import contextlib

@@ -18,8 +18,8 @@ from trainer.config.current import Current, Tide
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import parse_sea
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 from trainer.units import KNOT
 
 HEAD = 'schema = "exercise/1"\nname = "Adrift"\nbriefing = "A current."\nduration_s = 60\n'

@@ -45,7 +45,7 @@ from trainer.debrief.ships_met import shown_rows as shown_ticks
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import RecordedEvent, Recording
-from trainer.session.header import layout_of, plan_of
+from trainer.session.past.header import layout_of, plan_of
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 

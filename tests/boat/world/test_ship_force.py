@@ -21,8 +21,8 @@ from trainer.boat.world.ship_force import (
 )
 from trainer.boat.world.world import World
 from trainer.config.contacts import SHIP_TYPES
-from trainer.session.options import RunOptions
-from trainer.session.plan import plan_run
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import plan_run
 
 TANKER = SHIP_TYPES["tanker"]
 SPEED = 15.0 * 1852.0 / 3600.0  # [m/s]

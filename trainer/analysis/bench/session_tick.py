@@ -31,11 +31,11 @@ from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording
 from trainer.io.server import Server
 from trainer.io.tables import MOTION_COLUMNS, CsvFile
-from trainer.session.agenda import Agenda
-from trainer.session.crew import CrewTalk
-from trainer.session.history import History
-from trainer.session.manning import HandWork
+from trainer.session.crew.agenda import Agenda
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.crew.manning import HandWork
 from trainer.session.parts import Monitors
+from trainer.session.past.history import History
 from trainer.session.session import Session
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station

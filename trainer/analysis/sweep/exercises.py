@@ -22,7 +22,7 @@ from trainer.debrief.rehearsal import ByReference
 from trainer.debrief.rehearsal import Flight as UnderWay
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.tables import MOTION_COLUMNS
-from trainer.session.plan import Plan, into_hand
+from trainer.session.past.plan import Plan, into_hand
 
 CHUNK_MEMBERS: Final = 16  # members flown by a process before they are kept
 STATE_COLUMNS: Final = tuple("tick" if name == "t" else name for name in MOTION_COLUMNS)

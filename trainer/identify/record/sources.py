@@ -31,7 +31,7 @@ from trainer.identify.record.measurements import (
 )
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
-from trainer.session.header import open_whole_recording
+from trainer.session.past.header import open_whole_recording
 from trainer.units import DEGREE, KNOT
 
 USUAL_CODES: Final = (

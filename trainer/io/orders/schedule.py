@@ -1,7 +1,8 @@
 """Files of orders to be given at set times.
 
-``session/plan`` reads ``--orders``, and exercise files have the same entries. A line is `SECONDS
-ORDER`; blank lines and what follows a "#" are ignored; the lines need not be in order of time.
+``session/past/plan`` reads ``--orders``, and exercise files have the same entries. A line is
+`SECONDS ORDER`; blank lines and what follows a "#" are ignored; the lines need not be in order of
+time.
 """
 
 import re

@@ -1,7 +1,7 @@
 """A recording is one file of a run: its orders, states and events.
 
-``session/history`` writes it. It stores bytes, text and numbers; only its caller knows what they
-mean. An order is written before it acts, and its answer before it goes out. Orders, answers,
+``session/past/history`` writes it. It stores bytes, text and numbers; only its caller knows what
+they mean. An order is written before it acts, and its answer before it goes out. Orders, answers,
 snapshots and forks are committed when the call returns; the rest is gathered, and a thread commits
 it within a second. A process that is killed loses nothing that is committed. One whose machine
 loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and no tick older than

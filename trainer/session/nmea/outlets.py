@@ -28,6 +28,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.serial_line import URL_SCHEMES, LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.udp import Datagrams
+from trainer.session.doors.ports import PORT_TIMEOUT_S, Ports
 from trainer.session.nmea.orders import NmeaLine, ReaderLine
 from trainer.session.nmea.sentences import (
     SENTENCE_NAMES,
@@ -40,8 +41,7 @@ from trainer.session.nmea.sentences import (
 )
 from trainer.session.nmea.transponders import AIS_NAME as AIS
 from trainer.session.nmea.transponders import Transponders
-from trainer.session.options import RunOptions
-from trainer.session.ports import PORT_TIMEOUT_S, Ports
+from trainer.session.past.options import RunOptions
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.config.exercise import ExerciseLimits
 from trainer.core.kernel import Numbers
-from trainer.session.layout import LAYOUT
-from trainer.session.plan import Plan
+from trainer.session.past.layout import LAYOUT
+from trainer.session.past.plan import Plan
 from trainer.session.stations.view import Pace
 
 IntArray = NDArray[np.int64]

@@ -25,9 +25,9 @@ from trainer.config.files import ConfigError
 from trainer.io.outputs import open_output, replacing
 from trainer.io.paths import DEFAULT_HOST
 from trainer.io.recording.recording import Recording
-from trainer.session.header import layout_of, plan_of
-from trainer.session.journal import restore_world
-from trainer.session.options import RunOptions
+from trainer.session.past.header import layout_of, plan_of
+from trainer.session.past.journal import restore_world
+from trainer.session.past.options import RunOptions
 from trainer.session.rerun.batch import Batch, Subject, TakenNews, TakenPicture, TimedRows, batch_of
 from trainer.session.rerun.feed import Feed, Log, Sink
 from trainer.session.stations.subscriptions import PromptSender, Publisher

@@ -11,7 +11,7 @@ The session uses nearly all of it; ``aid_channels`` stays here.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "aids", "briefing", "channels", "display", "panels", "past", "plot", "roles", "station",
-    "subscriptions", "view",
+    "aids", "channels", "display", "event_log", "panels", "past", "plot", "roles", "station",
+    "status", "subscriptions", "view",
 ]
 # fmt: on

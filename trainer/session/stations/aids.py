@@ -1,7 +1,7 @@
 """What the aids show: the ghost's gauges, and where the boat goes as it stands.
 
-``session/aids`` switches them. The present ones are part of each picture's ``Pace``. The thread
-that sends reads them, and flies the predictor's boat, so that no tick waits for that.
+``session/exercise/aids`` switches them. The present ones are part of each picture's ``Pace``. The
+thread that sends reads them, and flies the predictor's boat, so that no tick waits for that.
 """
 
 import time

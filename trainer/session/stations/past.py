@@ -16,10 +16,10 @@ from trainer.io.orders.grammar import Refused
 from trainer.io.orders.words import ANEW_ORDERS
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.aside import BackgroundTask
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
+from trainer.session.past.history import History
 from trainer.session.stations.aids import NO_AIDS
 from trainer.session.stations.channels import EVENTS_CHANNEL
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import Role, hears_kind
 from trainer.session.stations.station import Fact, News, Request, Station
 from trainer.session.stations.subscriptions import display, unknown_channel, why_barred

@@ -11,12 +11,12 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.session.aside import BackgroundTask
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.plan import Plan
-from trainer.session.second_boat import fly_ghost
-from trainer.session.shown import ScreenOutput
+from trainer.session.exercise.second_boat import fly_ghost
+from trainer.session.past.history import History
+from trainer.session.past.plan import Plan
+from trainer.session.people.shown import ScreenOutput
 from trainer.session.stations.aids import GhostReading, Predictor, ShownAids
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.past import PastReader
 
 GHOST, PREDICTOR = "ghost", "predictor"

@@ -19,8 +19,8 @@ from typing import IO, Final, cast
 from trainer.io import paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
-from trainer.session.options import RunOptions
-from trainer.session.ports import refusing
+from trainer.session.doors.ports import refusing
+from trainer.session.past.options import RunOptions
 from trainer.session.stations.roles import read_tokens, refuse_open_door
 
 # [s] until a dead server is begun again, twice as long each time after

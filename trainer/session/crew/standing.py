@@ -11,10 +11,10 @@ from dataclasses import dataclass, field
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
 from trainer.io.recording.recording import Moment
-from trainer.session.agenda import Agenda, Plans
-from trainer.session.crew import CREW_WORDS, CrewTalk, Talk
-from trainer.session.history import History
-from trainer.session.manning import HandWork
+from trainer.session.crew.agenda import Agenda, Plans
+from trainer.session.crew.crew import CREW_WORDS, CrewTalk, Talk
+from trainer.session.crew.manning import HandWork
+from trainer.session.past.history import History
 
 Stand = tuple[Talk, Plans]
 EMPTY_STAND: Stand = Talk(), Plans()

@@ -17,13 +17,13 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
-from trainer.session.aids import Aids
 from trainer.session.aside import BackgroundTask
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.second_boat import crew_so_far
+from trainer.session.exercise.aids import Aids
+from trainer.session.exercise.second_boat import crew_so_far
+from trainer.session.exercise.step_guide import StepGuide
+from trainer.session.past.history import History
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.station import Request
-from trainer.session.step_guide import StepGuide
 
 HINT_KIND = "shown"
 NOTHING_TEXT = "nothing is overdue, and the reference crew would steer as you do: no marks lost"

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.session.alarm import Alarm
-from trainer.session.event_log import EventLog
+from trainer.session.doors.alarm import Alarm
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Request, Station
 

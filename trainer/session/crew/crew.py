@@ -34,7 +34,7 @@ from trainer.io.recording.facts import (
     Giver,
     meeting,
 )
-from trainer.session.manning import (
+from trainer.session.crew.manning import (
     REPEATING_ROLES,
     STEERING_ORDERS,
     WORDS_AXIS,

@@ -19,7 +19,7 @@ from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.help import NO_ROLE_TEXT
-from trainer.session.manning import BY_HAND
+from trainer.session.crew.manning import BY_HAND
 from trainer.session.stations.display import MAX_LINE_LETTERS
 from trainer.session.stations.panels import TONNE_KG
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, refusal

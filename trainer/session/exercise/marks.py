@@ -19,10 +19,10 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment
 from trainer.session.aside import BackgroundTask
-from trainer.session.control import Control
-from trainer.session.evaluation import UNRECORDED_REFUSAL
-from trainer.session.event_log import EventLog
-from trainer.session.exercise import ExerciseEnd
+from trainer.session.exercise.evaluation import UNRECORDED_REFUSAL
+from trainer.session.exercise.exercise import ExerciseEnd
+from trainer.session.past.control import Control
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, Role
 from trainer.session.stations.station import Fact, Request, Station
 

@@ -23,9 +23,9 @@ from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
 from trainer.session.aside import BackgroundTask, begin_aside
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
-from trainer.session.plan import Plan
+from trainer.session.past.history import History
+from trainer.session.past.plan import Plan
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Request
 

@@ -7,15 +7,15 @@ crew. ``ScreenOutput`` adds that to each state, and hands both to the sender (``
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from trainer.session.crew import CrewTalk
-from trainer.session.history import History
+from trainer.session.crew.crew import CrewTalk
+from trainer.session.past.history import History
 from trainer.session.stations.aids import NO_AIDS, ShownAids
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Station
+from trainer.session.stations.status import status_lines
 from trainer.session.stations.subscriptions import Sender
 from trainer.session.stations.view import Pace, Picture, StateReader
-from trainer.session.status import status_lines
 from trainer.session.time.timekeeping import Timekeeping
 
 

@@ -2,7 +2,7 @@
 
 A moment is all that is needed to go back: the whole state, the last order that it includes, and the
 next entry of the exercise's schedule. ``dispatch`` journals each order before it acts, and the run
-at work (``run_faces``) has the state after each tick recorded.
+at work (``run_modes``) has the state after each tick recorded.
 
 A state holds the current and the ships near as they are at its tick, but not the orders by which
 they go on: these follow from the orders given to the world so far. Those are found by the number of

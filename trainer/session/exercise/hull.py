@@ -13,9 +13,9 @@ from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.io.recording.recording import Moment
-from trainer.session.control import Control
-from trainer.session.event_log import EventLog
-from trainer.session.exercise import ExerciseEnd
+from trainer.session.exercise.exercise import ExerciseEnd
+from trainer.session.past.control import Control
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.station import Fact
 
 

@@ -18,12 +18,12 @@ from trainer.config.outcome import Outcome
 from trainer.config.progress import Progress, read_progress
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.aside import BackgroundTask, begin_aside, hear_out
-from trainer.session.control import Control
-from trainer.session.event_log import EventLog
-from trainer.session.exercise import ExerciseEnd
+from trainer.session.exercise.exercise import ExerciseEnd
+from trainer.session.exercise.step_guide import StepGuide
+from trainer.session.past.control import Control
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Fact, LongAnswer, Request
-from trainer.session.step_guide import StepGuide
 
 SINGLE_REFUSAL: Final = Refused("this session is one run")
 

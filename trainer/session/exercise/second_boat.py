@@ -23,9 +23,9 @@ from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
-from trainer.session.history import History
-from trainer.session.journal import order_of
-from trainer.session.plan import Plan
+from trainer.session.past.history import History
+from trainer.session.past.journal import order_of
+from trainer.session.past.plan import Plan
 from trainer.session.stations.aids import GhostReading
 
 MAX_GHOST_S: Final = 3600.0  # [s] of an exercise without an end

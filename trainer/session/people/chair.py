@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
-from trainer.session.event_log import EventLog
-from trainer.session.history import History
+from trainer.session.past.history import History
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
 from trainer.session.stations.station import Fact, Station
 

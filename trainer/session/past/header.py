@@ -47,9 +47,9 @@ from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest, same_core
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.session.layout import LAYOUT, changes
-from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.past.layout import LAYOUT, changes
+from trainer.session.past.options import RunOptions
+from trainer.session.past.plan import Plan, plan_run
 
 PLAN_FORMAT: Final = "1"
 # of the command line, that a plan depends on; their kind

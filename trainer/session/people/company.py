@@ -12,9 +12,9 @@ from typing import Final
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment
-from trainer.session.command import Command
-from trainer.session.event_log import EventLog
-from trainer.session.manning import unmanned_axes
+from trainer.session.crew.manning import unmanned_axes
+from trainer.session.people.command import Command
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE
 from trainer.session.stations.station import Fact, LongAnswer, Request, Station
 

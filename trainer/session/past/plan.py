@@ -40,7 +40,7 @@ from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
 from trainer.io.orders.words import ORDER_WORDS
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 from trainer.units import KNOT
 
 STEP_LIMITS = 0.001, 2.0  # [s] of steps that are accepted

@@ -13,7 +13,7 @@ from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.recording import Moment
-from trainer.session.history import History
+from trainer.session.past.history import History
 from trainer.session.time.timekeeping import Timekeeping
 
 PRESENT_MOMENT: Final = "here"  # the present moment, where one is named

@@ -10,23 +10,23 @@ from collections.abc import Callable, Mapping
 
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.io.orders.grammar import Order
-from trainer.session.aids import Aids
 from trainer.session.aside import BackgroundTask
-from trainer.session.chair import Chair
-from trainer.session.command import Command
-from trainer.session.company import Company
-from trainer.session.control import Control
-from trainer.session.event_log import EventLog
-from trainer.session.exercise import ExerciseEnd
-from trainer.session.hints import Hints
-from trainer.session.hull import HullWatch
-from trainer.session.marks import Marks
-from trainer.session.run_faces import JudgementScope
-from trainer.session.shown import ScreenOutput
+from trainer.session.exercise.aids import Aids
+from trainer.session.exercise.exercise import ExerciseEnd
+from trainer.session.exercise.hints import Hints
+from trainer.session.exercise.hull import HullWatch
+from trainer.session.exercise.marks import Marks
+from trainer.session.exercise.step_guide import StepGuide
+from trainer.session.exercise.training import Training
+from trainer.session.past.control import Control
+from trainer.session.past.run_modes import JudgementScope
+from trainer.session.people.chair import Chair
+from trainer.session.people.command import Command
+from trainer.session.people.company import Company
+from trainer.session.people.shown import ScreenOutput
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.station import Duty
-from trainer.session.step_guide import StepGuide
-from trainer.session.training import Training
 
 
 class Conduct:

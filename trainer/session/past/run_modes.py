@@ -19,7 +19,7 @@ from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment, RecordedOrder, RecordingError
-from trainer.session.journal import Journal, order_of
+from trainer.session.past.journal import Journal, order_of
 
 
 class Due(Enum):

@@ -17,8 +17,8 @@ from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.status_line import clock
-from trainer.session.history import History
-from trainer.session.own_alerts import OwnAlerts
+from trainer.session.past.history import History
+from trainer.session.stations.own_alerts import OwnAlerts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
 

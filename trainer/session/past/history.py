@@ -18,8 +18,8 @@ from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import Moment, RecordedEvent, RecordedOrder, RecordingError
-from trainer.session.journal import Journal, order_of
-from trainer.session.run_faces import LiveRun, ReplayedRun, Run, ShownRun
+from trainer.session.past.journal import Journal, order_of
+from trainer.session.past.run_modes import LiveRun, ReplayedRun, Run, ShownRun
 
 FIRST_BRANCH: Final = 1  # the branch that begins with the run
 

@@ -18,9 +18,9 @@ from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.session.aside import BackgroundTask
-from trainer.session.control import Control
-from trainer.session.event_log import EventLog
-from trainer.session.shown import ScreenOutput
+from trainer.session.past.control import Control
+from trainer.session.people.shown import ScreenOutput
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.station import Fact
 
 MAX_REPEATS: Final = 2  # of a step that is missed

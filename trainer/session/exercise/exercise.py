@@ -19,8 +19,8 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.facts import OVER_WORDS
 from trainer.io.recording.recording import Moment
-from trainer.session.control import PRESENT_MOMENT, Control
-from trainer.session.event_log import EventLog
+from trainer.session.past.control import PRESENT_MOMENT, Control
+from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role
 from trainer.session.stations.station import Fact, Request
 

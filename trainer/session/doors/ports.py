@@ -23,7 +23,7 @@ from trainer.io.machine import THIS_MACHINE
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Server, parse_address, private_folder
 from trainer.io.status_line import clock
-from trainer.session.options import RunOptions
+from trainer.session.past.options import RunOptions
 from trainer.session.stations.roles import ROLES, Access, GuessWaits, read_tokens, refuse_open_door
 from trainer.session.stations.station import Log, News, Station
 from trainer.session.stations.subscriptions import Sender
