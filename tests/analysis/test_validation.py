@@ -3,7 +3,9 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis import validation
 from trainer.analysis.exercise_page import plan_exercise
+from trainer.analysis.lateness import LATE_KINDS, LATENESS_S, Ladder
 from trainer.analysis.trainees import (
     ALL_CREWS,
     GRADED_CREWS,
@@ -19,7 +22,9 @@ from trainer.analysis.trainees import (
     Moment,
     SillyPolicy,
     Skill,
+    Trainee,
     coarse_order,
+    make_harsh,
     silly_orders,
 )
 from trainer.analysis.validation import (
@@ -34,6 +39,7 @@ from trainer.analysis.validation import (
     trial_seeds,
     validation_of,
 )
+from trainer.boat.reference_crew import CrewReaction
 from trainer.cli.main import cli
 from trainer.config.files import shipped_names
 from trainer.debrief.controls import opposite_order
@@ -115,6 +121,17 @@ def test_a_verdict_names_what_is_wrong_with_the_marks(
     assert made_up.faults == ((fault,) if fault else ())
 
 
+def test_a_late_crew_has_60_marks_at_most_where_a_hole_or_a_jam_is_open() -> None:
+    def judged(marks: float) -> Validation:
+        ladder = Ladder("late to begin", (marks,) * len(LATENESS_S), (), ())
+        return replace(found(), ladders=(ladder,), urgent=True)
+
+    fault = "late to begin by 40 s, 61 marks are left, not 60 at most"
+    assert judged(61.0).faults == (fault,)
+    assert judged(60.0).faults == ()
+    assert replace(judged(61.0), urgent=False).faults == ()
+
+
 # The crews
 
 
@@ -138,6 +155,52 @@ def test_a_crew_that_goes_the_wrong_way_puts_it_right_after_so_long() -> None:
     wrong, right = ("bow planes dive 30", "bow planes rise 30")
     ticks = {text: tick for tick, text in reversed(orders)}
     assert ticks[right] - ticks[wrong] == 20
+
+
+def test_a_hand_that_goes_the_wrong_way_goes_on_so_until_it_is_put_right() -> None:
+    orders = given(flown_by(Skill("wrong", wrong_s=20.0), "steady-course"))
+    first = next(tick for tick, text in orders if text.startswith("rudder"))
+    early = {text for tick, text in orders if tick < first + 40}
+    later = next(text for tick, text in orders if tick >= first + 40)
+    assert len(early) > 1  # the hand has looked again
+    assert not [text for text in early if text.startswith("rudder right")]
+    assert later.startswith("rudder right")
+
+
+def test_a_crew_late_to_begin_does_what_follows_in_time() -> None:
+    def times(skill: Skill) -> list[int]:
+        plan = plan_exercise("flooding-aft")
+        flight = fly_rehearsal(plan, plan.crew, CrewReaction(20.0), partial(Trainee, skill))
+        return [tick for tick, text in given(flight) if text in ("bell ahead full", "drain aft")]
+
+    (begun, follows), (same, late) = times(LATE_KINDS["late to begin"]), times(Skill("each step"))
+    assert begun == same
+    assert follows - begun == 4  # 2 s after it, in ticks of 0.5 s
+    assert late - same == 44
+
+
+def test_harsh_hands_look_rarely_and_take_no_angle_off_in_time() -> None:
+    habits = plan_exercise("steady-course").crew.helmsman
+    harsh = make_harsh(habits, 10.0)
+    assert (harsh.look_s, harsh.rudder_s) == (10.0, 0.0)
+    assert harsh.rudder_per_error == pytest.approx(1.5 * habits.rudder_per_error)
+    exact, rough = (
+        given(flown_by(skill, "steady-course"))
+        for skill in (Skill("exact"), Skill("harsh", look_s=10.0))
+    )
+    ticks = [tick for tick, _ in rough]
+    assert rough != exact
+    assert min(b - a for a, b in pairwise(ticks)) >= 20
+
+
+def test_a_panic_is_taken_back_20_s_later() -> None:
+    plan = plan_exercise("flooding-aft")
+    panic = next(each for each in SILLY_POLICIES if each.moment is Moment.PANIC)
+    orders = [(seconds, order.text) for seconds, order in silly_orders(panic, plan)]
+    blown = [seconds for seconds, text in orders if text == "emergency blow"]
+    stopped = [seconds for seconds, text in orders if text == "blow stop"]
+    assert len(blown) > 1
+    assert stopped == [seconds + 20.0 for seconds in blown]
 
 
 def test_gauges_are_misread_by_a_share_and_not_alike() -> None:
@@ -174,7 +237,8 @@ def test_hands_in_steps_set_whole_steps() -> None:
         (opposite_order, "pump trim aft 3", "pump trim forward 3"),
         (opposite_order, "flood depth-control 4", "pump depth-control 4"),
         (opposite_order, "rudder right 10", "rudder left 10"),
-        (opposite_order, "bell astern full", "bell astern full"),
+        (opposite_order, "bell astern full", "bell ahead full"),
+        (opposite_order, "bell stop", "bell stop"),
     ],
 )
 def test_words_of_orders_are_changed(change: Callable[[str], str], text: str, other: str) -> None:

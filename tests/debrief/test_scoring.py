@@ -101,13 +101,20 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
     depth = {"measure": "time-to", "quantity": "depth", "target": 100, "band": 1}
     assert taken(went, **depth) == (1.5, 3)
     assert taken(went, **depth, from_s=1.0) == (0.5, 3)
-    assert taken(went, **depth, to_s=1.0) == (None, None)
-    assert (
-        take_measure(went, rule(**depth, to_s=1.0)).why
-        == "not in the band at the end, 9 m beyond it"
-    )
+    short = trajectory(z=[60, 99, 90])
+    assert taken(short, **depth) == (None, None)
+    assert take_measure(short, rule(**depth)).why == "not in the band at the end, 9 m beyond it"
     far = trajectory(z=[60, 258, 260.6])
     assert take_measure(far, rule(**depth)).why == "not in the band at the end, 160 m beyond it"
+
+
+def test_a_window_that_ends_on_the_way_has_the_time_at_its_mean_pace() -> None:
+    z = [60, 70, 80, 90, 99, 100]
+    depth = {"measure": "time-to", "quantity": "depth", "target": 100, "band": 1}
+    assert taken(trajectory(z=z), **depth, to_s=1.5) == (pytest.approx(1.5 * 39 / 30), 3)  # type: ignore[comparison-overlap]
+    assert taken(trajectory(z=z), **depth, to_s=2.0) == (2.0, 4)  # no jump at the end of a window
+    away = trajectory(z=[60, 50, 50, 50])
+    assert taken(away, **depth, to_s=1.0) == (None, None)
 
 
 def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:
@@ -157,6 +164,21 @@ def test_conditions_hold_together() -> None:
     went = trajectory(z=[60, 75, 90, 110], theta=np.radians([9, -5, -4, 9]))
     pitch = {"measure": "in-band", "quantity": "pitch_deg", "target": -5, "band": 0.5}
     assert taken(went, **pitch, when="depth > 70 and depth < 100")[0] == pytest.approx(50.0)
+
+
+def test_a_tick_beyond_a_band_counts_in_part_to_half_as_far_again() -> None:
+    depth = {"measure": "in-band", "quantity": "depth", "target": 100, "band": 4}
+    for off, share in ((4.0, 100.0), (5.0, 50.0), (6.0, 0.0), (-5.5, 25.0)):
+        assert taken(trajectory(z=[100 + off] * 4), **depth)[0] == pytest.approx(share)
+
+
+def test_the_rms_of_a_condition_that_held_for_a_moment_has_no_value() -> None:
+    z = np.full(400, 103.0)
+    depth = {"measure": "rms", "quantity": "depth", "target": 100, "when": "speed_kn < 1"}
+    slow = np.where(np.arange(400) < 59, 0.0, 5.0)
+    assert taken(trajectory(z=z, u=slow), **depth) == (None, None)
+    slow[59] = 0.0
+    assert taken(trajectory(z=z, u=slow), **depth) == (3.0, 0)
 
 
 def test_a_window_may_begin_with_a_casualty() -> None:
@@ -268,6 +290,18 @@ def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
     assert taken(went, **jam, orders=["bow"]) == (2.0, 5)
     assert take_measure(went, rule(**jam, orders=["blow"])).why == "it was not answered"
     assert take_measure(trajectory(), rule(**jam)).counts is False
+
+
+def test_an_order_that_is_soon_turned_round_is_no_answer() -> None:
+    jam = {"measure": "response", "casualty": "stern-stuck"}
+
+    def answered(back: int) -> float | None:
+        given = [order(1, 4, "bell astern full"), order(2, 10, "bow planes rise 9")]
+        given.append(order(3, back, "bell ahead full"))
+        return taken(trajectory(orders=given, jam=[0, 0, *[1] * 60]), **jam)[0]
+
+    assert answered(44) == 4.5  # the next one
+    assert answered(45) == 1.5  # after 20 s it stood
 
 
 def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> None:
@@ -391,12 +425,14 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
         measure="time-to", quantity="depth", target=100, band=2, from_s=60, when="speed > 3"
     )
     assert formula_of(judged) == (
-        "time until depth is within 2 m of 100 m, for 30 s or to the end, from 60 s while speed > 3"
+        "time until depth is within 2 m of 100 m, for 30 s or to the end; where a window ends "
+        "before, at its mean pace, from 60 s while speed > 3"
     )
     assert unit_of(judged) == "s"
     assert unit_of(rule(measure="highest", quantity="depth_ft")) == "ft"
     assert formula_of(rule(measure="rms", quantity="course")) == (
-        "root of the mean of (course - what is ordered)^2, a term for each tick"
+        "root of the mean of (course - what is ordered)^2, a term for each tick; no value where "
+        "a condition holds for less than 30 s"
     )
 
 

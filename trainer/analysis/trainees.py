@@ -8,9 +8,9 @@ crew gives orders that know nothing of the exercise. Its marks must be next to n
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,13 +18,24 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew, RuleProgress
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRow, CrewRule
+from trainer.config.reference_crew import (
+    CREW_HANDS,
+    MARK_ORDER,
+    Crew,
+    CrewRow,
+    CrewRule,
+    Helmsman,
+    Planesman,
+)
 from trainer.debrief.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import CREW_TALK
 from trainer.session.crew.manning import in_hand
 from trainer.session.past.plan import Plan
 
+HARSH_GAIN: Final = 1.5  # [-] of the angle that a harsh hand gives for an error; an estimate
+GAIN_KEYS: Final = ("bubble_deg_per_m", "rudder_per_error")  # of a hand's habits
+LEAD_KEYS: Final = ("bubble_s", "stern_s", "rudder_s")  # by which it takes the angle off in time
 GLANCE_S: Final = 5.0  # [s] for which a gauge is misread alike
 GLANCE_COUNT: Final = 997  # misreadings that are drawn; after the last comes the first again
 LATE_SPREAD: Final = 0.2  # [-] of a delay, either way
@@ -32,6 +43,7 @@ MISREAD_TURN_RAD: Final = np.pi / 2.0  # of which a share is misread of the head
 HAND_ORDER: Final = re.compile(r"(stern planes|bow planes|rudder) (rise|dive|left|right) (\d+)")
 ZERO_WORDS: Final = {"rudder": "amidships", "stern planes": "zero", "bow planes": "zero"}
 EVENT_ORDERS: Final = CREW_TALK | {"casualty"}  # of a plan: what a crew has to answer
+Habits = TypeVar("Habits", Planesman, Helmsman)
 FORGOTTEN_ORDER: Final = GivenOrder("", "")
 
 
@@ -41,10 +53,12 @@ class Skill:
 
     name: str
     late_s: float = 0.0  # [s] beyond the rules
+    prompt_steps: bool = False  # only late to begin: what follows upon a step comes in time
     step_deg: int = 1  # in which hands set planes and rudder
     misread_share: float = 0.0  # [-] of what a gauge shows to the hands, at most
     forgets: int = 0  # one order in so many is never given
-    wrong_s: float = 0.0  # [s] for which the first order of each control goes the wrong way
+    wrong_s: float = 0.0  # [s] for which each control goes the wrong way at first
+    look_s: float = 0.0  # [s] between looks of hands that are harsh; 0: they work by the exercise
 
     def reaction(self, seed: int) -> CrewReaction:
         """Return how slow this crew is, its delays spread by LATE_SPREAD."""
@@ -70,11 +84,22 @@ LATE_CREWS: Final = (
 FAULTY_CREWS: Final = (
     Skill("hands in steps of 5 deg alone", step_deg=5),
     Skill("gauges misread by 5 % alone", misread_share=0.05),
-    Skill("one order in five forgotten alone", forgets=5),
-    Skill("wrong way for 10 s first alone", wrong_s=10.0),
+    Skill("harsh hands that look each 10 s alone", look_s=10.0),
+    Skill("one order in three forgotten alone", forgets=3),
+    Skill("wrong way for 20 s first alone", wrong_s=20.0),
 )
 # fmt: on
 ALL_CREWS: Final = (*GRADED_CREWS, *LATE_CREWS, *FAULTY_CREWS)
+
+
+def make_harsh(habits: Habits, look_s: float) -> Habits:
+    """Return a hand's habits with rarer looks, more angle for an error, and none taken off early.
+
+    ``look_s`` is from look to look [s].
+    """
+    gains = {key: HARSH_GAIN * getattr(habits, key) for key in GAIN_KEYS if hasattr(habits, key)}
+    leads = dict.fromkeys((key for key in LEAD_KEYS if hasattr(habits, key)), 0.0)
+    return replace(habits, look_s=look_s, **gains, **leads)
 
 
 class MisreadGauges(GaugeHistory):
@@ -123,6 +148,19 @@ class Trainee(ReferenceCrew):
         self.follow_rules([*self.followed, *new])
         return given
 
+    def _notice(self, each: RuleProgress, before: RuleProgress | None) -> None:
+        late = self.reaction
+        if self.skill.prompt_steps and each.rule.row.then:
+            self.reaction = CrewReaction()
+        super()._notice(each, before)
+        self.reaction = late
+
+    def _switch(self, order: Order) -> None:
+        super()._switch(order)
+        hand = self.hands.get(order.name)
+        if self.skill.look_s and hand is not None:
+            hand.habits = make_harsh(hand.habits, self.skill.look_s)
+
     def _shown(self, quantity: str, mean: float) -> float:
         # rules read right: of many wrong glances one passes a threshold early, which is no fault
         if quantity in ("depth", "speed"):
@@ -142,19 +180,19 @@ class Trainee(ReferenceCrew):
         return self._say(coarse_order(text, self.skill.step_deg))
 
     def _say(self, text: str) -> GivenOrder:
-        """Give an order, or forget it, or give its opposite first."""
+        """Give an order, or forget it, or for ``wrong_s`` its opposite."""
         self.said += 1
         if self.skill.forgets and self.said % self.skill.forgets == 0:
             return FORGOTTEN_ORDER
         control = text.partition(" ")[0]
-        if control in self.corrections:
-            self.corrections[control].over, self.corrections[control].due = True, None
         right = parse(text)
-        if self.skill.wrong_s and control not in self.corrections and isinstance(right, Order):
-            rule = CrewRule(row=CrewRow(order=text), conditions=(), order=right)
-            self.corrections[control] = RuleProgress(rule, self.boat.time + self.skill.wrong_s)
-            text = opposite_order(text)
-        return super()._give(text)
+        if not self.skill.wrong_s or not isinstance(right, Order):
+            return super()._give(text)
+        rule = CrewRule(row=CrewRow(order=text), conditions=(), order=right)
+        wait = RuleProgress(rule, self.boat.time + self.skill.wrong_s)
+        correction = self.corrections.setdefault(control, wait)
+        correction.rule = rule  # what is put right is what was ordered last
+        return super()._give(text if correction.over else opposite_order(text))
 
 
 def coarse_order(text: str, step: int) -> str:
@@ -174,17 +212,18 @@ class Moment(Enum):
 
     BEGIN = "begin"  # once, BEGIN_S after the start
     EVENT = "event"  # ANSWER_S after each order to the crew, and each casualty
+    PANIC = "panic"  # as at EVENT, and all taken back TAKEN_BACK_S later
     EVER = "ever"  # one of its orders each TWITCH_S, in turn
 
 
-BEGIN_S, ANSWER_S, TWITCH_S = 61.0, 6.0, 4.0  # [s]
+BEGIN_S, ANSWER_S, TAKEN_BACK_S, TWITCH_S = 61.0, 6.0, 20.0, 4.0  # [s]
 FIRST_TWITCH_S: Final = 60.0  # [s]
 
 
 class SillyPolicy(NamedTuple):
     """Orders that know nothing of the exercise.
 
-    In a text ``;`` parts orders of one moment; Moment.EVER takes the texts in turn.
+    In a text ``;`` parts orders of one moment; Moment.EVER and PANIC take the texts in turn.
     """
 
     name: str
@@ -194,6 +233,14 @@ class SillyPolicy(NamedTuple):
 
 AUTOMATIC_ORDERS: Final = (
     "planes auto; rudder auto; autopilot on; trim auto; hover on; depth 60; course 0; speed 8"
+)
+PANIC_ORDERS: Final = (
+    "bell astern full; rudder left 30; stern planes rise 20; bow planes rise 20; emergency blow; "
+    "drain aft; pump depth-control 5"
+)
+PANIC_ENDS: Final = (
+    "bell ahead two-thirds; rudder amidships; stern planes zero; bow planes zero; blow stop; "
+    "vent all open; drain stop; flood depth-control 5"
 )
 # fmt: off
 SILLY_POLICIES: Final = (
@@ -220,6 +267,7 @@ SILLY_POLICIES: Final = (
     SillyPolicy("all automatic", Moment.EVENT, (AUTOMATIC_ORDERS,)),
     SillyPolicy("words only", Moment.EVENT, ("order depth 60; order course 0",)),
     SillyPolicy("useless answer", Moment.EVENT, ("bow planes rise 1",)),
+    SillyPolicy("panic, taken back", Moment.PANIC, (PANIC_ORDERS, PANIC_ENDS)),
     SillyPolicy("hunting", Moment.EVER, (
         "stern planes dive 4; rudder left 4", "stern planes rise 4; rudder right 4")),
     SillyPolicy("hunting, hard", Moment.EVER, (
@@ -246,5 +294,6 @@ def _moments(moment: Moment, plan: Plan) -> tuple[float, ...]:
         return (BEGIN_S,)
     if moment is Moment.EVER:
         return tuple(np.arange(FIRST_TWITCH_S, end, TWITCH_S))
-    events = {e.seconds for e in plan.schedule if e.order.name in EVENT_ORDERS}
-    return tuple(sorted(each + ANSWER_S for each in events))
+    events = {e.seconds + ANSWER_S for e in plan.schedule if e.order.name in EVENT_ORDERS}
+    delays = (0.0, TAKEN_BACK_S) if moment is Moment.PANIC else (0.0,)
+    return tuple(each + delay for each in sorted(events) for delay in delays)

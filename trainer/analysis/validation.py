@@ -16,6 +16,15 @@ import numpy as np
 from markupsafe import Markup
 
 from trainer.analysis.exercise_page import depends_on_seed, plan_exercise
+from trainer.analysis.lateness import (
+    LATENESS_S,
+    MAX_URGENT_MARKS,
+    STEEP_FALL,
+    URGENT_LATE_S,
+    Ladder,
+    fly_ladders,
+    is_urgent,
+)
 from trainer.analysis.trainees import (
     ALL_CREWS,
     GRADED_CREWS,
@@ -33,6 +42,7 @@ from trainer.core.digest import core_digest
 from trainer.debrief.attainable import orders_beside_crew
 from trainer.debrief.judgement import judge_run, plain_marks
 from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.scoring import Scorecard
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report import html, text
@@ -60,8 +70,10 @@ RULE_TEXT: Final = (
     f"Marks order skill where Spearman's rank correlation of marks with grade is "
     f"{LEAST_CORRELATION:g} at least, no silly crew has more than {MAX_SILLY_MARKS:g}, nobody "
     f"aboard has 0, and the reference crew has {LEAST_REFERENCE_MARKS:g} at the exercise's own "
-    "seed. The grades are late by 0, 5, 15, 30 and 60 s, and worse in all else; crews with one "
-    "fault alone are told beside them and decide nothing."
+    f"seed. Where a hole or a jam is open, a crew {URGENT_LATE_S:g} s late has "
+    f"{MAX_URGENT_MARKS:g} at most. The grades are late by 0, 5, 15, 30 and 60 s, and worse in all "
+    "else; crews with one fault alone are told beside them and decide nothing, as are falls of "
+    f"more than {STEEP_FALL:g} marks for 5 s."
 )
 
 
@@ -73,6 +85,8 @@ class SeedTrial:
     seed: int
     skilled: Mapping[str, float]  # by the crew's name
     silly: Mapping[str, float]
+    ladders: tuple[Ladder, ...] = ()  # of lateness, only at the exercise's own seed
+    urgent: bool = False  # a hole or a jam is in it
 
 
 @dataclass(frozen=True)
@@ -87,6 +101,8 @@ class Validation:
     late_correlation: float  # [-] the same, of crews that are only late
     swapped: float  # [-] share of pairs of neighbouring grades in which the worse has more
     digest: str  # of the exercise's text
+    ladders: tuple[Ladder, ...] = ()  # of lateness
+    urgent: bool = False  # a hole or a jam is in it
 
     @property
     def best_silly(self) -> str:
@@ -106,8 +122,12 @@ class Validation:
         if nobody > 0.0:
             faults.append(f"nobody aboard has {nobody:.0f} marks, not 0")
         if reference < LEAST_REFERENCE_MARKS:
-            marks = f"{reference:.0f} marks, not {LEAST_REFERENCE_MARKS:g}"
-            faults.append(f"the reference crew has {marks}")
+            few = f"{reference:.0f} marks, not {LEAST_REFERENCE_MARKS:g}"
+            faults.append(f"the reference crew has {few}")
+        for ladder in self.ladders if self.urgent else ():
+            if (marks := ladder.at(URGENT_LATE_S)) > MAX_URGENT_MARKS:
+                left = f"{marks:.0f} marks are left, not {MAX_URGENT_MARKS:g} at most"
+                faults.append(f"{ladder.kind} by {URGENT_LATE_S} s, {left}")
         return tuple(faults)
 
 
@@ -177,17 +197,21 @@ def trial_seeds(name: str, count: int) -> list[tuple[str, int, bool]]:
 
 def fly_trial(name: str, seed: int, with_silly: bool) -> SeedTrial:  # noqa: FBT001 (of a task)
     """Return the marks of all crews at one seed."""
-    plan = plan_exercise(name, seed)
+    own, plan = plan_exercise(name), plan_exercise(name, seed)
     alone = fly_rehearsal(plan)
     nobody = plain_marks(alone.trajectory, plan)
 
+    def judge(flight: Rehearsal) -> Scorecard:
+        return judge_run(flight.trajectory, plan, nobody)
+
     def marks(flight: Rehearsal) -> float:
-        return round(judge_run(flight.trajectory, plan, nobody).total or 0.0, MARK_DECIMALS)
+        return round(judge(flight).total or 0.0, MARK_DECIMALS)
 
     skilled = {crew.name: marks(fly_skilled(plan, crew, seed)) for crew in ALL_CREWS}
     policies = SILLY_POLICIES if with_silly else ()
     silly = {each.name: marks(fly_silly(plan, each, alone)) for each in policies}
-    return SeedTrial(name, seed, skilled, silly)
+    ladders = fly_ladders(plan, judge) if seed == own.seed else ()
+    return SeedTrial(name, seed, skilled, silly, ladders, is_urgent(own))
 
 
 def fly_skilled(plan: Plan, skill: Skill, seed: int) -> Rehearsal:
@@ -223,6 +247,8 @@ def validation_of(trials: Sequence[SeedTrial]) -> Validation:
         late_correlation=_order(skilled, (GRADED_CREWS[0], *LATE_CREWS)),
         swapped=swapped_share([skilled[grade.name] for grade in GRADED_CREWS]),
         digest=digest_of(read_text(path_named(name, "exercises"))),
+        ladders=trials[0].ladders,
+        urgent=trials[0].urgent,
     )
 
 
@@ -238,6 +264,7 @@ def validation_data(found: Sequence[Validation]) -> dict[str, Any]:
     rows = [
         {
             **{key: value for key, value in vars(each).items() if key != "digest"},
+            "ladders": [{"late_s": LATENESS_S, **ladder._asdict()} for ladder in each.ladders],
             "exercise_digest": each.digest,
             "best_silly": each.best_silly,
             "faults": each.faults,
@@ -258,6 +285,7 @@ def exercise_text(found: Validation) -> str:
             *text.table(("silly crew", "marks"), _silly_rows(found)[:SILLY_ROWS]),
             "",
             *text.wrap(_figures(found)),
+            *(line for said in _lateness(found) for line in text.wrap(said)),
             *text.wrap(_verdict(found)),
             "",
         ]
@@ -288,6 +316,16 @@ def _figures(found: Validation) -> str:
         f"rank correlation {found.correlation:.2f}, of lateness alone "
         f"{found.late_correlation:.2f}; swapped neighbours {100.0 * found.swapped:.0f} %"
     )
+
+
+def _lateness(found: Validation) -> Iterator[str]:
+    """Yield the marks of each ladder, and its steep falls and its rises."""
+    for ladder in found.ladders:
+        marks = " ".join(f"{each:.0f}" for each in ladder.marks)
+        yield f"{ladder.kind}, by {LATENESS_S[0]} to {LATENESS_S[-1]} s: {marks}"
+    for ladder in found.ladders:
+        yield from (f"steep: {each}" for each in ladder.falls)
+        yield from (f"more for later: {each}" for each in ladder.rises)
 
 
 def _verdict(found: Validation) -> str:
@@ -352,7 +390,7 @@ def _exercise_section(found: Validation) -> Markup:
         found.exercise,
         found.exercise,
         html.paragraph(_verdict(found), "bad" if found.faults else "good"),
-        html.paragraph(_figures(found)),
+        *map(html.paragraph, (_figures(found), *_lateness(found))),
         html.charts(map(draw_panel, panels)),
         legend(panels[0].curves),
         html.table(CREW_HEADS, _crew_rows(found, ALL_CREWS), "narrow"),
@@ -379,6 +417,7 @@ def _panels(found: Validation) -> tuple[Panel, Panel]:
     alone = (
         Curve("a run", np.repeat(delays, late.shape[1]), late.ravel(), points=True),
         Curve("the mean", delays, late.mean(axis=1)),
+        *(Curve(each.kind, np.array(LATENESS_S), np.array(each.marks)) for each in found.ladders),
     )
     levels = (0.0, MAX_SILLY_MARKS, 100.0)
     return (

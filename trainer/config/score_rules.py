@@ -31,7 +31,7 @@ from trainer.core.surfaces import SURFACES
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.words import ORDER_WORDS, Obeyer
 
-RULES_FORM: Final = "2"  # of the rules of marking; counted up where a run's marks would change
+RULES_FORM: Final = "3"  # of the rules of marking; counted up where a run's marks would change
 OWN_UNIT: Final = ""  # the unit of a measure that is a quantity's
 COURSE_QUANTITY: Final = "course"  # a quantity beside those of conditions: it goes round
 ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # offsets of the state that hold what is ordered
@@ -76,20 +76,22 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "time-to": ScoreMeasure(
         "s",
-        "time until {q} is within {b} of {t}, for 30 s or to the end",
+        "time until {q} is within {b} of {t}, for 30 s or to the end; where a window ends "
+        "before, at its mean pace",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
     "reach": ScoreMeasure(
         "s",
-        "time until {q} is within {b} of {t}, for 30 s or to the end; no value if it was "
-        "there at once",
+        "time until {q} is within {b} of {t}, for 30 s or to the end; where a window ends "
+        "before, at its mean pace; no value if it was there at once",
         "when it is",
         needs=("quantity", "target", "band"),
     ),
     "settled": ScoreMeasure(
         "%",
-        "share of the last 120 s with {q} within {b} of {t}; no value if it was there at once",
+        "share of the last 120 s with {q} within {b} of {t}, in part to half as far again; "
+        "no value if it was there at once",
         "the furthest from it",
         needs=("quantity", "target", "band"),
     ),
@@ -98,14 +100,16 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "rms": ScoreMeasure(
         OWN_UNIT,
-        "root of the mean of ({q} - {t})^2, a term for each tick",
+        "root of the mean of ({q} - {t})^2, a term for each tick; no value where a condition holds "
+        "for less than 30 s",
         "the furthest from it",
         needs=("quantity",),
         may=("target",),
     ),
     "in-band": ScoreMeasure(
         "%",
-        "share of the ticks with {q} within {b} of {t}; with a condition of 30 s at least",
+        "share of the ticks with {q} within {b} of {t}, in part to half as far again; "
+        "with a condition of 30 s at least",
         "the furthest from it",
         needs=("quantity", "band"),
         may=("target",),
@@ -141,10 +145,11 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "time-to-detect": ScoreMeasure(
         "s",
-        "longest time from when a ship came in sight to a mark of it: `mark contact 045`, "
-        "within 3 deg; 30 s more for each mark of no ship seen; no value where a ship was not "
-        "marked, or not seen that a raised mast would have shown for 2 min",
-        "the mark",
+        "mean time from when a ship came in sight to a mark of it: `mark contact 045`, within "
+        "3 deg; each from full to zero, which a ship not marked has, or not seen that a raised "
+        "mast would have shown for 2 min; 30 s more of a ship for each mark of none; no value "
+        "where none was marked",
+        "the slowest mark",
     ),
     "broaches": ScoreMeasure(
         "-",
@@ -169,7 +174,8 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
     ),
     "response": ScoreMeasure(
         "s",
-        "time from the first onset of {c} to the crew's next order{o}",
+        "time from the first onset of {c} to the crew's next order{o} that it does not turn round "
+        "within 20 s",
         "the order",
         needs=("casualty",),
         may=("orders",),

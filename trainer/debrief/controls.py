@@ -16,8 +16,9 @@ OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
     ("rise", "dive"),
     ("left", "right"),
     ("flood", "pump"),
+    ("ahead", "astern"),
 )
-WAY_WORDS: Final = (*OPPOSITE_WORDS, ("ahead", "astern"), ("flood", "blow"), ("on", "off"))
+WAY_WORDS: Final = (*OPPOSITE_WORDS, ("flood", "blow"), ("on", "off"))
 HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
     hand: (axis, frozenset(w.name for w in ORDER_WORDS.values() if w.works == axis))
     for hand, axis in (("planesman", "planes"), ("helmsman", "rudder"))

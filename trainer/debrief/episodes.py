@@ -8,6 +8,7 @@ to tell.
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,7 @@ from trainer.config.files import ConfigError
 from trainer.config.score_rules import ANSWER_ORDERS, COURSE_QUANTITY, HINT_ORDER
 from trainer.core.casualties import KINDS
 from trainer.core.surfaces import SURFACES
+from trainer.debrief.controls import is_wrong_way
 from trainer.debrief.trajectory import (
     CASUALTY_AMOUNTS,
     CASUALTY_SLOTS,
@@ -40,6 +42,7 @@ KEPT_TOLERANCES: Final = {  # [SI] off an order within which it is kept
     "pitch": math.radians(2.0),
 }
 MIN_DEFLECTION_RAD: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
+TAKEN_BACK_S: Final = 20.0  # [s] for which an answer has to stand; an estimate
 WORDS_AXIS: Final = "words"  # the axis of an order in words
 
 
@@ -147,19 +150,35 @@ def looks_as_instructor(trajectory: Trajectory) -> tuple[str, ...]:
 def answer_to(
     trajectory: Trajectory, episode: Episode, names: tuple[str, ...] | None = None
 ) -> RecordedOrder | None:
-    """Return the crew's first order after a casualty began, of ``names`` if given."""
+    """Return the crew's first order after a casualty began, of ``names`` if given.
+
+    An order that the crew turns round within TAKEN_BACK_S answers nothing.
+    """
     caused = [
         order.id
         for order in trajectory.orders
         if order.tick == episode.begun and order.name == "casualty"
     ]
-    for order in crew_orders(trajectory):
+    orders = crew_orders(trajectory)
+    for i, order in enumerate(orders):
         # at the tick itself only what was ordered after the casualty, in a freeze
         later = order.tick > episode.begun
         later = later or (order.tick == episode.begun and bool(caused) and order.id > caused[-1])
-        if later and (names is None or order.name in names):
+        named = later and (names is None or order.name in names)
+        if named and not _is_taken_back(order, orders[i + 1 :], trajectory):
             return order
     return None
+
+
+def _is_taken_back(
+    order: RecordedOrder, later: Iterable[RecordedOrder], trajectory: Trajectory
+) -> bool:
+    """Return whether one of the later orders soon turns an order round."""
+    last = order.tick + TAKEN_BACK_S / trajectory.boat.method.step + 1e-9
+    return any(
+        is_wrong_way(each.text, order.text)
+        for each in takewhile(lambda each: each.tick <= last, later)
+    )
 
 
 def first_deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:

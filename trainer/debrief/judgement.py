@@ -3,8 +3,8 @@
 ``data`` and ``reference`` judge runs by ``judge_run``. A task with p marks earns t = 100 max(0, (p
 - b) / (100 - b)), where b are its marks with nobody aboard: only what the crew adds to those
 counts. An answer to a casualty earns its own t times the mean of the tasks. With T the mean of
-tasks and answers, K that of what was kept, and W what the weakest task has of the marks that carry
-it out, 1 at most, total = T (0.7 + 0.3 K / 100) (0.6 + 0.4 W). A broken limit leaves 50 to 100 at
+tasks and answers, K that of what was kept, and W what the weakest task has of WHOLE_TASK_PERCENT, 1
+at most, total = T (0.7 + 0.3 K / 100) (0.6 + 0.4 W). A broken limit leaves 50 to 100 at
 most, in proportion, a lost exercise 25, a boat hard aground 0; each hint takes what the exercise
 says off before that. From WON_PERCENT on it is won: docs/debrief.md.
 """
@@ -34,7 +34,7 @@ LOST_CAP, HARD_CAP = 25.0, 0.0  # [%] most that is left
 TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
 WON_PERCENT: Final = 60.0  # [%] marks from which an exercise is won
 DONE_TASK_PERCENT: Final = 50.0  # [%] marks from which a task is carried out
-SETTLED_PERCENT: Final = 80.0  # [%] of the time
+WHOLE_TASK_PERCENT: Final = 80.0  # [%] marks below which the weakest task takes of the others'
 KEEPING_SHARE: Final = 0.3  # of the total, by how the boat was kept
 WEAKEST_SHARE: Final = 0.4  # of the total, by the weakest task: so none is won without one
 WIDTH_FACTORS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
@@ -140,14 +140,14 @@ def _verdict(
     breach = worst_breach(trajectory, plan)
     cap = breach.cap if breach else None
     cap = HARD_CAP if hard else LOST_CAP if lost else cap
-    done = {each.name: done_share(each) for each in scores if each.earned is not None}
+    counted = [each for each in scores if each.earned is not None]
     verdict = Verdict(
         outcome=Outcome.WON,
         reason="",
         tasks=parts[0],
         keeping=parts[1],
         hint_marks=parts[2],
-        weakest=min(done.values()) if len(done) > 1 else 1.0,  # else T itself says it
+        weakest=min(map(whole_share, counted)) if len(counted) > 1 else 1.0,  # else T says it
         gate=breach.text if breach else "",
         gate_cap=breach.cap if breach else None,
         cap=cap,
@@ -161,7 +161,9 @@ def _verdict(
     total, early = total_of(verdict), _cut_short(trajectory, plan)
     if total >= WON_PERCENT and not early:
         return verdict
-    undone = ", ".join(name for name, share in done.items() if share < 1.0)
+    undone = ", ".join(
+        each.name for each in counted if (_own_marks(each) or 0.0) < DONE_TASK_PERCENT
+    )
     by_gate = verdict.gate if total < before_gate(verdict) else ""
     few = f"{total:.0f} marks, {WON_PERCENT:.0f} win"
     return replace(verdict, outcome=Outcome.NOT_REACHED, reason=by_gate or undone or early or few)
@@ -178,13 +180,11 @@ def _free(trajectory: Trajectory) -> str:
     return ""
 
 
-def done_share(each: RuleScore) -> float:
+def whole_share(each: RuleScore) -> float:
     """Return how far a task was carried out, 1 at most. One that does not count passes."""
     if each.earned is None or each.marks is None:
         return 1.0
-    if each.rule.score.measure == "settled":
-        return min((each.attained.value or 0.0) / min(SETTLED_PERCENT, each.rule.score.full), 1.0)
-    return min((_own_marks(each) or 0.0) / DONE_TASK_PERCENT, 1.0)
+    return min((_own_marks(each) or 0.0) / WHOLE_TASK_PERCENT, 1.0)
 
 
 def _turned_over(trajectory: Trajectory) -> str:
@@ -299,7 +299,7 @@ def _by_weakest(card: Scorecard) -> Iterator[MarkCost]:
     verdict = card.verdict
     if verdict is None or verdict.weakest == 1.0:
         return
-    weakest = min(card.scores, key=done_share)
+    weakest = min(card.scores, key=whole_share)
     cost = verdict.tasks * _kept_factor(verdict) * (1.0 - _weakest_factor(verdict))
     came = weakest.attained.value is not None
     fault = "it fell short of what counts as carried out" if came else "it was not carried out"

@@ -37,6 +37,7 @@ LIMIT_QUANTITIES: Final[Mapping[str, MeasuredQuantity]] = {  # by the keys of an
 FALSE_MARK_PENALTY_S: Final = 30.0  # [s] for each mark of a ship where none was seen
 HELD_TIME_S: Final = 30.0  # [s] in the band from which a target counts as reached
 SLIP_COST: Final = 3.0  # [s] of them for each second outside; an estimate
+EDGE_SHARE: Final = 0.5  # of a band, outside it, over which being there fades; an estimate
 SETTLING_WINDOW_S: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
@@ -85,11 +86,25 @@ def time_to(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measureme
         return Measurement(there * step, int(ticks[entered]))
     first = int(outside[-1]) + 1
     if first == ticks.size:
+        if (late := _time_at_pace(trajectory, rows, rule)) is not None:
+            return Measurement(late, int(ticks[-1]))
         beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
         unit = rule.measured.unit if rule.measured else ""
         far = f"{float(f'{beyond:.2g}'):g} {unit}"  # two digits that count
         return Measurement(None, None, f"not in the band at the end, {far} beyond it")
     return Measurement(float(ticks[first] - ticks[0]) * step, int(ticks[first]))
+
+
+def _time_at_pace(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> float | None:
+    """Return the time [s] to the band at the mean pace of a window that ended before.
+
+    None where the quantity came no nearer, or the record ends with the window.
+    """
+    off, band = np.abs(_off(trajectory, rows, rule)), rule.score.band or 0.0
+    if rows[-1] or off[-1] >= off[0]:
+        return None
+    seconds = float(np.ptp(trajectory.ticks[rows])) * trajectory.boat.method.step
+    return seconds * float((off[0] - band) / (off[0] - off[-1]))
 
 
 def reach(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
@@ -125,6 +140,8 @@ def final(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement
 
 def rms(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the root of the mean square distance from the target."""
+    if rule.conditions and rows.sum() < _fewest_rows(trajectory):
+        return Measurement(None, None, f"{rule.score.when} for less than {HELD_TIME_S:g} s")
     off = _off(trajectory, rows, rule)
     worst = int(np.argmax(np.abs(off)))
     return Measurement(float(np.sqrt(np.mean(off * off))), int(trajectory.ticks[rows][worst]))
@@ -133,15 +150,23 @@ def rms(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
 def in_band(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
     """Return the share [%] of the ticks at which the quantity is in its band.
 
+    A tick outside counts by how near it is, down to nothing at EDGE_SHARE of the band beyond it:
+    else the last centimetre would decide over a boat that lies at the edge all the time.
+
     Where the rule's condition holds for less than HELD_TIME_S (in a short record a quarter of the
     record), the share is of HELD_TIME_S and not of those ticks: to meet the condition for a moment
     and be in the band then is next to nothing.
     """
-    worst = int(np.argmax(np.abs(_off(trajectory, rows, rule))))
-    inside = _inside(trajectory, rows, rule)
-    few = min(round(HELD_TIME_S / trajectory.boat.method.step), trajectory.ticks.size // 4)
-    share = 100.0 * float(inside.sum()) / max(inside.size, few if rule.conditions else 1)
-    return Measurement(share, int(trajectory.ticks[rows][worst]))
+    off, band = np.abs(_off(trajectory, rows, rule)), rule.score.band or 0.0
+    inside = np.clip(1.0 - (off - band) / (EDGE_SHARE * band), 0.0, 1.0)
+    few = _fewest_rows(trajectory) if rule.conditions else 1
+    share = 100.0 * float(inside.sum()) / max(inside.size, few)
+    return Measurement(share, int(trajectory.ticks[rows][np.argmax(off)]))
+
+
+def _fewest_rows(trajectory: Trajectory) -> int:
+    """Return for how many rows a condition has to hold, that it is more than a moment."""
+    return min(round(HELD_TIME_S / trajectory.boat.method.step), trajectory.ticks.size // 4)
 
 
 def highest(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
@@ -213,26 +238,32 @@ def exposed_raise(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Mea
     return max(each, key=lambda attained: attained.value or 0.0)
 
 
-def time_to_detect(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
-    """Return the longest time [s] from a ship in sight to its mark.
+def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+    """Return the mean time [s] from a ship in sight to its mark, so that each ship earns its part.
 
-    Each mark that meant no ship adds FALSE_MARK_PENALTY_S.
+    A time counts from the rule's ``full`` to its ``zero``, and a ship not marked as ``zero``. Each
+    mark that meant no ship adds FALSE_MARK_PENALTY_S to their sum.
     """
     looked_at = set(trajectory.ticks[rows].tolist())
     look_out_report = look_out(trajectory)
     ships = [each for each in look_out_report.ships if each.there in looked_at]
     if not ships:
         return Measurement(None, None, "no ship came in sight", counts=False)
-    for each in ships:
-        if each.seen is None:
-            return Measurement(None, each.there, f"nobody looked for {each.name}")
-        if each.marked is None:
-            return Measurement(None, each.seen, f"{each.name} was not marked")
-    step = trajectory.boat.method.step
-    times = {each: ((each.marked or 0) - (each.seen or 0)) * step for each in ships}
-    slowest = max(ships, key=lambda each: times[each])
+    step, score = trajectory.boat.method.step, rule.score
+    times = [
+        math.inf if each.seen is None or each.marked is None else step * (each.marked - each.seen)
+        for each in ships
+    ]
+    missed = [each for each in ships if each.marked is None]
+    if len(missed) == len(ships):
+        seen = any(each.seen is not None for each in ships)
+        why = "no ship in sight was marked" if seen else "nobody looked for ships"
+        return Measurement(None, ships[0].there, why)
     wrong = sum(tick in looked_at for tick in look_out_report.false)
-    return Measurement(times[slowest] + FALSE_MARK_PENALTY_S * wrong, slowest.marked)
+    low, high = sorted((score.full, score.zero))
+    value = float(np.clip(times, low, high).mean()) + FALSE_MARK_PENALTY_S * wrong / len(ships)
+    slowest = ships[int(np.argmax(times))]
+    return Measurement(value, slowest.there if slowest.marked is None else slowest.marked)
 
 
 def broaches(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:

@@ -107,7 +107,7 @@ class Verdict:
     reason: str  # "" where it was won
     tasks: float  # [%] mean of tasks and answers, T of ``judgement``
     keeping: float  # [%] mean of how the boat was kept, K
-    weakest: float  # [-] W: marks of the weakest task over those that carry it out, 1 at most
+    weakest: float  # [-] W: marks of the weakest task over those of a whole one, 1 at most
     gate: str  # the limit that was broken, "" if none was
     gate_cap: float | None  # [%] most that it leaves
     cap: float | None  # [%] most that is left by gate or loss
