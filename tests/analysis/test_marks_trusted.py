@@ -8,12 +8,13 @@ import pytest
 from helpers.lanes import sample_cases
 from helpers.rehearsed import flown, marks_of
 
+from trainer.analysis.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
-from trainer.boat.reference_crew import CrewReaction
+from trainer.boat.reference_crew import CrewReaction, GivenOrder
 from trainer.config.files import Position, shipped_names
 from trainer.config.reference_crew import read_crew
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import Departure, OrdersByTick, fly
+from trainer.debrief.judgement import judge_run, whole_share
+from trainer.debrief.rehearsal import Departure, OrdersByTick, fly, fly_rehearsal
 from trainer.debrief.scoring import Scorecard
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import REFERENCE_GIVER
@@ -138,6 +139,44 @@ SILLY = {
 def test_silly_things_earn_40_at_most(name: str) -> None:
     for orders in SILLY[name]:
         assert total(by_orders(name, orders)) <= 40.0, orders
+
+
+class Panicking(Trainee):
+    """A crew that goes astern before it does what is right."""
+
+    def look(self) -> list[GivenOrder]:
+        panic = self.boat.time == 72.0
+        text = "bell astern full"
+        return [*([self._give(text)] if panic else []), *super().look()]
+
+    def next_look(self) -> float:
+        return self.boat.time
+
+
+def test_to_go_astern_in_a_flooding_for_20_s_costs_ten_marks() -> None:
+    went, skill = flown("flooding-aft"), Skill("panic", prompt_steps=True)
+    run = fly_rehearsal(
+        went.plan, went.plan.crew, CrewReaction(14.0), functools.partial(Panicking, skill)
+    )
+    card = judge_run(run.trajectory, went.plan, went.nobody_marks)
+    assert total(card) <= total(went.crew) - 10.0
+    assert total(card) > total(late("flooding-aft", 30.0))
+
+
+def test_an_emergency_dive_that_no_hand_ends_is_not_half_won() -> None:
+    dive = [
+        (123.0, "bell ahead full"),
+        (125.0, "bow planes dive 20"),
+        (127.0, "stern planes dive 8"),
+    ]
+    assert total(by_orders("emergency-deep", dive)) <= 30.0
+
+
+@pytest.mark.parametrize(("marks", "share"), [(40.0, 0.5), (80.0, 1.0), (90.0, 1.0)])
+def test_the_weakest_task_takes_over_a_range_and_not_at_once(marks: float, share: float) -> None:
+    scores = flown("first-depth-change").crew.scores
+    weak = replace(scores[0], marks=marks, earned=marks)
+    assert whole_share(weak) == pytest.approx(share)
 
 
 def test_one_tick_at_the_end_decides_nothing() -> None:

@@ -14,6 +14,7 @@ from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercis
 from trainer.config.files import ConfigError, shipped_names
 from trainer.config.score_rules import ScoreRule
 from trainer.core.casualties import CODES
+from trainer.debrief import measures
 from trainer.debrief.scoring import (
     formula_of,
     marks_of,
@@ -21,6 +22,7 @@ from trainer.debrief.scoring import (
     take_measure,
     unit_of,
 )
+from trainer.debrief.ships_met import Detection, LookOut
 from trainer.debrief.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
 from trainer.io.recording.recording import RecordedOrder
 from trainer.units import KNOT
@@ -308,6 +310,19 @@ def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> Non
     given = [order(1, 1, "casualty stern-stuck", "instructor at x"), order(2, 1, "bell stop")]
     went = trajectory(orders=given, jam=[0, 0, 1, 1])
     assert taken(went, measure="response", casualty="stern-stuck") == (0.0, 1)
+
+
+def test_each_ship_earns_its_own_part_of_the_marks(monkeypatch: pytest.MonkeyPatch) -> None:
+    def value(*marked: int | None, false: tuple[int, ...] = ()) -> float | None:
+        ships = tuple(Detection(str(i), 0, 0, each) for i, each in enumerate(marked))
+        monkeypatch.setattr(measures, "look_out", lambda _: LookOut(ships, false))
+        return taken(trajectory(), measure="time-to-detect", full=10, zero=100)[0]
+
+    assert value(20, 40, 60) == pytest.approx((10 + 20 + 30) / 3)
+    assert value(20, 40, None) == pytest.approx((10 + 20 + 100) / 3)
+    assert value(2, 40, 600) == pytest.approx((10 + 20 + 100) / 3)
+    assert value(20, 40, 60, false=(4,)) == pytest.approx((10 + 20 + 30 + 30) / 3)
+    assert value(None, None) is None
 
 
 def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:

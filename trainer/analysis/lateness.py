@@ -105,7 +105,7 @@ def _cause(card: Scorecard, next_card: Scorecard) -> str:
     """Return the limit that was broken, or the measure that lost most of the total."""
     verdict = next_card.verdict
     if verdict is not None and _total(next_card) < before_gate(verdict):
-        return verdict.reason
+        return verdict.reason or verdict.gate
     pairs = zip(card.scores, next_card.scores, strict=True)
     before, after = max(pairs, key=lambda pair: _weighed(pair[0]) - _weighed(pair[1]))
     values = [_value_of(each) for each in (before, after)]
