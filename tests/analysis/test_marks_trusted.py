@@ -174,8 +174,9 @@ def test_an_emergency_dive_that_no_hand_ends_is_not_half_won() -> None:
 
 @pytest.mark.parametrize(("marks", "share"), [(40.0, 0.5), (80.0, 1.0), (90.0, 1.0)])
 def test_the_weakest_task_takes_over_a_range_and_not_at_once(marks: float, share: float) -> None:
-    scores = flown("first-depth-change").crew.scores
-    weak = replace(scores[0], marks=marks, earned=marks)
+    card = flown("first-depth-change").crew
+    assert card is not None
+    weak = replace(card.scores[0], marks=marks, earned=marks)
     assert whole_share(weak) == pytest.approx(share)
 
 

@@ -6,7 +6,7 @@ Makers of boats: ``estimate`` from the drawing of a hull, ``gains``, ``reduce``.
 machine.
 
 Begin with ``manoeuvres``: most others fly them. A program and its page are what commands use; a
-``fleet`` of boats side by side, crews for validation (``trainees``) and what an exercise's
+``fleet`` of boats side by side, crews for validation (``trainees``, ``lateness``) and what an exercise's
 texts say (``stated``) stay here. ``workers`` are the processes that all fly in.
 """
 

@@ -37,7 +37,10 @@ URGENT_KINDS: Final = frozenset(
 
 
 class Ladder(NamedTuple):
-    """The marks [%] of crews that are late in one way, and why a next one has far fewer."""
+    """The marks [%] of crews that are late in one way.
+
+    ``falls`` and ``rises`` tell where a later crew has far fewer, or more.
+    """
 
     kind: str
     marks: tuple[float, ...]  # for each of LATENESS_S

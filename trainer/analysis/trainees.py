@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -24,8 +24,6 @@ from trainer.config.reference_crew import (
     Crew,
     CrewRow,
     CrewRule,
-    Helmsman,
-    Planesman,
 )
 from trainer.debrief.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
@@ -43,7 +41,6 @@ MISREAD_TURN_RAD: Final = np.pi / 2.0  # of which a share is misread of the head
 HAND_ORDER: Final = re.compile(r"(stern planes|bow planes|rudder) (rise|dive|left|right) (\d+)")
 ZERO_WORDS: Final = {"rudder": "amidships", "stern planes": "zero", "bow planes": "zero"}
 EVENT_ORDERS: Final = CREW_TALK | {"casualty"}  # of a plan: what a crew has to answer
-Habits = TypeVar("Habits", Planesman, Helmsman)
 FORGOTTEN_ORDER: Final = GivenOrder("", "")
 
 
@@ -92,10 +89,10 @@ FAULTY_CREWS: Final = (
 ALL_CREWS: Final = (*GRADED_CREWS, *LATE_CREWS, *FAULTY_CREWS)
 
 
-def make_harsh(habits: Habits, look_s: float) -> Habits:
-    """Return a hand's habits with rarer looks, more angle for an error, and none taken off early.
+def make_harsh(habits: Any, look_s: float) -> Any:
+    """Return the habits of a hand that looks rarely and gives too much.
 
-    ``look_s`` is from look to look [s].
+    It looks each ``look_s`` [s], and takes no angle off in time.
     """
     gains = {key: HARSH_GAIN * getattr(habits, key) for key in GAIN_KEYS if hasattr(habits, key)}
     leads = dict.fromkeys((key for key in LEAD_KEYS if hasattr(habits, key)), 0.0)

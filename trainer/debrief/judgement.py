@@ -302,7 +302,7 @@ def _by_weakest(card: Scorecard) -> Iterator[MarkCost]:
     weakest = min(card.scores, key=whole_share)
     cost = verdict.tasks * _kept_factor(verdict) * (1.0 - _weakest_factor(verdict))
     came = weakest.attained.value is not None
-    fault = "it fell short of what counts as carried out" if came else "it was not carried out"
+    fault = f"it fell short of {WHOLE_TASK_PERCENT:.0f}" if came else "it was not carried out"
     sentence = f"{weakest.name}: {fault}, beside its own marks: {_marks(cost)}."
     yield MarkCost(cost, sentence, weakest.attained.tick)
 

@@ -239,10 +239,11 @@ def exposed_raise(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Mea
 
 
 def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
-    """Return the mean time [s] from a ship in sight to its mark, so that each ship earns its part.
+    """Return the mean time [s] from a ship in sight to its mark.
 
-    A time counts from the rule's ``full`` to its ``zero``, and a ship not marked as ``zero``. Each
-    mark that meant no ship adds FALSE_MARK_PENALTY_S to their sum.
+    The mean, because each ship is to earn its own part. A time counts from the rule's ``full`` to
+    its ``zero``, and a ship not marked as ``zero``. Each mark that meant no ship adds
+    FALSE_MARK_PENALTY_S to their sum.
     """
     looked_at = set(trajectory.ticks[rows].tolist())
     look_out_report = look_out(trajectory)
