@@ -6,8 +6,8 @@ Makers of boats: ``estimate`` from the drawing of a hull, ``gains``, ``reduce``.
 machine.
 
 Begin with ``manoeuvres``: most others fly them. A program and its page are what commands use; a
-``fleet`` of boats side by side, crews for validation (``trainees``, ``lateness``) and what an exercise's
-texts say (``stated``) stay here. ``workers`` are the processes that all fly in.
+``fleet`` of boats side by side, crews for validation (``trainees``, ``lateness``) and what an
+exercise's texts say (``stated``) stay here. ``workers`` are the processes that all fly in.
 """
 
 # The modules that other rooms may use.
