@@ -163,13 +163,12 @@ def test_to_go_astern_in_a_flooding_for_20_s_costs_ten_marks() -> None:
     assert total(card) > total(late("flooding-aft", 30.0))
 
 
-def test_an_emergency_dive_that_no_hand_ends_is_not_half_won() -> None:
-    dive = [
-        (123.0, "bell ahead full"),
-        (125.0, "bow planes dive 20"),
-        (127.0, "stern planes dive 8"),
-    ]
-    assert total(by_orders("emergency-deep", dive)) <= 30.0
+def test_an_emergency_dive_that_no_hand_holds_at_its_depth_is_not_half_won() -> None:
+    own = flown("emergency-deep").plan.crew
+    rows = [{"at_s": 360, "order": "planesman off"}, {"at_s": 361, "order": "stern planes rise 1"}]
+    leaving = read_crew({"crew": rows}, Position("test", ""))
+    crew = replace(own, rules=(*own.rules, *leaving.rules))
+    assert total(marks_of("emergency-deep", crew)) <= 45.0
 
 
 @pytest.mark.parametrize(("marks", "share"), [(40.0, 0.5), (80.0, 1.0), (90.0, 1.0)])
