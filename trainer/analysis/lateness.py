@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 from trainer.analysis.trainees import Skill, Trainee
 from trainer.boat.reference_crew import CrewReaction
-from trainer.config.casualties import SEVERITY_MEASURES
-from trainer.core.casualties import CASUALTY_TABLE, HARD_OVER, SURFACE_STUCK
+from trainer.config.casualties import HOLE, SEVERITY_MEASURES
+from trainer.core.casualties import CASUALTY_TABLE
 from trainer.debrief.judgement import before_gate, marks_given
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
@@ -28,11 +28,8 @@ CLEAR_RISE: Final = 3.0  # [%] of the marks that a later crew may have more by c
 RANKED_PERCENT: Final = 25.0  # [%] the most of a lost run: below it no order is asked for
 URGENT_LATE_S: Final = 40  # [s] with which a hole or a jam is not mastered
 MAX_URGENT_MARKS: Final = 60.0  # [%] that are left then
-URGENT_KINDS: Final = frozenset(
-    kind.name
-    for kind in CASUALTY_TABLE
-    if SEVERITY_MEASURES[kind.name].parameter == "hole_m2"
-    or (kind.surface >= 0 and kind.fault in (HARD_OVER, SURFACE_STUCK))
+URGENT_KINDS: Final = frozenset(  # holes and jams
+    kind.name for kind in CASUALTY_TABLE if SEVERITY_MEASURES[kind.name] is HOLE or kind.turned
 )
 
 
