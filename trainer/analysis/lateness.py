@@ -16,7 +16,7 @@ from trainer.core.casualties import CASUALTY_TABLE
 from trainer.debrief.judgement import before_gate, marks_given
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
-from trainer.session.plan import Plan
+from trainer.session.past.plan import Plan
 
 LATENESS_S: Final = tuple(range(0, 85, 5))  # [s] of the rungs of a ladder
 LATE_KINDS: Final[Mapping[str, Skill]] = {
