@@ -257,8 +257,10 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Me
     ]
     missed = [each for each in ships if each.marked is None]
     if len(missed) == len(ships):
+        names = " and ".join(each.name for each in ships)
+        unmarked = f"{names} {'were' if len(ships) > 1 else 'was'} not marked"
         seen = any(each.seen is not None for each in ships)
-        why = "no ship in sight was marked" if seen else "nobody looked for ships"
+        why = unmarked if seen else f"nobody looked for {names}"
         return Measurement(None, ships[0].there, why)
     wrong = sum(tick in looked_at for tick in look_out_report.false)
     low, high = sorted((score.full, score.zero))

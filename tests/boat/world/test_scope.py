@@ -302,7 +302,7 @@ def flown(boat: Boat, ticks: int, orders: dict[int, str], marks: dict[int, str])
 
 def attained(passage: Trajectory, measure: str) -> tuple[float | None, str]:
     """Return what a measure makes of a passage, and why it has no value."""
-    rule = f'[[scores]]\nname = "It"\nmeasure = "{measure}"\nfull = 0\nzero = 10\n'
+    rule = f'[[scores]]\nname = "It"\nmeasure = "{measure}"\nfull = 0\nzero = 100\n'
     (only,) = parse_exercise(HEAD + rule, Path("drill.toml")).scores
     found = take_measure(passage, only)
     return found.value, found.why
