@@ -10,7 +10,7 @@ from helpers.orders import read_order
 from helpers.places import ROOT
 
 from trainer.boat import helm
-from trainer.boat.effects import EFFECTS, effects_of_boat
+from trainer.boat.effects import WORD_EFFECTS, effects_of_boat
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.table import FORMS_BY_WORD
 from trainer.io.orders.words import (
@@ -66,7 +66,7 @@ def test_every_order_that_has_a_wording_has_one_row_and_the_other_way_round() ->
 
 
 def test_whatever_the_boat_obeys_has_a_function_or_an_effect_that_does_it() -> None:
-    assert set(helm.DUTIES) | EFFECTS.keys() == BOAT_ORDERS
+    assert set(helm.ORDER_DUTIES) | WORD_EFFECTS.keys() == BOAT_ORDERS
 
 
 def test_each_effect_is_that_of_an_order_in_full() -> None:
@@ -76,7 +76,7 @@ def test_each_effect_is_that_of_an_order_in_full() -> None:
     for effect in effects:
         order = read_order(f"{effect.words} 0" if effect.number else effect.words)
         assert order.words == effect.words
-        assert order.name in EFFECTS
+        assert order.name in WORD_EFFECTS
 
 
 @pytest.mark.parametrize("axis", HAND_AXES)

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from trainer.analysis.trainees import Skill, Trainee
 from trainer.boat.reference_crew import CrewReaction
-from trainer.config.casualties import HOLE, SEVERITY_MEASURES
+from trainer.config.casualties import HOLE_MEASURE, SEVERITY_MEASURES
 from trainer.core.casualties import CASUALTY_TABLE
 from trainer.debrief.judgement import before_gate, marks_given
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
@@ -29,7 +29,9 @@ RANKED_PERCENT: Final = 25.0  # [%] the most of a lost run: below it no order is
 URGENT_LATE_S: Final = 40  # [s] with which a hole or a jam is not mastered
 MAX_URGENT_MARKS: Final = 60.0  # [%] that are left then
 URGENT_KINDS: Final = frozenset(  # holes and jams
-    kind.name for kind in CASUALTY_TABLE if SEVERITY_MEASURES[kind.name] is HOLE or kind.turned
+    kind.name
+    for kind in CASUALTY_TABLE
+    if SEVERITY_MEASURES[kind.name] is HOLE_MEASURE or kind.turned
 )
 
 

@@ -1,9 +1,9 @@
 """Orders about tanks and air: valves, pumps, and the boat's standing words surface and dive.
 
-``helm.obey_order`` finds them in ``DUTIES``. An order writes levers and pump orders into the state;
-water and air then move in the ticks (``core/ballast``). docs/ballast.md has the table of what each
-sets. ``session/crew/crew`` reports by PumpMonitor what pumps have done, and a plan puts the boat
-out of trim at its start, because the exercise asks for it.
+``helm.obey_order`` finds them in ``BALLAST_DUTIES``. An order writes levers and pump orders into
+the state; water and air then move in the ticks (``core/ballast``). docs/ballast.md has the table of
+what each sets. ``session/crew/crew`` reports by PumpMonitor what pumps have done, and a plan puts
+the boat out of trim at its start, because the exercise asks for it.
 """
 
 import math
@@ -155,7 +155,7 @@ def _dive(boat: Boat, _order: Order) -> Reply:
     return f"diving: main vents open, keeping depth {s.ordered_depth:g} m"
 
 
-DUTIES: Final[dict[str, Callable[[Boat, Order], Reply]]] = {
+BALLAST_DUTIES: Final[dict[str, Callable[[Boat, Order], Reply]]] = {
     "flood": _move,
     "pump": _move,
     "drain": _drain,

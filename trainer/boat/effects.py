@@ -118,14 +118,14 @@ def write_effect(boat: Boat, order: Order) -> str:
 
 def effects_of_boat(boat: Boat) -> list[Effect]:
     """Return the effects of all orders that this boat takes."""
-    return [effect for name in EFFECTS for effect in effects_of_word(boat, name)]
+    return [effect for name in WORD_EFFECTS for effect in effects_of_word(boat, name)]
 
 
 def effects_of_word(boat: Boat, name: str) -> Iterable[Effect]:
     """Return the effects of an order word, none where the boat lacks what it needs."""
     needs = ORDER_WORDS[name].needs
     fitted = {"": True, "autopilot": boat.automatic, "ballast": bool(boat.vessel.fitted)}
-    return EFFECTS[name](boat) if fitted[needs] else ()
+    return WORD_EFFECTS[name](boat) if fitted[needs] else ()
 
 
 def _effect(
@@ -386,7 +386,7 @@ def holds(boat: Boat, tank: str) -> bool:
     return bool(boat.vessel.capacity[TANKS.index(tank)])
 
 
-EFFECTS: Final[Mapping[str, Callable[[Boat], Iterable[Effect]]]] = {
+WORD_EFFECTS: Final[Mapping[str, Callable[[Boat], Iterable[Effect]]]] = {
     **{name: partial(_surface, name=name) for name in SURFACES},
     "planes": _planes,
     "turns": _turns,

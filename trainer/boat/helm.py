@@ -32,7 +32,7 @@ def obey_order(boat: Boat, order: Order) -> Reply:
         return _without_autopilot(boat)
     if word.needs == "ballast" and (refusal := ballast_orders.lacking(boat, order)):
         return refusal
-    return DUTIES.get(order.name, _plain_effect)(boat, order)
+    return ORDER_DUTIES.get(order.name, _plain_effect)(boat, order)
 
 
 def _plain_effect(boat: Boat, order: Order) -> Reply:
@@ -205,7 +205,7 @@ def _revolutions(boat: Boat, order: Order) -> Reply:
 
 
 # What obeys an order that does more than write its effect, or answers in other words.
-DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
+ORDER_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     **dict.fromkeys(
         WORLD_PARTS.keys() & BOAT_ORDERS, lambda boat, order: boat.world.obey(order, boat.ticks)
     ),
@@ -230,5 +230,5 @@ DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "clear": lambda boat, order: casualties.clear_casualty(boat, order.subject),
     "hold": sea_orders.hold_part,
     "release": sea_orders.release_part,
-    **ballast_orders.DUTIES,
+    **ballast_orders.BALLAST_DUTIES,
 }

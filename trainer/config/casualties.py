@@ -129,7 +129,9 @@ def _share(meaning: str, share: str) -> SeverityMeasure:
     return SeverityMeasure(SHARE_LIMITS, meaning, Count.SHARE, share)
 
 
-HOLE: Final = SeverityMeasure(FACTOR_LIMITS, "times hole_m2", Count.HOLE, parameter="hole_m2")
+HOLE_MEASURE: Final = SeverityMeasure(
+    FACTOR_LIMITS, "times hole_m2", Count.HOLE, parameter="hole_m2"
+)
 FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equipment and fault
     **{surface: _surface_measures(surface) for surface in SURFACES},
     **{gauge: _gauge_measures(gauge) for gauge in GAUGES},
@@ -138,8 +140,8 @@ FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equ
         "stuck": SeverityMeasure(SWITCH_LIMITS, AS_IT_STOOD),
     },
     "autopilot": {"failed": SeverityMeasure(SWITCH_LIMITS, "none: its commands stay")},
-    "leak": {"hole": HOLE},
-    "flooding": {"hole": HOLE},
+    "leak": {"hole": HOLE_MEASURE},
+    "flooding": {"hole": HOLE_MEASURE},
     "pump": {"failed": _share("share of the rate lost", "of the pump lost")},
     "bank": {"failed": _share("share of the rate lost", "of the air bank lost")},
     "blow": {"shut": _share("share of the opening lost", "of the blow lost")},

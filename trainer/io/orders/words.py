@@ -119,28 +119,28 @@ class Topic:
 HELM_ROLES: Final = ("helm", "pilot")
 PLANES_ROLES: Final = ("planes", "pilot", "diving")
 BALLAST_ROLES: Final = ("ballast", "diving")
-RUDDER: Final = RoleControl("the rudder is", HELM_ROLES)
-COURSE: Final = RoleControl("the course is", HELM_ROLES)
-ENGINE: Final = RoleControl("the engine is", HELM_ROLES)
-PLANES: Final = RoleControl("the planes are", PLANES_ROLES)
-LEVER: Final = RoleControl("the lever is", ("visitor",))
-DEPTH: Final = RoleControl("the depth is", PLANES_ROLES)
-MAIN_BALLAST: Final = RoleControl("main ballast is", BALLAST_ROLES)
-NEGATIVE_TANK: Final = RoleControl("the negative tank is", BALLAST_ROLES)
-TRIM_WATER: Final = RoleControl("trim water is", BALLAST_ROLES)
-HOVERING: Final = RoleControl("hovering is", BALLAST_ROLES)
-COMPRESSOR: Final = RoleControl("the compressor is", BALLAST_ROLES)
-BOTH_WAYS: Final = RoleControl("surfacing and diving are", ("diving",))
-CREW_ORDERS: Final = RoleControl("orders to the crew are", ("diving",))
-SAYINGS: Final = RoleControl("reports and repeats are", CREW_ROLES)
-PERISCOPE: Final = RoleControl("the periscope is", ("scope",))
-REMARKS: Final = RoleControl("the record is", ("observer", "scope"))
-READINESS: Final = RoleControl("to be ready is", CREW_ROLES)
-FIRST_DIVE: Final = RoleControl("the dive from the start is", ("visitor",))
-AUTOPILOT: Final = RoleControl("the autopilot as a whole is", (TRAINEE,))
-ALONE: Final = RoleControl("", (TRAINEE,))
-EVERYBODY: Final = RoleControl("", (*CREW_ROLES, "observer", "visitor", TRAINEE))
-ANYBODY: Final = RoleControl("", (*EVERYBODY.roles, STRANGER))
+RUDDER_CONTROL: Final = RoleControl("the rudder is", HELM_ROLES)
+COURSE_CONTROL: Final = RoleControl("the course is", HELM_ROLES)
+ENGINE_CONTROL: Final = RoleControl("the engine is", HELM_ROLES)
+PLANES_CONTROL: Final = RoleControl("the planes are", PLANES_ROLES)
+LEVER_CONTROL: Final = RoleControl("the lever is", ("visitor",))
+DEPTH_CONTROL: Final = RoleControl("the depth is", PLANES_ROLES)
+MAIN_BALLAST_CONTROL: Final = RoleControl("main ballast is", BALLAST_ROLES)
+NEGATIVE_TANK_CONTROL: Final = RoleControl("the negative tank is", BALLAST_ROLES)
+TRIM_WATER_CONTROL: Final = RoleControl("trim water is", BALLAST_ROLES)
+HOVERING_CONTROL: Final = RoleControl("hovering is", BALLAST_ROLES)
+COMPRESSOR_CONTROL: Final = RoleControl("the compressor is", BALLAST_ROLES)
+BOTH_WAYS_CONTROL: Final = RoleControl("surfacing and diving are", ("diving",))
+CREW_ORDERS_CONTROL: Final = RoleControl("orders to the crew are", ("diving",))
+SAYINGS_CONTROL: Final = RoleControl("reports and repeats are", CREW_ROLES)
+PERISCOPE_CONTROL: Final = RoleControl("the periscope is", ("scope",))
+REMARKS_CONTROL: Final = RoleControl("the record is", ("observer", "scope"))
+READINESS_CONTROL: Final = RoleControl("to be ready is", CREW_ROLES)
+FIRST_DIVE_CONTROL: Final = RoleControl("the dive from the start is", ("visitor",))
+AUTOPILOT_CONTROL: Final = RoleControl("the autopilot as a whole is", (TRAINEE,))
+TRAINEE_CONTROL: Final = RoleControl("", (TRAINEE,))
+COMMON_CONTROL: Final = RoleControl("", (*CREW_ROLES, "observer", "visitor", TRAINEE))
+STRANGER_CONTROL: Final = RoleControl("", (*COMMON_CONTROL.roles, STRANGER))
 
 # Rows of one obeyer have most in common.
 # fmt: off
@@ -150,63 +150,65 @@ boat_order = partial(
 autopilot_order = partial(boat_order, needs="autopilot")
 tank_order = partial(boat_order, needs="ballast")
 planes_order = partial(
-    boat_order, control=PLANES, works="planes", gives_up=("planes",), gives_up_by="auto")
+    boat_order, control=PLANES_CONTROL, works="planes", gives_up=("planes",), gives_up_by="auto")
 crew_order = partial(OrderWord, obeyer=Obeyer.CREW, in_replay=False)
-line_order = partial(OrderWord, obeyer=Obeyer.LINE, control=EVERYBODY, watching=True)
-time_order = partial(OrderWord, obeyer=Obeyer.TIME, control=ALONE, scheduled=True)
+line_order = partial(OrderWord, obeyer=Obeyer.LINE, control=COMMON_CONTROL, watching=True)
+time_order = partial(OrderWord, obeyer=Obeyer.TIME, control=TRAINEE_CONTROL, scheduled=True)
 past_order = partial(OrderWord, obeyer=Obeyer.PAST)
 exercise_order = partial(OrderWord, obeyer=Obeyer.EXERCISE)
 command_order = partial(OrderWord, obeyer=Obeyer.COMMAND)
 plan_order = partial(OrderWord, obeyer=Obeyer.PLANS, in_replay=False)
 question = partial(OrderWord, obeyer=Obeyer.QUESTION, watching=True)
-aid = partial(OrderWord, obeyer=Obeyer.AIDS, control=ALONE, in_replay=False, after_end=False)
+aid = partial(
+    OrderWord, obeyer=Obeyer.AIDS, control=TRAINEE_CONTROL, in_replay=False, after_end=False)
 
 # One line each in an overview, which must fit in 24 lines of 79 columns.
 BOAT_TOPICS: Final = (
     # depth needs the autopilot, too, but a depth too deep for the boat is refused before
     Topic("depth 80 | 260 ft | auto", "keep a depth", (
-        boat_order("depth", control=DEPTH, gives_up=("planes",)),)),
+        boat_order("depth", control=DEPTH_CONTROL, gives_up=("planes",)),)),
     Topic("course 090 | left 30 | auto", "keep a course, or change it", (
-        autopilot_order("course", control=COURSE, gives_up=("rudder",)),
-        autopilot_order("course-by", control=COURSE, gives_up=("rudder",)),
-        autopilot_order("course-to", control=COURSE, gives_up=("rudder",)))),
+        autopilot_order("course", control=COURSE_CONTROL, gives_up=("rudder",)),
+        autopilot_order("course-by", control=COURSE_CONTROL, gives_up=("rudder",)),
+        autopilot_order("course-to", control=COURSE_CONTROL, gives_up=("rudder",)))),
     Topic("speed 12 | 6 m/s | auto", "keep a speed, in knots", (
-        autopilot_order("speed", control=ENGINE, gives_up=("speed",)),)),
+        autopilot_order("speed", control=ENGINE_CONTROL, gives_up=("speed",)),)),
     Topic("turns 12 | rpm 80", "revolutions, held constant", (
-        boat_order("turns", control=ENGINE, works="speed"),
-        boat_order("rpm", control=ENGINE, works="speed"))),
+        boat_order("turns", control=ENGINE_CONTROL, works="speed"),
+        boat_order("rpm", control=ENGINE_CONTROL, works="speed"))),
     Topic("bell ahead standard | stop", "engine order; `ahead 2/3` is enough", (
-        boat_order("bell", control=ENGINE, works="speed"),)),
+        boat_order("bell", control=ENGINE_CONTROL, works="speed"),)),
     Topic("rudder left 15 | amidships", "also right, full, manual, auto", (
-        boat_order("rudder", control=RUDDER, works="rudder", gives_up=("rudder",),
+        boat_order("rudder", control=RUDDER_CONTROL, works="rudder", gives_up=("rudder",),
                    gives_up_by="auto"),)),
     Topic("stern planes dive 10", "also rise, zero, manual, auto", (planes_order("stern"),)),
     Topic("bow planes rise 10", "also dive, zero, manual, auto", (planes_order("bow"),)),
     Topic("planes zero | auto | lever dive 8", "both pairs of planes at once", (
         planes_order("planes"),
-        boat_order("lever", control=LEVER, works="planes"))),
+        boat_order("lever", control=LEVER_CONTROL, works="planes"))),
     Topic("autopilot on | off | report", "switch it, or choose its law", (
-        autopilot_order("autopilot", control=AUTOPILOT, gives_up=HAND_AXES, gives_up_by="on"),)),
+        autopilot_order("autopilot", control=AUTOPILOT_CONTROL, gives_up=HAND_AXES,
+                        gives_up_by="on"),)),
     Topic("surface | dive | periscope depth", "come up; flood; scope raise", (
-        tank_order("surface", control=BOTH_WAYS),
-        tank_order("dive", control=BOTH_WAYS),
-        boat_order("periscope", control=DEPTH, gives_up=("planes",)),
-        boat_order("scope", control=PERISCOPE))),
+        tank_order("surface", control=BOTH_WAYS_CONTROL),
+        tank_order("dive", control=BOTH_WAYS_CONTROL),
+        boat_order("periscope", control=DEPTH_CONTROL, gives_up=("planes",)),
+        boat_order("scope", control=PERISCOPE_CONTROL))),
     Topic("blow all | stop | emergency blow", "main ballast; also mid, aft", (
-        tank_order("blow", control=MAIN_BALLAST),
-        tank_order("emergency", control=MAIN_BALLAST))),
+        tank_order("blow", control=MAIN_BALLAST_CONTROL),
+        tank_order("emergency", control=MAIN_BALLAST_CONTROL))),
     Topic("vent all open | negative flood", "air out; the negative tank", (
-        tank_order("vent", control=MAIN_BALLAST),
-        tank_order("negative", control=NEGATIVE_TANK, works="ballast"))),
+        tank_order("vent", control=MAIN_BALLAST_CONTROL),
+        tank_order("negative", control=NEGATIVE_TANK_CONTROL, works="ballast"))),
     Topic("flood auxiliary 5 | pump | trim auto", "tonnes to be moved; drain", (
-        tank_order("flood", control=TRIM_WATER, works="ballast"),
-        tank_order("pump", control=TRIM_WATER, works="ballast"),
-        autopilot_order("trim", control=TRIM_WATER, works="ballast", gives_up=("ballast",),
+        tank_order("flood", control=TRIM_WATER_CONTROL, works="ballast"),
+        tank_order("pump", control=TRIM_WATER_CONTROL, works="ballast"),
+        autopilot_order("trim", control=TRIM_WATER_CONTROL, works="ballast", gives_up=("ballast",),
                         gives_up_by="auto"),
-        tank_order("drain", control=TRIM_WATER, works="ballast"))),
+        tank_order("drain", control=TRIM_WATER_CONTROL, works="ballast"))),
     Topic("hover on | compressor on", "keep depth stopped; charge air", (
-        tank_order("hover", control=HOVERING, works="ballast", gives_up=("ballast",)),
-        tank_order("compressor", control=COMPRESSOR, works="ballast"))),
+        tank_order("hover", control=HOVERING_CONTROL, works="ballast", gives_up=("ballast",)),
+        tank_order("compressor", control=COMPRESSOR_CONTROL, works="ballast"))),
     Topic("sea state 5 | current off", "also wind 30, calm; set 090 drift 2", (
         boat_order("sea", in_page=True), boat_order("current"))),
     Topic("casualty NAME | clear all", "also NAME 0.5 ramp 30; contact TUG ...", (
@@ -219,8 +221,8 @@ BOAT_TOPICS: Final = (
         time_order("run", after_end=False, in_page=True),
         time_order("step", after_end=False, in_page=True))),
     Topic("status", "everything about the boat, once", (
-        question("status", control=EVERYBODY, in_page=True),)),
-    Topic("help rudder", "all about one order", (line_order("help", control=ANYBODY),)),
+        question("status", control=COMMON_CONTROL, in_page=True),)),
+    Topic("help rudder", "all about one order", (line_order("help", control=STRANGER_CONTROL),)),
     Topic("quit", "end the session", (time_order("quit"),)),
 )
 SESSION_TOPICS: Final = (
@@ -234,7 +236,8 @@ SESSION_TOPICS: Final = (
         past_order("restore", scheduled=True, jumps=True, in_page=True),
         past_order("reset", scheduled=True, jumps=True, anew=True, in_page=True))),
     Topic("backtrack 2 min", "back by so much, and on from there", (
-        past_order("backtrack", control=ALONE, scheduled=True, jumps=True, in_page=True),)),
+        past_order("backtrack", control=TRAINEE_CONTROL, scheduled=True, jumps=True,
+                   in_page=True),)),
     Topic("replay 90 s | take over", "watch it again; go on from here", (
         past_order("replay", scheduled=True, in_page=True),
         past_order("take", scheduled=True, in_page=True))),
@@ -242,48 +245,50 @@ SESSION_TOPICS: Final = (
         question("branches", in_page=True),
         past_order("branch", jumps=True, in_page=True))),
     Topic("end exercise | release marks | debrief", "and what came of it", (
-        exercise_order("end", control=ALONE, in_replay=False, after_end=False),
+        exercise_order("end", control=TRAINEE_CONTROL, in_replay=False, after_end=False),
         exercise_order("release-marks"),
-        exercise_order("debrief", control=ALONE))),
+        exercise_order("debrief", control=TRAINEE_CONTROL))),
     Topic("again | again from here | next", "once more; others", (
-        past_order("again", control=ALONE, jumps=True, anew=True),
-        past_order("restart", control=FIRST_DIVE, jumps=True, anew=True),
-        exercise_order("next", control=ALONE))),
+        past_order("again", control=TRAINEE_CONTROL, jumps=True, anew=True),
+        past_order("restart", control=FIRST_DIVE_CONTROL, jumps=True, anew=True),
+        exercise_order("next", control=TRAINEE_CONTROL))),
     Topic("demonstrate | hint | ghost on", "the way shown; help that costs marks", (
-        exercise_order("demonstrate", control=ALONE, after_end=False),
-        exercise_order("hint", control=ALONE, in_replay=False, after_end=False),
+        exercise_order("demonstrate", control=TRAINEE_CONTROL, after_end=False),
+        exercise_order("hint", control=TRAINEE_CONTROL, in_replay=False, after_end=False),
         aid("ghost"),
         aid("predictor"))),
     Topic("take command | give | keep command", "of several instructors", (
         command_order("command", watching=True), command_order("give"), command_order("keep"))),
     Topic("role helm | role helm TOKEN | ready", "what a line may do; it is ready", (
-        OrderWord("role", Obeyer.CHAIR, ANYBODY, watching=True, in_replay=False),
-        exercise_order("ready", control=READINESS))),
+        OrderWord("role", Obeyer.CHAIR, STRANGER_CONTROL, watching=True, in_replay=False),
+        exercise_order("ready", control=READINESS_CONTROL))),
     Topic("in 30 s depth 80 | plans | cancel 1", "also at 2 min, when depth > 60 then", (
         plan_order("plan", after_end=False), question("plans"), plan_order("cancel"))),
     Topic("order course 045 | belay | allow planes", "to the crew", (
-        crew_order("order", control=CREW_ORDERS, in_state=True, scheduled=True, planned=True,
-                   after_end=False),
-        crew_order("belay", control=CREW_ORDERS),
+        crew_order("order", control=CREW_ORDERS_CONTROL, in_state=True, scheduled=True,
+                   planned=True, after_end=False),
+        crew_order("belay", control=CREW_ORDERS_CONTROL),
         crew_order("allow"))),
     Topic("tell ready | report ready | aye", "to and from the crew", (
-        crew_order("tell", control=CREW_ORDERS, scheduled=True, planned=True),
-        crew_order("report", control=SAYINGS, scheduled=True),
-        crew_order("aye", control=SAYINGS))),
+        crew_order("tell", control=CREW_ORDERS_CONTROL, scheduled=True, planned=True),
+        crew_order("report", control=SAYINGS_CONTROL, scheduled=True),
+        crew_order("aye", control=SAYINGS_CONTROL))),
     Topic("mark good recovery | what if blow all", "a remark; marks with it", (
-        question("mark", control=REMARKS, in_page=True),
+        question("mark", control=REMARKS_CONTROL, in_page=True),
         question("what-if", in_replay=False, after_end=False))),
     Topic("log 20 | ack 3 | ack all", "what has happened; alerts seen", (
-        question("log", control=EVERYBODY, in_page=True),
-        question("ack", control=EVERYBODY))),
-    Topic("briefing", "what the exercise is about", (question("briefing", control=EVERYBODY),)),
+        question("log", control=COMMON_CONTROL, in_page=True),
+        question("ack", control=COMMON_CONTROL))),
+    Topic("briefing", "what the exercise is about", (
+        question("briefing", control=COMMON_CONTROL),)),
     Topic("who | name wall", "stations attached; what one is called", (
-        question("who", control=EVERYBODY), line_order("name"))),
+        question("who", control=COMMON_CONTROL), line_order("name"))),
     Topic("subscribe diving at 2 hz", "have a channel sent, or not", (
         line_order("subscribe"), line_order("unsubscribe"))),
     Topic("history diving 60 min", "what a channel has shown so far", (
-        question("history", control=EVERYBODY, in_page=True),)),
-    Topic("detach", "leave; the session goes on", (line_order("detach", control=ANYBODY),)),
+        question("history", control=COMMON_CONTROL, in_page=True),)),
+    Topic("detach", "leave; the session goes on", (
+        line_order("detach", control=STRANGER_CONTROL),)),
 )
 # fmt: on
 ORDER_WORDS: Final[Mapping[str, OrderWord]] = {

@@ -16,13 +16,15 @@ from typing import Final
 from trainer.config.files import ConfigError, nearest
 from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
-from trainer.io.orders.words import CREW_ROLES, EVERYBODY, ORDER_WORDS, STRANGER, TRAINEE
+from trainer.io.orders.words import COMMON_CONTROL, CREW_ROLES, ORDER_WORDS, STRANGER, TRAINEE
 
 COMMON_ORDERS: Final = frozenset(
-    word.name for word in ORDER_WORDS.values() if set(EVERYBODY.roles) <= set(word.control.roles)
+    word.name
+    for word in ORDER_WORDS.values()
+    if set(COMMON_CONTROL.roles) <= set(word.control.roles)
 )
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-ALL_ROLES: Final = EVERYBODY.roles
+ALL_ROLES: Final = COMMON_CONTROL.roles
 EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "time": ("time stopped, let go on or made faster; the end", ALL_ROLES),
     "moment": ("gone back to a moment, replayed, taken over", ALL_ROLES),
