@@ -342,6 +342,7 @@ class Boat:
     def _take_over(self, flown: Flown) -> None:
         """Be where another boat of this plan is."""
         self._keeper = self._session.history.recording = OrderMemory(flown.orders)
+        self._session.standing.read(flown.orders)
         with np.errstate(all="ignore"):
             jump_to(self._session, flown.moment, "copied")
         self._rows.numbers[:] = flown.rows
