@@ -15,11 +15,11 @@ import pytest
 from helpers.places import ROOT
 from helpers.syntax import nodes_of
 
-from trainer.analysis.workers import worker_pool
+from trainer.workers import worker_pool
 
 POOL = """
 import multiprocessing, signal, sys
-from trainer.analysis.workers import worker_pool
+from trainer.workers import worker_pool
 
 if __name__ == "__main__":
     with worker_pool(2) as pool:
@@ -124,4 +124,4 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
         and ast.unparse(node.func).rpartition(".")[2] in ("ProcessPoolExecutor", "Pool")
     }
 
-    assert makers == {"trainer/analysis/workers.py"}
+    assert makers == {"trainer/workers.py"}

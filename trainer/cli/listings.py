@@ -146,7 +146,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
               trainer exercise new jam.toml --from stern-plane-jam
     """
-    from trainer.analysis.exercise_page import write_new
+    from trainer.authoring.exercise_page import write_new
 
     write_new(file, name, source)
 
@@ -162,7 +162,7 @@ def check(file: str) -> None:
     FILE is a path, or the name of a shipped exercise. It is flown with nobody aboard and with its
     reference crew. Exit code 2 when something is wrong, each mistake with its line.
     """
-    from trainer.analysis import exercise_page
+    from trainer.authoring import exercise_page
 
     click.echo("\n".join(exercise_page.check_exercise(file)))
 
@@ -180,7 +180,7 @@ def baseline(file: str, seeds: int) -> None:
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
-    from trainer.analysis import exercise_page
+    from trainer.authoring import exercise_page
 
     study = exercise_page.study_exercise(file, seeds)
     click.echo("\n".join(exercise_page.baseline_lines(study)))
@@ -206,14 +206,14 @@ def validate(
     takes minutes. Exit code 1 when the marks of an exercise do not order skill.
     """
     import trainer
-    from trainer.analysis.validation import (
+    from trainer.authoring.validation import (
         exercise_text,
         summary_text,
         validate_exercises,
         validation_data,
         validation_page,
     )
-    from trainer.analysis.workers import processor_count
+    from trainer.workers import processor_count
 
     chosen, found = tuple(dict.fromkeys(names or trainer.exercises())), []
     with show_progress(seeds * len(chosen), "flying") as step:

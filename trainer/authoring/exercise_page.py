@@ -16,7 +16,7 @@ from typing import Final
 
 import click
 
-from trainer.analysis.stated import fly_stated, step_problems
+from trainer.authoring.stated import fly_stated, step_problems
 from trainer.boat.boat import Boat
 from trainer.config.baseline import (
     BASELINE_SCHEMA,

@@ -15,8 +15,8 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.analysis.exercise_page import depends_on_seed, plan_exercise
-from trainer.analysis.lateness import (
+from trainer.authoring.exercise_page import depends_on_seed, plan_exercise
+from trainer.authoring.lateness import (
     LATENESS_S,
     MAX_URGENT_MARKS,
     STEEP_FALL,
@@ -25,7 +25,7 @@ from trainer.analysis.lateness import (
     fly_ladders,
     is_urgent,
 )
-from trainer.analysis.trainees import (
+from trainer.authoring.trainees import (
     ALL_CREWS,
     GRADED_CREWS,
     LATE_CREWS,
@@ -35,7 +35,6 @@ from trainer.analysis.trainees import (
     Trainee,
     silly_orders,
 )
-from trainer.analysis.workers import worker_pool
 from trainer.config.baseline import digest_of
 from trainer.config.files import ConfigError, path_named, read_text
 from trainer.core.digest import core_digest
@@ -49,6 +48,7 @@ from trainer.report import html, text
 from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import Curve, Panel
 from trainer.session.past.plan import Plan
+from trainer.workers import worker_pool
 
 MARK_DECIMALS: Final = 6  # of marks [%] that are ranked: a difference in the last bits is a tie
 LEAST_CORRELATION: Final = 0.9  # [-] of marks with skill
