@@ -15,7 +15,7 @@ import pytest
 from helpers.places import ROOT
 from helpers.syntax import nodes_of
 
-from trainer.workers import worker_pool
+from trainer.workers import map_tasks, worker_pool
 
 POOL = """
 import multiprocessing, signal, sys
@@ -125,3 +125,9 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
     }
 
     assert makers == {"trainer/workers.py"}
+
+
+@pytest.mark.process
+def test_tasks_give_their_results_in_order_however_many_work() -> None:
+    tasks = [(base, 2) for base in (5, 3, 4)]
+    assert [list(map_tasks(pow, tasks, cores)) for cores in (1, 2)] == [[25, 9, 16]] * 2
