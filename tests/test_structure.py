@@ -176,6 +176,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         "chair",
         *("past", "plans", "planned", "debrief-page"),
         *("stations", "aboard", "said", "reason", "degree", "own-order", "own-alert", "alert-rank"),
+        *("alerts", "alert-state"),
         *("step", "step-hint", "step-missed", "steps-undone"),
         *("shown", "attainable", "no-attainable", "no-room"),
     }

@@ -175,20 +175,24 @@ RANKED: Final = """((role) => {
     open.rank(`${number},${rank}`);
     open.raise(9, `${number},${kind},beyond all, ${number} of ${kind}`);
   }
+  open.raise(8, "5,depth,seen before");
+  open.become("5,acknowledged,0.0");
+  open.become("1,rectified,0.0");
   const session = { role, seconds: 10, state: "running", alerts: open, on: () => undefined,
     onFacts: () => undefined, number: (place) => numbers[place] ?? null,
     exercise: { limits: "depth_m_max:140" } };
   const alerts = new Alerts(session, [bankWatch("Bank", "air.main_full")]);
   alerts.look();
-  return alerts.shown.map(({ rank, words, fresh }) => `${rank} ${words}${fresh ? "" : ", seen"}`);
+  return alerts.shown.map(({ rank, words, owed, state }) =>
+    `${owed ? "" : "known: "}${state} ${rank} ${words}`);
 })"""
 
 
 @pytest.mark.parametrize(
     ("role", "limits"),
-    [("planes", ["alarm Beyond the limit: depth at most 140 m"]), ("instructor", [])],
+    [("planes", ["active alarm Beyond the limit: depth at most 140 m"]), ("instructor", [])],
 )
-def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
+def test_what_is_owed_a_look_comes_first_then_rank_then_the_newest(
     role: str, limits: list[str]
 ) -> None:
     """The session tells the instructor of a limit passed; a remark waits for nobody."""
@@ -198,11 +202,11 @@ def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
     shown = evaluated("model/alerts.js", names, code)
 
     assert shown == [
-        "emergency beyond all, 4 of watch",
-        *limits,
-        *("alarm beyond all, 2 of depth", "alarm beyond all, 1 of watch"),
-        *("alarm Pitch beyond 30 degrees", "alarm Bank empty"),
-        "caution beyond all, 3 of watch, seen",
+        "active emergency beyond all, 4 of watch",
+        *("active alarm Pitch beyond 30 degrees", *limits, "active alarm Bank empty"),
+        *("active alarm beyond all, 2 of depth", "rectified alarm beyond all, 1 of watch"),
+        "known: acknowledged warning seen before",
+        "known: active caution beyond all, 3 of watch",
     ]
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.limits import is_surfacing, may_surface
 from trainer.config.files import ConfigError
@@ -35,9 +36,10 @@ RECALL_RISE_M: Final = 5.0  # [m] to come up before the same depth is called aga
 MAST_RAISED_M: Final = 1.5  # [m] about periscope depth, where the mast is raised
 MAST_LOWERED_M: Final = 5.0  # [m] below it, where the mast is lowered
 RECALL_SINK_M: Final = 1.0  # [m] to go down before the same is seen again
-WATCH_CALLS: Final = (  # [m] above periscope depth, and what the periscope watch calls then
-    (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
-    (4.0, "Periscope watch: the sail is close below the surface"),
+# [m] above periscope depth, what the periscope watch calls then, and the key of its alert
+WATCH_CALLS: Final = (
+    (2.0, "Periscope watch: 2 m more of the mast is out than should be", "mast out"),
+    (4.0, "Periscope watch: the sail is close below the surface", "sail near the surface"),
 )
 GUARD_AHEAD_S: Final = 30.0  # [s] that a guard looks ahead
 GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
@@ -174,7 +176,8 @@ class PassedDepth(NamedTuple):
 
     depth: float  # [m]
     words: str
-    too_deep: bool = False  # beyond test depth
+    key: str  # of its alert
+    rank: Rank = Rank.ALARM
 
 
 def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
@@ -229,12 +232,14 @@ def called_depth(test_depth: float, index: int) -> PassedDepth:
     """Return a depth to call and its words, by its index from 0, the shallowest."""
     if index == 0:
         depth = test_depth - FIRST_CALL_M
-        return PassedDepth(depth, f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth")
+        words = f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth"
+        return PassedDepth(depth, words, "near test depth")
     beyond = CALL_SPACING_M * (index - 1)
     depth = test_depth + beyond
     if index == AT_TEST_DEPTH:
-        return PassedDepth(depth, f"Passing test depth, {depth:g} m")
-    return PassedDepth(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
+        return PassedDepth(depth, f"Passing test depth, {depth:g} m", "test depth")
+    words = f"Passing {depth:g} m, {beyond:g} m beyond test depth"
+    return PassedDepth(depth, words, "beyond test depth", Rank.EMERGENCY)
 
 
 @dataclass
@@ -272,6 +277,19 @@ class DepthMonitor:
         """
         return self._look_down(boat) or self._look_out(boat)
 
+    def holding(self, boat: Boat) -> list[MonitorCall]:
+        """Return a call for each depth called from which the boat has not come up.
+
+        All depths beyond test depth are one alert, of the deepest.
+        """
+        calls = [MonitorCall(words, key=key) for _, words, key in WATCH_CALLS[: self.seen]]
+        test_depth = boat.file.hull.test_depth_m
+        if test_depth is None:
+            return calls
+        indices = {*range(min(self.passed, 2)), self.passed - 1} - {-1}
+        passed = (called_depth(test_depth, index) for index in sorted(indices))
+        return calls + [MonitorCall(each.words, each.rank, each.key) for each in passed]
+
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
         return count_before(self._may_pass(boat, flown) | self._may_rise(boat, flown))
@@ -285,7 +303,7 @@ class DepthMonitor:
         raised: Mask = ~lowered & (np.abs(now - depth) < MAST_RAISED_M)
         if not self.raised:
             return raised
-        shown = [depth - above for above, _ in WATCH_CALLS]
+        shown = [depth - above for above, *_ in WATCH_CALLS]
         high = np.sum([now < each for each in shown], axis=0)
         again = np.sum([now < each + RECALL_SINK_M for each in shown], axis=0)
         seen = np.maximum(high, np.minimum(self.seen, again))
@@ -314,11 +332,10 @@ class DepthMonitor:
         self.raised = self.raised or abs(now - depth) < MAST_RAISED_M
         if not self.raised:
             return None
-        high, before = sum(now < depth - above for above, _ in WATCH_CALLS), self.seen
-        self.seen = max(
-            high, min(before, sum(now < depth - above + RECALL_SINK_M for above, _ in WATCH_CALLS))
-        )
-        return PassedDepth(now, WATCH_CALLS[high - 1][1]) if high > before else None
+        shown, before = [depth - above for above, *_ in WATCH_CALLS], self.seen
+        high = sum(now < each for each in shown)
+        self.seen = max(high, min(before, sum(now < each + RECALL_SINK_M for each in shown)))
+        return PassedDepth(now, *WATCH_CALLS[high - 1][1:]) if high > before else None
 
     def _look_down(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, None if none was."""

@@ -132,6 +132,42 @@ def is_surfacing(boat: Boat) -> bool:
     return held or bool(s.blow[:3].any())
 
 
+def limit_call(name: str, limit: float) -> MonitorCall:
+    """Return the call that a limit is passed, by its name in the exercise."""
+    return MonitorCall(f"LIMIT: {LIMIT_WORDS[name].format(limit)}", key=name)
+
+
+def range_call(level: int) -> MonitorCall:
+    """Return the call that the equations are at a level of validity, 1 or 2."""
+    said = RANGE_WORDS[level]
+    return MonitorCall(f"{said.upper()}: {RANGE_REASONS[level]}", RANGE_RANKS[level], said)
+
+
+def following_call(ratio: float) -> MonitorCall:
+    """Return the call that a sea follows at that ratio [-] of the waves' speed."""
+    said = (
+        f"FOLLOWING SEA: at {ratio:.2f} of the waves' speed the filter puts energy into wrong "
+        'bands; a sea with generator = "cosines" does not'
+    )
+    return MonitorCall(said, Rank.CAUTION, FOLLOWING_SEA_TEXT)
+
+
+def mast_call(boat: Boat) -> MonitorCall:
+    """Return the call that a mast is out at a speed that it does not stand."""
+    scope = periscope_of(boat)
+    why = scope.too_fast(float(boat.plain[SPEED_OFFSET])) if scope else ""
+    return MonitorCall(
+        f"MAST SHAKES: {why}; nothing can be measured", Rank.WARNING, MAST_SPEED_TEXT
+    )
+
+
+def surface_call(height: float, *, rises: bool) -> MonitorCall:
+    """Return the call that a boat shows by a height [m]; one that ``rises`` means to."""
+    if rises:
+        return MonitorCall("surfaced: the boat shows above the sea", Rank.CAUTION, "surfaced")
+    return MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea", key="broached")
+
+
 @dataclass
 class LimitMonitor:
     """The limits that the boat is beyond, and the times at which each was passed."""
@@ -139,6 +175,7 @@ class LimitMonitor:
     limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
+    rises: bool = False  # what shows means to be there: main ballast is blown
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     validity: int = 0  # the worst since the boat was last inside the equations' range for long
     inside_since: float = 0.0  # [s]
@@ -198,8 +235,7 @@ class LimitMonitor:
                 self.beyond.discard(name)
             elif name not in self.beyond:
                 self.beyond.add(name)
-                said = LIMIT_WORDS[name].format(limit)
-                news.append((said, MonitorCall(f"LIMIT: {said}")))
+                news.append((LIMIT_WORDS[name].format(limit), limit_call(name, limit)))
         return news
 
     def _value(self, boat: Boat, key: str) -> float:
@@ -209,6 +245,15 @@ class LimitMonitor:
         if key == "cpa_m":
             return self.encounters.nearest[1]
         return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_OFFSETS[name]]))
+
+    def holding(self, boat: Boat) -> list[MonitorCall]:
+        """Return a call for each thing called that holds still, as it is now."""
+        calls = [limit_call(name, limit) for name, limit in self._set if name in self.beyond]
+        calls += [range_call(self.validity)] if self.validity else []
+        calls += [following_call(following_speed_ratio(boat))] if self.followed else []
+        calls += [mast_call(boat)] if self.shaken else []
+        calls += [surface_call(height_showing(boat), rises=self.rises)] if self.shows else []
+        return calls + self.encounters.holding
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -283,8 +328,7 @@ class LimitMonitor:
         if now <= self.validity:
             return []
         self.validity = now
-        said = RANGE_WORDS[now]
-        return [(said, MonitorCall(f"{said.upper()}: {RANGE_REASONS[now]}", RANGE_RANKS[now]))]
+        return [(RANGE_WORDS[now], range_call(now))]
 
     def _following_sea(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""
@@ -297,11 +341,7 @@ class LimitMonitor:
         if self.followed:
             return []
         self.followed = True
-        said = (
-            f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
-            'bands; a sea with generator = "cosines" does not'
-        )
-        return [(FOLLOWING_SEA_TEXT, MonitorCall(said, Rank.CAUTION))]
+        return [(FOLLOWING_SEA_TEXT, following_call(chase))]
 
     def _shaking_mast(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
@@ -314,8 +354,7 @@ class LimitMonitor:
         if self.shaken:
             return []
         self.shaken = True
-        said = f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured"
-        return [(MAST_SPEED_TEXT, MonitorCall(said, Rank.WARNING))]
+        return [(MAST_SPEED_TEXT, mast_call(boat))]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that sail or deck has come out of the sea, if it has."""
@@ -326,12 +365,9 @@ class LimitMonitor:
         if self.shows or height <= 0.0:
             self.shows = self.shows and height > -RECALL_COVER_M
             return []
-        self.shows = True
-        if is_surfacing(boat):
-            return [
-                ("surfaced", MonitorCall("surfaced: the boat shows above the sea", Rank.CAUTION))
-            ]
-        return [("broached", MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea"))]
+        self.shows, self.rises = True, is_surfacing(boat)
+        call = surface_call(height, rises=self.rises)
+        return [(call.key, call)]
 
     def account(self) -> str:
         """Return how often each has happened, in words."""

@@ -201,8 +201,13 @@ class EncounterMonitor:
         if not (struck or near):
             return []
         now_text = f"tick {tick} ({boat.time:g} s)"
-        calls = [MonitorCall(f"{now_text}: {text}", Rank.EMERGENCY) for text in struck]
-        return calls + [MonitorCall(f"{now_text}: {text}") for text in near]
+        return [call._replace(text=f"{now_text}: {call.text}") for call in struck + near]
+
+    @property
+    def holding(self) -> list[MonitorCall]:
+        """Return a call for each ship touched, and for each whose approach was called."""
+        touched = [_collision(name, f"with {name}") for name in sorted(self.touching)]
+        return touched + [_approach(name, f"{m:.0f} m") for name, m in self.called.items()]
 
     def ranges(self, flown: TickColumns) -> Numbers:
         """Return the least ranges [m] of the ships at some ticks, a row each."""
@@ -281,7 +286,7 @@ class EncounterMonitor:
         self._past = [*self._past, *(Pose(*row) for row in poses.tolist())][-len(self._past) :]
         self._pose = self._past[-1]
 
-    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
+    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[MonitorCall]:
         """Keep each ship's least range in the step to a tick. Return new collisions."""
         self.struck, self.nearest = "", ("", math.inf)
         fleet, hull, closest = contacts.fleet(tick - 1), self.hull, self.closest
@@ -302,11 +307,13 @@ class EncounterMonitor:
         # a collision is news once, until the hulls part
         new = struck - self.touching
         self.struck, self.touching = min(new, default=""), struck
-        return sorted(f"COLLISION with {name}, a {fleet.ships[name].kind}" for name in new)
+        return [
+            _collision(name, f"with {name}, a {fleet.ships[name].kind}") for name in sorted(new)
+        ]
 
     def _calls(
         self, boat: Any, ships: Sequence[Ship], motions: Sequence[ShipMotion], now: Pose
-    ) -> list[str]:
+    ) -> list[MonitorCall]:
         """Return each closest approach that is to be called now."""
         rules, soon = self.rules, []
         own_north, own_east, turning = self._mean_motion(boat, now)
@@ -394,13 +401,19 @@ def _meets(
     return False
 
 
-def _call(ship: Ship, seen: ShipPlot) -> str:
-    """Return the words of a closest approach foreseen."""
+def _collision(name: str, words: str) -> MonitorCall:
+    return MonitorCall(f"COLLISION {words}", Rank.EMERGENCY, f"collision: {name}")
+
+
+def _approach(name: str, words: str) -> MonitorCall:
+    return MonitorCall(f"CLOSEST APPROACH: {name} {words}", key=f"approach: {name}")
+
+
+def _call(ship: Ship, seen: ShipPlot) -> MonitorCall:
+    """Return the call of a closest approach foreseen."""
     minutes, seconds = divmod(round(seen.until), 60)
     time_text = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
     bearing = round(math.degrees(seen.bearing)) % 360
     turning = ", turning" if seen.turning else ""
-    return (
-        f"CLOSEST APPROACH: {ship.name} {seen.closest:.0f} m in {time_text}{turning}; "
-        f"now {bearing:03d} at {seen.range:.0f} m"
-    )
+    here = f"now {bearing:03d} at {seen.range:.0f} m"
+    return _approach(ship.name, f"{seen.closest:.0f} m in {time_text}{turning}; {here}")

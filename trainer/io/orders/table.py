@@ -263,6 +263,7 @@ FORMS = (
     Form("allow AXIS", "let these be automatic, though in hand; the run then has no marks"),
     Form("ack ALERT", "the alert of this number has been seen"),
     Form("ack all", "all alerts that this line was told have been seen"),
+    Form("ack silent ALERT", "it is silent at this station for 30 s"),
     Form("ack seen OWN_ALERT", "an alert that a page has found has been seen at its station"),
     Form("ack silent OWN_ALERT", "it is silent there for 30 s"),
     Form("ack over OWN_ALERT", "it is over: it sounds when it comes again"),
