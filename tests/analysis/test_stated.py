@@ -29,7 +29,7 @@ UNITS_OF_ORDERS = {"depth": "m", "speed": "kn", "turns": "kn"}  # of a number wi
 PLACE = Position("test", "")
 LAWS = (  # what texts say of the trainer's own laws
     (GENTLE_SINK, *TEXT_UNITS["m/s"]),
-    *((above, *TEXT_UNITS["m"]) for above, *_ in WATCH_CALLS),
+    *((above, *TEXT_UNITS["m"]) for above, _ in WATCH_CALLS),
 )
 Field = tuple[float, str, float]  # number, kind, and the size [SI] of its unit
 

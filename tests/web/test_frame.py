@@ -154,6 +154,10 @@ def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
     else:
         work(page, page.locator("alert-bar .alert button").first, way)
     expect(new).to_have_count(0)
+    late = opened(look, shared, "diving")
+    late.locator("alert-bar .bell").click()
+    seen = late.locator("alert-bar .all .alert[data-state=acknowledged]", has_text=told[0])
+    expect(seen).to_contain_text("seen")
 
 
 SOUNDER: Final = """async () => {

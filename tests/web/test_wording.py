@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import pytest
-from helpers import node, page_orders
+from helpers import node, page_alerts, page_orders
 from helpers.browser import Look
 from helpers.pages import SIZES, Served, served
 from helpers.places import ROOT
@@ -110,6 +110,11 @@ def test_a_decision_on_english_would_be_found() -> None:
 def test_the_pages_know_order_words_from_the_tables_of_the_session() -> None:
     renew = "renew: in tests/, python -m helpers.page_orders"
     assert page_orders.PAGE.read_text("utf-8") == page_orders.script(), renew
+
+
+def test_the_pages_know_alerts_from_the_table_of_the_session() -> None:
+    renew = "renew: in tests/, python -m helpers.page_alerts"
+    assert page_alerts.PAGE.read_text("utf-8") == page_alerts.script(), renew
 
 
 READ: Final = (  # an order as it is told, which the pages are to read as the session does

@@ -36,11 +36,13 @@ RECALL_RISE_M: Final = 5.0  # [m] to come up before the same depth is called aga
 MAST_RAISED_M: Final = 1.5  # [m] about periscope depth, where the mast is raised
 MAST_LOWERED_M: Final = 5.0  # [m] below it, where the mast is lowered
 RECALL_SINK_M: Final = 1.0  # [m] to go down before the same is seen again
-# [m] above periscope depth, what the periscope watch calls then, and the key of its alert
-WATCH_CALLS: Final = (
-    (2.0, "Periscope watch: 2 m more of the mast is out than should be", "mast out"),
-    (4.0, "Periscope watch: the sail is close below the surface", "sail near the surface"),
+WATCH_CALLS: Final = (  # [m] above periscope depth, and what the periscope watch calls then
+    (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
+    (4.0, "Periscope watch: the sail is close below the surface"),
 )
+# of the alerts: all depths beyond test depth are one
+DEPTH_KEYS: Final = ("near test depth", "test depth", "beyond test depth")
+WATCH_KEYS: Final = ("mast out", "sail near the surface")
 GUARD_AHEAD_S: Final = 30.0  # [s] that a guard looks ahead
 GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
 RELEASE_MARGIN_M: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
@@ -175,9 +177,7 @@ class PassedDepth(NamedTuple):
     """
 
     depth: float  # [m]
-    words: str
-    key: str  # of its alert
-    rank: Rank = Rank.ALARM
+    call: MonitorCall
 
 
 def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
@@ -233,13 +233,15 @@ def called_depth(test_depth: float, index: int) -> PassedDepth:
     if index == 0:
         depth = test_depth - FIRST_CALL_M
         words = f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth"
-        return PassedDepth(depth, words, "near test depth")
+        return PassedDepth(depth, MonitorCall(words, key=DEPTH_KEYS[0]))
     beyond = CALL_SPACING_M * (index - 1)
     depth = test_depth + beyond
     if index == AT_TEST_DEPTH:
-        return PassedDepth(depth, f"Passing test depth, {depth:g} m", "test depth")
+        return PassedDepth(
+            depth, MonitorCall(f"Passing test depth, {depth:g} m", key=DEPTH_KEYS[1])
+        )
     words = f"Passing {depth:g} m, {beyond:g} m beyond test depth"
-    return PassedDepth(depth, words, "beyond test depth", Rank.EMERGENCY)
+    return PassedDepth(depth, MonitorCall(words, Rank.EMERGENCY, DEPTH_KEYS[2]))
 
 
 @dataclass
@@ -277,18 +279,10 @@ class DepthMonitor:
         """
         return self._look_down(boat) or self._look_out(boat)
 
-    def holding(self, boat: Boat) -> list[MonitorCall]:
-        """Return a call for each depth called from which the boat has not come up.
-
-        All depths beyond test depth are one alert, of the deepest.
-        """
-        calls = [MonitorCall(words, key=key) for _, words, key in WATCH_CALLS[: self.seen]]
-        test_depth = boat.file.hull.test_depth_m
-        if test_depth is None:
-            return calls
-        indices = {*range(min(self.passed, 2)), self.passed - 1} - {-1}
-        passed = (called_depth(test_depth, index) for index in sorted(indices))
-        return calls + [MonitorCall(each.words, each.rank, each.key) for each in passed]
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        return {*DEPTH_KEYS[: self.passed], *WATCH_KEYS[: self.seen]}
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -303,7 +297,7 @@ class DepthMonitor:
         raised: Mask = ~lowered & (np.abs(now - depth) < MAST_RAISED_M)
         if not self.raised:
             return raised
-        shown = [depth - above for above, *_ in WATCH_CALLS]
+        shown = [depth - above for above, _ in WATCH_CALLS]
         high = np.sum([now < each for each in shown], axis=0)
         again = np.sum([now < each + RECALL_SINK_M for each in shown], axis=0)
         seen = np.maximum(high, np.minimum(self.seen, again))
@@ -332,10 +326,12 @@ class DepthMonitor:
         self.raised = self.raised or abs(now - depth) < MAST_RAISED_M
         if not self.raised:
             return None
-        shown, before = [depth - above for above, *_ in WATCH_CALLS], self.seen
-        high = sum(now < each for each in shown)
-        self.seen = max(high, min(before, sum(now < each + RECALL_SINK_M for each in shown)))
-        return PassedDepth(now, *WATCH_CALLS[high - 1][1:]) if high > before else None
+        high, before = sum(now < depth - above for above, _ in WATCH_CALLS), self.seen
+        self.seen = max(
+            high, min(before, sum(now < depth - above + RECALL_SINK_M for above, _ in WATCH_CALLS))
+        )
+        call = MonitorCall(WATCH_CALLS[high - 1][1], key=WATCH_KEYS[high - 1])
+        return PassedDepth(now, call) if high > before else None
 
     def _look_down(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, None if none was."""

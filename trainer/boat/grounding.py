@@ -13,7 +13,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, count_before
 from trainer.boat.readings import read_rates
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
@@ -23,8 +22,7 @@ from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
 BOTTOM_NAMES: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDING_COUNT))
-BEYOND_CHART_TEXT: Final = "BEYOND THE CHART: the ground is taken as at its edge"
-AGROUND_KEY, BEYOND_CHART_KEY = "aground", "beyond the chart"  # of alerts
+BEYOND_KEY: Final = "beyond the chart"  # of an alert
 # beside those of conditions and motion
 STATE_NAMES: Final = (*BOTTOM_NAMES, "bottom_load", "aground")
 # As docs/world.md has it (Aground). The speeds, the pitch and the loads are estimates.
@@ -96,12 +94,7 @@ class GroundCall(NamedTuple):
     text: str
     aground: bool = False  # it was not meant, or not done well
     how: str = ""  # what the exercise then does: a word of GROUNDINGS
-    key: str = AGROUND_KEY  # of its alert
-
-    @property
-    def rank(self) -> Rank:
-        """Return how urgent it is."""
-        return Rank.ALARM if self.aground else Rank.CAUTION
+    key: str = "aground"  # of its alert
 
 
 @dataclass
@@ -142,16 +135,10 @@ class GroundMonitor:
         return [call._replace(how=bottom.grounding) for call in calls]
 
     @property
-    def holding(self) -> list[MonitorCall]:
-        """Return a call for each thing called that holds still, as it is now."""
-        beyond = [MonitorCall(BEYOND_CHART_TEXT, Rank.CAUTION, BEYOND_CHART_KEY)] * self.beyond
-        if self.down_since is None or self.bottom is None:
-            return beyond
-        rank = Rank.CAUTION if self.bottom.bottoming else Rank.ALARM
-        return [
-            *beyond,
-            MonitorCall(f"on the ground: load {self._load():.0f} t", rank, AGROUND_KEY),
-        ]
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        beyond = {BEYOND_KEY} if self.beyond else set()
+        return beyond if self.down_since is None else beyond | {"aground"}
 
     def quiet_ticks(self, _boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -177,7 +164,9 @@ class GroundMonitor:
     def _edge(self, bottom: Bottom) -> list[GroundCall]:
         was, self.beyond = self.beyond, not self._charted(bottom)
         if self.beyond and not was:
-            return [GroundCall(BEYOND_CHART_TEXT, key=BEYOND_CHART_KEY)]
+            return [
+                GroundCall("BEYOND THE CHART: the ground is taken as at its edge", key=BEYOND_KEY)
+            ]
         return []
 
     def _afloat(self) -> None:

@@ -132,42 +132,6 @@ def is_surfacing(boat: Boat) -> bool:
     return held or bool(s.blow[:3].any())
 
 
-def limit_call(name: str, limit: float) -> MonitorCall:
-    """Return the call that a limit is passed, by its name in the exercise."""
-    return MonitorCall(f"LIMIT: {LIMIT_WORDS[name].format(limit)}", key=name)
-
-
-def range_call(level: int) -> MonitorCall:
-    """Return the call that the equations are at a level of validity, 1 or 2."""
-    said = RANGE_WORDS[level]
-    return MonitorCall(f"{said.upper()}: {RANGE_REASONS[level]}", RANGE_RANKS[level], said)
-
-
-def following_call(ratio: float) -> MonitorCall:
-    """Return the call that a sea follows at that ratio [-] of the waves' speed."""
-    said = (
-        f"FOLLOWING SEA: at {ratio:.2f} of the waves' speed the filter puts energy into wrong "
-        'bands; a sea with generator = "cosines" does not'
-    )
-    return MonitorCall(said, Rank.CAUTION, FOLLOWING_SEA_TEXT)
-
-
-def mast_call(boat: Boat) -> MonitorCall:
-    """Return the call that a mast is out at a speed that it does not stand."""
-    scope = periscope_of(boat)
-    why = scope.too_fast(float(boat.plain[SPEED_OFFSET])) if scope else ""
-    return MonitorCall(
-        f"MAST SHAKES: {why}; nothing can be measured", Rank.WARNING, MAST_SPEED_TEXT
-    )
-
-
-def surface_call(height: float, *, rises: bool) -> MonitorCall:
-    """Return the call that a boat shows by a height [m]; one that ``rises`` means to."""
-    if rises:
-        return MonitorCall("surfaced: the boat shows above the sea", Rank.CAUTION, "surfaced")
-    return MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea", key="broached")
-
-
 @dataclass
 class LimitMonitor:
     """The limits that the boat is beyond, and the times at which each was passed."""
@@ -175,7 +139,7 @@ class LimitMonitor:
     limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
-    rises: bool = False  # what shows means to be there: main ballast is blown
+    shown: str = ""  # as which alert
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     validity: int = 0  # the worst since the boat was last inside the equations' range for long
     inside_since: float = 0.0  # [s]
@@ -235,7 +199,8 @@ class LimitMonitor:
                 self.beyond.discard(name)
             elif name not in self.beyond:
                 self.beyond.add(name)
-                news.append((LIMIT_WORDS[name].format(limit), limit_call(name, limit)))
+                said = LIMIT_WORDS[name].format(limit)
+                news.append((said, MonitorCall(f"LIMIT: {said}", key=name)))
         return news
 
     def _value(self, boat: Boat, key: str) -> float:
@@ -246,14 +211,13 @@ class LimitMonitor:
             return self.encounters.nearest[1]
         return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_OFFSETS[name]]))
 
-    def holding(self, boat: Boat) -> list[MonitorCall]:
-        """Return a call for each thing called that holds still, as it is now."""
-        calls = [limit_call(name, limit) for name, limit in self._set if name in self.beyond]
-        calls += [range_call(self.validity)] if self.validity else []
-        calls += [following_call(following_speed_ratio(boat))] if self.followed else []
-        calls += [mast_call(boat)] if self.shaken else []
-        calls += [surface_call(height_showing(boat), rises=self.rises)] if self.shows else []
-        return calls + self.encounters.holding
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        remarks = {RANGE_WORDS[self.validity]: self.validity > 0, self.shown: self.shows}
+        remarks |= {FOLLOWING_SEA_TEXT: self.followed, MAST_SPEED_TEXT: self.shaken}
+        hold = {key for key, holds in remarks.items() if holds}
+        return hold | self.beyond | self.encounters.holding
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -328,7 +292,9 @@ class LimitMonitor:
         if now <= self.validity:
             return []
         self.validity = now
-        return [(RANGE_WORDS[now], range_call(now))]
+        said = RANGE_WORDS[now]
+        text = f"{said.upper()}: {RANGE_REASONS[now]}"
+        return [(said, MonitorCall(text, RANGE_RANKS[now], said))]
 
     def _following_sea(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""
@@ -341,7 +307,11 @@ class LimitMonitor:
         if self.followed:
             return []
         self.followed = True
-        return [(FOLLOWING_SEA_TEXT, following_call(chase))]
+        said = (
+            f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
+            'bands; a sea with generator = "cosines" does not'
+        )
+        return [(FOLLOWING_SEA_TEXT, MonitorCall(said, Rank.CAUTION, FOLLOWING_SEA_TEXT))]
 
     def _shaking_mast(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
@@ -354,7 +324,8 @@ class LimitMonitor:
         if self.shaken:
             return []
         self.shaken = True
-        return [(MAST_SPEED_TEXT, mast_call(boat))]
+        said = f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured"
+        return [(MAST_SPEED_TEXT, MonitorCall(said, Rank.WARNING, MAST_SPEED_TEXT))]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that sail or deck has come out of the sea, if it has."""
@@ -365,9 +336,12 @@ class LimitMonitor:
         if self.shows or height <= 0.0:
             self.shows = self.shows and height > -RECALL_COVER_M
             return []
-        self.shows, self.rises = True, is_surfacing(boat)
-        call = surface_call(height, rises=self.rises)
-        return [(call.key, call)]
+        self.shows, self.shown = True, "surfaced" if is_surfacing(boat) else "broached"
+        call = MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea", key=self.shown)
+        if self.shown == "surfaced":
+            text = "surfaced: the boat shows above the sea"
+            call = MonitorCall(text, Rank.CAUTION, self.shown)
+        return [(self.shown, call)]
 
     def account(self) -> str:
         """Return how often each has happened, in words."""

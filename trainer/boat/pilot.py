@@ -60,10 +60,9 @@ TRIM_FLOOD_OFFSET, TRIM_FORWARD_OFFSET = STATE_OFFSETS["trim_flood"], STATE_OFFS
 LIMIT_MARGIN: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
 MIN_LACK_ANGLE: Final = math.radians(3.0)  # [rad] lacking of an order, before it is called
 LACK_RECALL_S: Final = 30.0  # [s] with all that is ordered, before a lack is news again
-SHARED_TEXT: Final = "rudder and stern planes share the fins"
 SHARED_SURFACES: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
-    "rudder": ("rudder", "has", STATE_OFFSETS["delta_r"], STATE_OFFSETS["command_r"]),
-    "stern": ("stern planes", "have", STATE_OFFSETS["delta_s"], STATE_OFFSETS["command_s"]),
+    "rudder": ("rudder has", STATE_OFFSETS["delta_r"], STATE_OFFSETS["command_r"]),
+    "stern": ("stern planes have", STATE_OFFSETS["delta_s"], STATE_OFFSETS["command_s"]),
 }
 
 
@@ -144,10 +143,10 @@ class TailMonitor:
 
     lacking: dict[str, float] = field(default_factory=dict)  # [s] when each was last seen to
 
-    def holding(self, now: float) -> list[MonitorCall]:
-        """Return a call for each surface that has lacked something lately, at a time [s]."""
-        lately = [name for name, last in self.lacking.items() if now - last <= LACK_RECALL_S]
-        return [tail_call(name, "lacks what is ordered") for name in lately]
+    def holding(self, now: float) -> set[str]:
+        """Return the keys of the alerts called that hold still at a time [s]."""
+        lately = (name for name, last in self.lacking.items() if now - last <= LACK_RECALL_S)
+        return {f"{name} short on the X-tail" for name in lately}
 
     def may_lack(self, boat: Boat, flown: FlownTicks) -> Mask:
         """Return at which ticks the surfaces stand so far that one may lack something."""
@@ -156,14 +155,14 @@ class TailMonitor:
         mask: Mask = (total >= c.limit_s - LIMIT_MARGIN) & (c.x_tail != 0.0)
         return mask
 
-    def look(self, boat: Boat) -> list[MonitorCall]:
-        """Return what there is to say after a tick."""
+    def look(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return what there is to say after a tick, by names for the account."""
         c, plain = boat.vessel, boat.plain
-        total = sum(abs(plain[offset]) for _, _, offset, _ in SHARED_SURFACES.values())
+        total = sum(abs(plain[offset]) for _, offset, _ in SHARED_SURFACES.values())
         if c.x_tail == 0.0 or total < c.limit_s - LIMIT_MARGIN:
             return []
         news = []
-        for name, (_, has, offset, command) in SHARED_SURFACES.items():
+        for name, (has, offset, command) in SHARED_SURFACES.items():
             stands, ordered = abs(plain[offset]), abs(plain[command])
             if ordered - stands <= MIN_LACK_ANGLE or is_broken(boat, name):
                 continue
@@ -171,7 +170,8 @@ class TailMonitor:
             self.lacking[name] = boat.time
             if boat.time - last > LACK_RECALL_S:
                 angles = f"{math.degrees(stands):.0f} of {math.degrees(ordered):.0f} deg"
-                news.append(tail_call(name, f"{has} {angles}"))
+                words = f"X-TAIL: the {has} {angles}: rudder and stern planes share the fins"
+                news.append((f"{name} short on the X-tail", words))
         return news
 
 
@@ -191,18 +191,13 @@ class EngineMonitor:
         again: Mask = flown.times - np.maximum.accumulate(before) > LACK_RECALL_S
         return again & (limited | self.stands)
 
-    @property
-    def holding(self) -> list[MonitorCall]:
-        """Return the call for an engine that was limited lately."""
-        return [engine_call("")] * self.stands
-
     def pass_over(self, boat: Boat, flown: FlownTicks) -> None:
         """Take these ticks as seen, in which there was nothing to say."""
         if boat.vessel.torque_limit != 0.0 and (limited := was_limited(boat, flown)).any():
             self.limited = float(flown.times[limited][-1])
 
-    def look(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
-        """Return what there is to say after a tick, and the name of it for the account."""
+    def look(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return what there is to say after a tick, by names for the account."""
         limit = engine_limit(boat)
         self.stands = bool(limit) or boat.time - self.limited <= LACK_RECALL_S
         if not limit:
@@ -211,25 +206,8 @@ class EngineMonitor:
         if boat.time - last <= LACK_RECALL_S:
             return []
         ordered = boat.plain[ANSWER_OFFSET] * boat.file.propulsion.rps_per_mps * 60.0
-        return [(f"engine limited by {limit}", engine_call(f" by {limit}", f"{ordered:.0f} "))]
-
-
-def tail_call(name: str, words: str) -> MonitorCall:
-    """Return the call that a surface of an X-tail, of SHARED_SURFACES, lacks something."""
-    text = f"X-TAIL: the {SHARED_SURFACES[name][0]} {words}: {SHARED_TEXT}"
-    return MonitorCall(text, Rank.WARNING, f"{name} short on the X-tail")
-
-
-def engine_call(by: str, ordered: str = "") -> MonitorCall:
-    """Return the call that the engine is limited ``by`` something, short of what is ordered."""
-    text = f"ENGINE: limited{by}, short of the {ordered}rpm ordered"
-    return MonitorCall(text, Rank.WARNING, "engine limited")
-
-
-def given_up_call(name: str) -> MonitorCall:
-    """Return the call that the autopilot gives up a law, by its name in GIVEN_UP_TEXTS."""
-    rank = Rank.CAUTION if name in REMARK_NAMES else Rank.WARNING
-    return MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank, name)
+        words = f"ENGINE: limited by {limit}, short of the {ordered:.0f} rpm ordered"
+        return [(f"engine limited by {limit}", words)]
 
 
 @dataclass
@@ -262,19 +240,22 @@ class PilotMonitor:
 
     def look(self, boat: Boat) -> list[MonitorCall]:
         """Return what there is to say after a tick."""
-        shared = [(call.key, call) for call in self.tail.look(boat)] + self.engine.look(boat)
+        shared = self.tail.look(boat) + self.engine.look(boat)
         for name, _ in shared:
             self.times.setdefault(name, []).append(boat.time)
-        calls = [call for _, call in shared] + self._news(boat)
+        calls = [
+            MonitorCall(words, Rank.WARNING, name.partition(" by ")[0]) for name, words in shared
+        ]
+        calls += self._news(boat)
         if not calls:
             return []
         now = f"tick {boat.ticks} ({boat.time:g} s)"
         return [call._replace(text=f"{now}: {call.text}") for call in calls]
 
-    def holding(self, boat: Boat) -> list[MonitorCall]:
-        """Return a call for each thing called that holds still, as it is now."""
-        given_up = [given_up_call(name) for name in sorted(self.given_up)]
-        return given_up + self.tail.holding(boat.time) + self.engine.holding
+    def holding(self, now: float) -> set[str]:
+        """Return the keys of the alerts called that hold still at a time [s]."""
+        engine = {"engine limited"} if self.engine.stands else set()
+        return self.given_up | self.tail.holding(now) | engine
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -308,7 +289,8 @@ class PilotMonitor:
         now = self._left_undone(boat)
         calls = []
         for name in sorted(now - self.given_up):
-            calls.append(given_up_call(name))
+            rank = Rank.CAUTION if name in REMARK_NAMES else Rank.WARNING
+            calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank, name))
             self.times.setdefault(name, []).append(boat.time)
         if rose and boat.plain[ASCENT_OFFSET] == NO_ASCENT:
             kept = round(float(boat.state.ordered_depth), 1)

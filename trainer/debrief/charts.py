@@ -354,9 +354,7 @@ def _shown(debrief: DebriefData, ground: ChartGround) -> str:
 
 
 def _calls(debrief: DebriefData, ground: ChartGround) -> str:
-    # without who has seen them, and when each was over
-    called = [each for each in debrief.of_kind("watch") if each.text.startswith("tick ")]
-    ticks = [ground.across.at(each.tick * debrief.step) for each in called[:MAX_MARKS_DRAWN]]
+    ticks = [ground.across.at(each.tick * debrief.step) for each in _drawn(debrief, "watch")]
     drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
     return drawn and drawn + _heading("called")
 

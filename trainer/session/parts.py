@@ -1,11 +1,9 @@
 """The objects that make up a session. ``session``, ``dispatch`` and ``jump`` use them."""
 
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from trainer.boat.boat import Boat
-from trainer.boat.calls import MonitorCall
 from trainer.boat.depths import DepthMonitor
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
@@ -78,13 +76,11 @@ class Parts:
         self.shown.seen = self.evaluate_frozen
         self.standing = StandRecord(self.crew, self.agenda, self.history)
 
-    def holding(self) -> Iterator[tuple[str, MonitorCall]]:
-        """Yield what holds of all that monitors call, each with the kind of its events."""
-        boat, monitors, hull = self.boat, self.monitors, self.conduct.hull
-        yield from (("watch", call) for call in monitors.limits.holding(boat))
-        yield from (("pilot", call) for call in monitors.pilot.holding(boat))
-        yield from (("depth", call) for call in monitors.depths.holding(boat))
-        yield from (("depth", call) for call in hull.holding)
+    def holding(self) -> set[str]:
+        """Return the keys of all alerts called that hold still."""
+        monitors, hull = self.monitors, self.conduct.hull
+        known = monitors.limits.holding | monitors.depths.holding | hull.holding
+        return known | monitors.pilot.holding(self.boat.time)
 
     def evaluate_frozen(self) -> None:
         """Have the present moment evaluated if time stands still there."""

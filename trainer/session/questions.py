@@ -43,6 +43,9 @@ class Questions:
             "snapshots": self._snapshots,
             "mark": self._mark,
             "ack": self._acknowledge,
+            "alerts": lambda asked: LongAnswer(
+                self.log.account_alerts(asked.station) or ["no alerts"]
+            ),
         }
 
     def _status(self, asked: Request) -> LongAnswer:

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Final
 
 from trainer.boat.boat import TICK_OFFSET
-from trainer.boat.calls import MonitorCall
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
@@ -190,10 +189,9 @@ class Session(Parts):
         for call in self.monitors.pilot.look(self.boat):
             self.event_log.alert("pilot", call)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
-            call = MonitorCall(passed.words, passed.rank, passed.key)
-            self.conduct.hull.tell_depth(call, Fact("depth", f"{passed.depth:g}"))
+            self.conduct.hull.tell_depth(passed.call, Fact("depth", f"{passed.depth:g}"))
         self.conduct.judge_tick(self.monitors.limits.encounters)
-        self.event_log.settle(call for _, call in self.holding())
+        self.event_log.settle(self.holding())
         self.evaluation.look()
         self.dispatch.tell_plans()
         if tick >= self.crew.due:

@@ -19,11 +19,6 @@ from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.station import Fact
 
 
-def collapse_call(words: str) -> MonitorCall:
-    """Return the call that the hull has collapsed."""
-    return MonitorCall(words, Rank.EMERGENCY, "collapse")
-
-
 @dataclass
 class HullWatch:
     """The watch over one hull."""
@@ -46,20 +41,21 @@ class HullWatch:
         if not control.failure and (collapse := collapse_of(control.boat)):
             control.failure = collapse
             fact = Fact("collapse", f"{hull_depth(control.boat):.1f}")
-            self.tell_depth(collapse_call(collapse), fact)
+            self.tell_depth(MonitorCall(collapse, Rank.EMERGENCY, "collapse"), fact)
 
     def tell_ground(self) -> list[GroundCall]:
         """Announce contact with the ground; return the calls."""
         calls = list(self.ground.look()) if self.ground.bottom else []
         for call in calls:
-            self.tell_depth(MonitorCall(call.text, call.rank, call.key))
+            rank = Rank.ALARM if call.aground else Rank.CAUTION
+            self.tell_depth(MonitorCall(call.text, rank, call.key))
         return calls
 
     @property
-    def holding(self) -> list[MonitorCall]:
-        """Return a call for each thing called that holds still, as it is now."""
-        collapse = collapse_of(self.control.boat)
-        return [*self.ground.holding, *([collapse_call(collapse)] if collapse else [])]
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        collapse = {"collapse"} if collapse_of(self.control.boat) else set()
+        return self.ground.holding | collapse
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""

@@ -1,4 +1,4 @@
-"""The alerts of a session: each lasts as long as its condition, and until nobody owes it a look.
+"""The alerts of a session: each lasts as long as its condition, and until seen.
 
 The states are those of IMO MSC.302(87), as two open projects have IEC 62923-1 (OpenBridge, Signal
 K); the standard itself was not read. ``event_log`` raises alerts and tells of them; the session
@@ -13,6 +13,7 @@ from enum import Enum
 from typing import Final, NamedTuple
 
 from trainer.boat.calls import MonitorCall, Rank
+from trainer.io.status_line import clock
 
 MAX_OPEN_ALERTS: Final = 100  # alerts at most that hold, or wait to be seen
 MAX_PAST_ALERTS: Final = 200  # of those that are over and seen, the latest
@@ -59,6 +60,11 @@ class Alert:
         return self.rank in SEEN_RANKS and self.seen is None
 
     @property
+    def settled_kind(self) -> str:
+        """Return the kind of events of its end, which the same roles hear."""
+        return "exercise" if self.kind == "watch" else "alert"
+
+    @property
     def calls(self) -> bool:
         """Return whether it sounds until it is silenced, seen or over."""
         return self.over is None and (self.owed or self.rank is Rank.EMERGENCY)
@@ -73,6 +79,15 @@ class Alert:
         """Return its place in the list: what is owed first, then rank, then the newest."""
         return not (self.owed or self.calls), RANKS.index(self.rank), -self.number
 
+    def account(self, *, silent: bool) -> str:
+        """Return it in a line, with what has become of it and when."""
+        line = f"{self.number} {self.rank.value} at {clock(self.raised.seconds)}, "
+        line += f"{self.state(silent=silent).value}: {self.words}"
+        if self.seen and self.seen_by:
+            after = self.seen.seconds - self.raised.seconds
+            line += f"; acknowledged by {self.seen_by} after {after:g} s"
+        return line + (f"; over at {clock(self.over.seconds)}" if self.over else "")
+
     def state(self, *, silent: bool) -> AlertState:
         """Return its state where it is ``silent``, or not."""
         if self.over is not None:
@@ -84,7 +99,7 @@ class Alert:
 
 @dataclass
 class AlertBook:
-    """All alerts of a run that hold or wait to be seen, and the last of the others."""
+    """All alerts of a run that are open, and the last of the others."""
 
     open: dict[int, Alert] = field(default_factory=dict)  # by their numbers
     past: deque[Alert] = field(default_factory=lambda: deque(maxlen=MAX_PAST_ALERTS))
@@ -110,7 +125,7 @@ class AlertBook:
         return alert
 
     def supersede(self, key: str, now: Instant) -> Iterator[Alert]:
-        """Yield what a new alert of a condition replaces; it is over, and owed no more."""
+        """Yield what a new alert of a condition replaces: it is owed no more."""
         for alert in [each for each in self.open.values() if key and each.key == key]:
             yield self._put_away(replace(alert, over=alert.over or now, seen=alert.seen or now))
 

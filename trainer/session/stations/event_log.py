@@ -16,9 +16,11 @@ from typing import Final, Protocol
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.status_line import clock
 from trainer.session.past.history import History
+from trainer.session.stations.alert_table import alert_row
 from trainer.session.stations.alerts import REMARK_S, Alert, AlertBook, Instant
 from trainer.session.stations.own_alerts import SILENCE_S, OwnAlerts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
@@ -29,6 +31,7 @@ MARK: Final = "mark"  # the kind of a remark that somebody makes by the order ``
 CREW_KIND: Final = "crew"  # the kind of orders to the crew, of repeats and of reports
 # facts of the crew's talk whose news is of another kind than CREW_KIND
 SPOKEN_FACTS: Final = ("wrong-way", "exercise", "report")
+MAX_LISTED_ALERTS: Final = 20  # that are over, of the order `alerts`
 UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
 
@@ -105,45 +108,75 @@ class EventLog:
         for station in self.stations:
             self._note_alert(station, alert)
 
-    def settle(self, holding: Iterable[MonitorCall]) -> None:
-        """Tell which alerts are over, by what holds after a tick."""
-        if not self.alerts.open:
-            return
-        keys = {call.key for call in holding}
+    def settle(self, holding: set[str]) -> None:
+        """Tell which alerts are over, by the keys of those that hold after a tick."""
         remark_ticks = self.history.boat.ticks_in(REMARK_S)
-        for alert in [*self.alerts.end(keys, self._now, remark_ticks)]:
+        for alert in [*self.alerts.end(holding, self._now, remark_ticks)]:
             if alert.rank is not Rank.CAUTION:
-                self.tell(alert.kind, f"alert {alert.number} over: {alert.words}")
+                self.tell(alert.settled_kind, f"alert {alert.number} over: {alert.words}")
             self._tell_state(alert)
 
-    def take_up(self, holding: Iterable[tuple[str, MonitorCall]]) -> None:
+    def take_up(self, holding: set[str]) -> None:
         """Tell programs all alerts of a moment to which nobody has flown.
 
         What holds there and is not known is raised without news: it has not happened just now.
         """
-        for kind, call in holding:
-            if call.key not in self.alerts.keys:
-                self.alerts.add(kind, call, self._now)
+        for key in sorted(holding - self.alerts.keys):
+            row = alert_row(key)
+            call = MonitorCall(f"{row.title}: {row.begins}", row.rank, key)
+            self.alerts.add(row.kind, call, self._now)
         for station in self.stations:
             self.note_alerts(station)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Mark one alert as seen, or all that ``by`` hears of. Tell the others."""
-        known = {a.number: a for a in self.alerts.listed if a.owed and hears_kind(by.role, a.kind)}
-        wanted = list(known) if order.word == "all" else [int(order.value)]
-        emergency = self.alerts.open.get(wanted[0]) if len(wanted) == 1 else None
-        if emergency and emergency.rank is Rank.EMERGENCY and hears_kind(by.role, emergency.kind):
-            number = emergency.number
-            return Refused(f"an emergency takes no acknowledgement: ack silent {number}")
-        if not set(wanted) <= set(known) or not wanted:
-            numbers = ", ".join(map(str, known)) or "none"
+        """Mark one alert as seen; an instructor may all that are his. Tell the others."""
+        heard = {a.number: a for a in self._heard_by(by) if a.owed}
+        if order.word == "all" and by.role is not INSTRUCTOR_ROLE and heard:
+            each = "; ".join(f"ack {number}" for number in heard)
+            return Refused(f"each alert is acknowledged by itself: {each}")
+        mine = [n for n, alert in heard.items() if not self._answerers(alert, by)]
+        wanted = mine if order.word == "all" else [int(order.value)]
+        found = self.alerts.open.get(wanted[0]) if wanted else None
+        if found is None or found not in self._heard_by(by) or not (found.owed or found.calls):
+            numbers = ", ".join(map(str, heard)) or "none"
             return Refused(f"no such alert is open here; there is {numbers}")
+        silence = f"ack silent {wanted[0]}"
+        if found.rank is Rank.EMERGENCY:
+            return Refused(f"an emergency takes no acknowledgement: {silence}")
+        if others := self._answerers(found, by):
+            return Refused(f"{' or '.join(others)} acknowledges it; here only {silence}")
         for number in wanted:
-            alert = self.alerts.see(known[number], by.role.name, self._now)
+            alert = self.alerts.see(heard[number], by.role.name, self._now)
             saying = Saying(by.role.name, f"alert {number} seen: {alert.words}")
-            self.tell(alert.kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
+            self.tell(alert.settled_kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
             self._tell_state(alert)
         return f"seen: {', '.join(map(str, wanted))}"
+
+    def _heard_by(self, station: Station) -> list[Alert]:
+        """Return the open alerts that a station hears of, in the order of the list."""
+        return [each for each in self.alerts.listed if hears_kind(station.role, each.kind)]
+
+    def _answerers(self, alert: Alert, station: Station) -> list[str]:
+        """Return the roles that acknowledge an alert in place of a station, none if it may."""
+        manned = [role for role in alert_row(alert.key).roles if self.attended(role)]
+        return [] if station.role.name in (TRAINEE, *manned) else manned
+
+    def account_alerts(self, station: Station) -> list[str]:
+        """Return the open alerts in words; to an instructor also the last that are over."""
+        role = station.role.name
+        lines = [
+            alert.account(silent=self.own_alerts.silent_for(str(alert.number), role) > 0.0)
+            for alert in self._heard_by(station)
+        ]
+        past = [*self.alerts.past] if station.role is INSTRUCTOR_ROLE else []
+        return lines + [
+            alert.account(silent=False) for alert in past[: -MAX_LISTED_ALERTS - 1 : -1]
+        ]
+
+    def tell_duties(self) -> None:
+        """Tell programs who acknowledges the alerts now, because a station has come or gone."""
+        for alert in self.alerts.open.values():
+            self._tell_state(alert)
 
     def silence(self, order: Order, by: Station) -> Reply:
         """Silence an alert, or one of a page's own, at a station for a while."""
@@ -210,8 +243,7 @@ class EventLog:
         step = self.history.boat.method.step
         for tick, fact in self.own_alerts.standing(station.role.name):
             station.note(News(tick, tick * step, "exercise", "", fact))
-        open_alerts = self.alerts.open.values()
-        heard = [alert for alert in open_alerts if hears_kind(station.role, alert.kind)]
+        heard = self._heard_by(station)
         self.note(station, [Fact("alerts", str(len(heard)))])
         for alert in heard:
             self._note_alert(station, alert)
@@ -244,7 +276,9 @@ class EventLog:
     def _state_of(self, alert: Alert, station: Station) -> Fact:
         left = self.own_alerts.silent_for(str(alert.number), station.role.name)
         state = alert.state(silent=left > 0.0)
-        return Fact("alert-state", f"{alert.number},{state.value},{left:.1f}")
+        duty = " ".join(self._answerers(alert, station)) or "you"
+        fields = str(alert.number), state.value, f"{left:.1f}", duty, alert.key.partition(":")[0]
+        return Fact("alert-state", ",".join(fields))
 
     def _spread(self, news: News, by: Station | None) -> None:
         """Keep news for latecomers, and send it to all; ``by`` gets only the fact.

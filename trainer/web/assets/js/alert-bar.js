@@ -107,7 +107,7 @@ export class AlertBar extends HTMLElement {
    * @param {string} name of an entry's element
    */
   fill(place, shown, name) {
-    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.state]));
+    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.state, each.by]));
     if (place.dataset.shown !== now) {
       const held = place.contains(document.activeElement) && document.activeElement?.closest(".alert");
       place.dataset.shown = now;
@@ -125,13 +125,13 @@ export class AlertBar extends HTMLElement {
 
   /** @param {Shown} alert @param {string} name of its element */
   entry(alert, name) {
-    const { owed, rank, state } = alert;
+    const { by, owed, rank, state } = alert;
     const seen = () => this.alerts?.acknowledge(alert);
     const key = html("button", { type: "button", class: "seen", click: seen }, ...said(TICK, say("Acknowledge")));
     return html(
       name,
       { class: "alert", "data-key": alert.key, "data-rank": rank, "data-state": state, "data-new": owed && state !== "rectified" },
-      owed && rank !== "emergency" ? key : html("span", { class: "seen" }, owed || rank === "caution" ? "" : say("seen")),
+      owed && !by && rank !== "emergency" ? key : html("span", { class: "seen" }, this.answer(alert)),
       svg(
         "svg",
         { viewBox: "0 0 24 24", class: "icon", "aria-hidden": "true" },
@@ -139,10 +139,15 @@ export class AlertBar extends HTMLElement {
         svg("path", { d: "M12 8v7M12 18.5v.1", class: "cut" }),
       ),
       html("span", { class: "rank" }, RANK_WORDS[rank]),
-      ...(STATE_WORDS[state] ? [html("span", { class: "state-word" }, STATE_WORDS[state])] : []),
-      html("b", {}, alert.words),
+      html("b", {}, ...(STATE_WORDS[state] ? [html("i", {}, STATE_WORDS[state]), " "] : []), alert.words),
       html("time"),
     );
+  }
+
+  /** What stands where an alert has no key: that it was seen, or who acknowledges it. @param {Shown} alert */
+  answer({ by, owed, rank }) {
+    if (!owed) return rank === "caution" ? "" : say("seen");
+    return by && rank !== "emergency" ? say("for {0}", by) : "";
   }
 
   /** How long ago an alert came. @param {Shown} alert */

@@ -1,12 +1,11 @@
 // When an alert sounds: at once, then again at the pace of its rank, until somebody has seen it.
+import { PACES } from "./model/alert-table.js";
 
 /**
  * @typedef {import("./model/alerts.js").Alerts} Alerts
  * @typedef {import("./model/alerts.js").Rank} Rank
  */
 
-/** How long until an alert of that rank sounds again [ms]. @type {Record<Rank, number>} */
-const AGAIN = { emergency: 2_000, alarm: 10_000, warning: 60_000, caution: Infinity };
 const LOOK = 250; // [ms] between looks
 
 /** Sounds the alerts of a page, the worst of those that are due. */
@@ -34,7 +33,7 @@ export class AlertSounder {
     for (const key of this.due.keys()) if (!keys.has(key)) this.due.delete(key);
     const due = calling.filter(({ key, state }) => state === "active" && now >= (this.due.get(key) ?? 0));
     if (due.length) this.sound.alert(due[0].rank);
-    for (const each of due) this.due.set(each.key, now + AGAIN[each.rank]);
+    for (const each of due) this.due.set(each.key, now + 1000 * (PACES[each.rank] ?? Infinity));
   }
 
   /** Makes the alerts of now silent for half a minute; a new one sounds all the same. */

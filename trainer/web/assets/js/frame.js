@@ -53,7 +53,7 @@ export function furnish(session, alerts) {
   furnishAids(session);
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() !== "a" || isTyping(event)) return;
-    const first = alerts.shown.find((each) => each.owed && each.rank !== "emergency");
+    const first = alerts.shown.find((each) => each.owed && !each.by && each.rank !== "emergency");
     if (first) alerts.acknowledge(first);
   });
   showState(session);

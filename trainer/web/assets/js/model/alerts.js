@@ -1,13 +1,14 @@
 // Alerts: what calls for eyes, how urgently, and whether it has been seen.
+import { TITLES } from "./alert-table.js";
 import { limitsOf } from "./limits.js";
 import { shortLength } from "../units.js";
-import { say } from "../words.js";
+import { say, spoken } from "../words.js";
 
 /**
  * @typedef {"emergency" | "alarm" | "warning" | "caution"} Rank
  * @typedef {"active" | "silenced" | "acknowledged" | "rectified"} State as trainer/session/stations/alerts.py has them
  * @typedef {{ key: string, rank: Rank, words: string, seconds: number, number: string, state: State,
- *   owed: boolean }} Shown one alert; `number` is the session's, "" for one of the page's own; `owed` a look
+ *   owed: boolean, by: string }} Shown one alert; `number` is the session's, "" for one of the page's own; `owed` a look
  * @typedef {{ key: string, rank: Rank, words: string, seconds: number, holds: boolean }} Own
  * @typedef {{ key: string, rank: Rank, words: string }} Found
  * @typedef {import("./session.js").Session} Session
@@ -54,10 +55,11 @@ export class Alerts extends EventTarget {
     const now = performance.now();
     const told = [...this.session.alerts.all.values()].map(({ silent, ...alert }) => ({
       ...alert,
+      words: titled(alert),
       key: `session-${alert.number}`,
       state: alert.state === "silenced" && now >= silent ? "active" : alert.state,
     }));
-    const own = [...this.own.values()].map((alert) => ({ ...alert, number: "", state: this.stateOf(alert, now) }));
+    const own = [...this.own.values()].map((alert) => ({ ...alert, number: "", by: "", state: this.stateOf(alert, now) }));
     return [...told, ...own]
       .map((alert) => ({ ...alert, owed: alert.rank !== "caution" && alert.state !== "acknowledged" }))
       .sort(
@@ -147,6 +149,12 @@ export class Alerts extends EventTarget {
     this.silent.set(key, performance.now() + 1000 * Number(left));
     this.look();
   }
+}
+
+/** Returns an alert's words, after its title in a language that the session does not speak. @param {{ name: string, words: string }} alert */
+function titled({ name, words }) {
+  const title = TITLES[name]?.();
+  return title && spoken() !== "en" ? `${title}: ${words}` : words;
 }
 
 /** @param {Session} session @returns {Found[]} */

@@ -4,8 +4,8 @@ import { plainly } from "./told.js";
 /**
  * @typedef {import("./alerts.js").Rank} Rank
  * @typedef {import("./alerts.js").State} State
- * @typedef {{ number: string, words: string, seconds: number, rank: Rank, state: State, silent: number }} Alert
- *   `silent`: until when [ms]
+ * @typedef {{ number: string, words: string, seconds: number, rank: Rank, state: State, silent: number, by: string,
+ *   name: string }} Alert `silent`: until when [ms]; `by` whom it is acknowledged, "" at this page; its `name` in the table
  */
 
 export class OpenAlerts {
@@ -26,15 +26,16 @@ export class OpenAlerts {
   raise(seconds, subject) {
     const [number, , ...words] = subject.split(",");
     const rank = this.ranks.get(number) ?? "warning";
-    this.all.set(number, { number, words: plainly(words.join(",")), seconds, rank, state: "active", silent: 0 });
+    this.all.set(number, { number, words: plainly(words.join(",")), seconds, rank, state: "active", silent: 0, by: "", name: "" });
   }
 
-  /** @param {string} subject number, state, how long it is silent [s] */
+  /** @param {string} subject number, state, how long it is silent [s], who acknowledges it, its name */
   become(subject) {
-    const [number, state, left] = subject.split(",");
+    const [number, state, left, answerer = "you", name = ""] = subject.split(",");
+    const by = answerer === "you" ? "" : answerer;
     const alert = this.all.get(number);
     if (state === "normal") this.all.delete(number);
-    else if (alert) Object.assign(alert, { state, silent: performance.now() + 1000 * Number(left) });
+    else if (alert) Object.assign(alert, { state, by, name, silent: performance.now() + 1000 * Number(left) });
   }
 
   /** Forgets all, because the session tells what is open. */
