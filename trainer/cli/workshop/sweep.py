@@ -101,7 +101,7 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
 
 @contextmanager
 def show_members(count: int) -> Iterator[Any]:
-    """Show the progress of members that are flown; say how to go on where that is interrupted."""
+    """Show the progress of members; say how to go on after an interrupt."""
     from trainer.analysis.sweep.sweep import RESUME_NOTE
 
     try:
