@@ -62,7 +62,7 @@ PARTS: Final = {
     "faults": Part("kills, full disks, pulled plugs", ("tests.faults",)),
     "simulation": Part(
         "whole sessions by ten thousand seeds",
-        ("tests.simulation", "--seeds", "10000", "--jobs", "2"),
+        ("tests.simulation", "--seeds", "10000", "--jobs", "2", "--reached"),
     ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
     "fuzz": Part(

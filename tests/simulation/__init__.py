@@ -25,6 +25,10 @@ script can be written to a file, read back and made smaller, which a seed cannot
 **The laws** (``laws``) are what must hold whatever the script. They are looked at from outside, on
 the lines and in the file, and from beside each order, by wrapping three methods of the product.
 
+**What was reached** (``milestones``) is counted beside the laws: a law that held says nothing of a
+moment that no seed came to. ``--reached`` prints how many seeds reached each, and is red where none
+did. What an instructor says in a row (``SCENES``) leads to where single words seldom come.
+
 **What is found** is shrunk (``shrink``): lives, stations, visits, lines and mishaps are taken away
 as long as the same law is broken. What is left goes into ``tests/simulation/kept``, in a file
 named after the fault, and is played again by every test run.

@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 
 from helpers.progress import Bar
 
+from simulation.milestones import never_reached, reach_table
 from simulation.play import play
 from simulation.script import draw_script, read_script, write_script
 from simulation.seeds import Played, breaks_law, play_seed
@@ -42,6 +43,9 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
 )
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, metavar="N")
 @click.option(
+    "--reached", "table", is_flag=True, help="Print how many seeds reached each milestone."
+)
+@click.option(
     "--play",
     "script",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -55,6 +59,7 @@ def simulation(
     minutes: float | None,
     seconds: float,
     jobs: int,
+    table: bool,
     script: Path | None,
 ) -> None:
     """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
@@ -66,16 +71,18 @@ def simulation(
               python -m tests.simulation --from 31 --seeds 1
               python -m tests.simulation --play simulation-31.json
 
-    Exit codes: 0 every law held, 1 one is broken.
+    Exit codes: 0 every law held, 1 one is broken, or with --reached a milestone was never reached.
     """
     if script:
         sys.exit(play_script(script))
     until = time.monotonic() + 60.0 * minutes if minutes else None
     totals: Counter[str] = Counter()
+    reached: Counter[str] = Counter()
     broken = []
     with Bar("playing", seeds) as bar:
         for played in play_seeds(range(first, first + seeds), seconds, jobs):
             totals.update(played.counts)
+            reached.update(played.reached)
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
@@ -85,8 +92,13 @@ def simulation(
     counts = ", ".join(f"{count} {what}" for what, count in totals.items())
     seeds_broken = ", ".join(str(each.seed) for each in broken)
     verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
+    if table:
+        click.echo("\n".join(reach_table(reached, totals["seeds"])))
     click.echo(f"from seed {first}: {counts}: {verdict}")
-    sys.exit(1 if broken else 0)
+    lacking = never_reached(reached) if table else []
+    if lacking:
+        click.echo(f"NEVER REACHED: {', '.join(lacking)}")
+    sys.exit(1 if broken or lacking else 0)
 
 
 def play_seeds(seeds: range, seconds: float, jobs: int) -> Iterator[Played]:

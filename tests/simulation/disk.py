@@ -76,6 +76,7 @@ class Disk:
     kept: Image | None = None
     opened_at: int = 0  # [ns] when the present process began
     woken_at: int = -(2**62)  # [ns] when the machine last woke
+    troubles: set[Trouble] = field(default_factory=set)  # that befall it now
     _refuses: bool = False
     _writer: sqlite3.Connection | None = field(default=None, repr=False)
     _reader: sqlite3.Connection | None = field(default=None, repr=False)
@@ -84,6 +85,7 @@ class Disk:
         """Begin with the recording of a process that stands at ``path``."""
         self.path, self.slow, self._refuses = path, slow, False
         self._writer = self._reader = None
+        self.troubles.clear()
         self.opened_at = self.machine.now
 
     def age(self) -> None:
@@ -139,8 +141,10 @@ class Disk:
             Trouble.FULL: self._full,
             Trouble.UNREADABLE: self._unreadable,
         }
+        self.troubles.add(trouble)
         with contextlib.suppress(sqlite3.Error), befall[trouble]():  # closed meanwhile: no trouble
             self.machine.sleep(seconds)
+        self.troubles.discard(trouble)
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[None]:

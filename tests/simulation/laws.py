@@ -19,11 +19,13 @@ import pytest
 
 from simulation.disk import Disk, log_of
 from simulation.machine import SECOND_NS, Machine
+from simulation.milestones import Log, Stand
 from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
+from trainer.session.attendance import Attendance
 from trainer.session.crew.agenda import Plans
 from trainer.session.dispatch import Dispatch
 from trainer.session.past.journal import MAX_KEPT_MOMENTS
@@ -94,6 +96,7 @@ class Docket:
     ticks: int = 0
     kills: int = 0
     power_cuts: int = 0
+    log: Log = field(default_factory=Log)  # of the milestones
 
     def enter(self, law: Law, text: str) -> None:
         """Enter a breach of a law, now."""
@@ -109,6 +112,7 @@ class Witness:
     machine: Machine
     session: Session | None = None
     _reply: object = None  # the last that a station was given
+    _meant: str = ""  # by the order that is heard, before it acts: belay takes back the newest
     _before: int = 0  # the last order in the journal before the one that is heard
     ahead: Plans | None = None  # when the last order was done with; None in the midst of one
     _left: Plans | None = None  # by the process before, where it was killed
@@ -117,10 +121,12 @@ class Witness:
         """Wrap what is looked at. Nothing of it is changed."""
         init, hear, answer = Session.__post_init__, Dispatch.hear, Station.answer
         tick, answer_left = Session.tick, Dispatch.answer_left_orders
+        greet = Attendance.greet
 
         def begin(session: Session, introduction: object) -> None:
             init(session, introduction)  # type: ignore[arg-type]
             self.session = session
+            self.docket.log.see_start(session)
 
         def answer_left_orders(dispatch: Dispatch) -> None:
             answer_left(dispatch)
@@ -138,28 +144,38 @@ class Witness:
             if session.conduct.ending.over and not session.history.flown.replaying:
                 self.docket.enter(Law.ENDED, f"a tick follows tick {session.history.tick}, the end")
             self.docket.ticks += 1
-            self.ahead = None
+            self.ahead, stand = None, Stand.of(session)
             tick(session)
             self.ahead = session.agenda.plans
+            self.docket.log.see_tick(session, stand)
+
+        def greet_guest(attendance: Attendance, station: Station) -> None:
+            greet(attendance, station)
+            if self.session:
+                self.docket.log.see_guest(self.session)
 
         patch.setattr(Session, "__post_init__", begin)
         patch.setattr(Session, "tick", take_tick)
         patch.setattr(Dispatch, "answer_left_orders", answer_left_orders)
         patch.setattr(Dispatch, "hear", hear_order)
         patch.setattr(Station, "answer", answer_order)
+        patch.setattr(Attendance, "greet", greet_guest)
 
     @contextlib.contextmanager
     def _beside(self, asked: Request) -> Iterator[None]:
         """Look at a session before and after an order."""
         session = self.session
         assert session
-        before = Posture.of(session)
+        before, stand = Posture.of(session), Stand.of(session)
         elsewhere = is_elsewhere(session, asked.station)
         self._reply, self._before, self.ahead = None, session.history.after, None
         self.docket.orders += 1
+        self._meant = session.crew.meant(asked.order).text
         yield
         self.ahead = session.agenda.plans
         after, name = Posture.of(session), asked.order.name
+        station = asked.station
+        self.docket.log.see_order(session, name, station.role.name, station, stand, self._reply)
         text = f"{asked.order.text!r} at tick {before.tick}"
         if isinstance(self._reply, Refused):
             if changed := before.changed(after):
@@ -198,7 +214,7 @@ class Witness:
         tick = session.history.tick
         if ORDER_WORDS[name].journalled:
             kind = "refused" if refused else "order"
-            promise = Promise(station.who, session.crew.meant(asked.order).text, tick, kind)
+            promise = Promise(station.who, self._meant, tick, kind)
         elif name == "mark":
             promise = Promise(station.who, asked.order.subject or "marked", tick, "mark")
         else:
@@ -279,6 +295,7 @@ def is_elsewhere(session: Session, station: Station) -> bool:
         and holder is not station
         and holder in session.event_log.stations
         and not holder.line.ended
+        and not holder.leaving
     )
 
 

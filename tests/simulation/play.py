@@ -90,6 +90,13 @@ def exercise_of(script: Script) -> str:
     return str(path)
 
 
+def has_unanswered(path: Path) -> bool:
+    """Return whether a recording has an order that nobody was answered."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        orders = recording.orders(recording.last_branch())
+    return any(order.accepted is None for order in orders)
+
+
 def cable_of(number: int) -> str:
     """Return the URL of the cable of a program."""
     return f"cable {number}"
@@ -148,6 +155,9 @@ class Stage:
         self.disk.boot(path, slow=life.slow_disk)
         if life.aged and not first:
             self.disk.age()
+        lives, number = self.script.lives, self.docket.life
+        before = lives[number - 2] if number > 1 else None
+        self.docket.log.begin(life, number, self.disk, before)
         self.witness.session = None
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
             session = machine.begin(lambda: self._serve(life), "session")
@@ -218,7 +228,7 @@ class Stage:
         if goes_on and life.ending is not Ending.SIGNAL and not self.script.recorded:
             goes_on = False
         elif goes_on and life.ending is not Ending.SIGNAL:
-            self._cut(life.ending)
+            self._cut(life)
         elif goes_on:
             goes_on = False
             if self.witness.session:
@@ -230,9 +240,9 @@ class Stage:
             self.docket.enter(Law.RESTS, f"the thread {name} spins at {at / SECOND_NS:.3f} s")
         return goes_on
 
-    def _cut(self, ending: Ending) -> None:
+    def _cut(self, life: Life) -> None:
         """Take what a killed process leaves, or one without power; L1."""
-        disk, session, now = self.disk, self.witness.session, self.machine.now
+        disk, session, now, ending = self.disk, self.witness.session, self.machine.now, life.ending
         self.witness.leave(killed=ending is Ending.KILLED)
         system = Image.of(disk.path)
         self._left, until, since = system, now, 0
@@ -247,11 +257,14 @@ class Stage:
         looked = Path(f"{self.docket.life}-left") / RECORDING
         looked.parent.mkdir()
         self._left.write(looked)
+        unanswered = has_unanswered(looked)
+        self.docket.log.see_end(session, life, unanswered=unanswered)
         check_kept(self.docket, looked, until=until, since=since)
 
     def _befall(self, life: Life) -> None:
         for mishap in life.mishaps:
             self.machine.sleep(mishap.after)
+            self.docket.log.see_mishap(mishap.trouble)
             if mishap.trouble is Trouble.RIVAL:
                 self._begin_rival()
             else:
@@ -262,8 +275,11 @@ class Stage:
         if not (self.script.recorded and self.witness.session):
             return
         options = RunOptions(serve=True, listen="127.0.0.1:0", socket="none", headless=True)
-        with contextlib.suppress(ConfigError):
+        try:
             resume_boat(self.disk.path, options, anyway=False)
+        except ConfigError:
+            self.docket.log.see_rival()
+        else:
             self.docket.enter(Law.SOLE, "a second session has gone on with the recording")
 
     def _serve(self, life: Life) -> None:

@@ -42,24 +42,63 @@ WORDS: Final[Mapping[str, str]] = {
         |branches|branches|branches|snapshots|snapshots|snapshots|plans
         |at 30 s depth 70|in 10 s depth 80|in 2 s course 010|at 1 s emergency blow
         |when depth over 62 then rudder left 5|cancel 1|cancel all|end exercise|release marks
-        |debrief|take command|give command|keep command|mark hello|casualty rudder-stuck 5
-        |casualties|clear casualty|sea state 4|sea state 0|order depth 90|order course 120
+        |debrief|take command|give command|keep command|mark hello|casualty rudder-stuck
+        |casualty stern-slow 0.5 ramp 20|clear all|casualties|clear rudder-stuck
+        |sea state 4|sea state 0|order depth 90|order course 120
         |tell helm steady|depth 70|course 090|rudder left 10|history motion 20 s|who|status|log 5
-        |quit|current set 090 2|ack 1|restart|emergency blow|subscribe motion|subscribe ledger""",
+        |quit|current set 090 drift 2|current off|ack 1|ack silent 1|restart|emergency blow
+        |subscribe motion|subscribe ledger|unsubscribe all|alerts|allow planes|allow ballast
+        |autopilot on|autopilot off|belay|briefing|course left 30|come right to 090|demonstrate
+        |ghost on|ghost off|predictor 60 s|hint|freeze depth|release depth|release all|next
+        |what if depth 80|dive|surface|drain aft|drain stop|pump trim forward 2|pump auxiliary 1
+        |periscope depth|rpm 60|turns 4|name wall|detach""",
     "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
         |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
-        |rudder manual|rudder auto|mark late""",
+        |rudder manual|rudder auto|mark late|course right 20|come left to 300|turns 5|rpm 80
+        |alerts|ack 1""",
     "planes": """stern rise 5|stern dive 10|bow dive 3|planes zero|depth 80|aye|report ready|ready
-        |planes manual|planes auto|rudder left 5|log 3|subscribe diving|mark""",
+        |planes manual|planes auto|rudder left 5|log 3|subscribe diving|mark|periscope depth
+        |ack all|ack 1|ack silent 1""",
     "ballast": """blow forward|blow aft|vent forward open|vent aft open|vent forward shut
         |negative flood|trim auto|trim manual|emergency blow|compressor on|hover on|hover off
-        |flood auxiliary 500|ready|report ready|aye""",
+        |flood auxiliary 5|pump auxiliary 3|pump trim aft 2|drain forward|ready|report ready|aye
+        |name tanks|unsubscribe all""",
     "observer": "mark one|mark two|who|status|log 9|subscribe gauges|history events 60 s|help",
     "visitor": "lever dive 3|lever rise 2|lever zero|restart|status|freeze|mark no",
 }
 CHOICES: Final = {
     role: tuple(each.strip() for each in words.split("|")) for role, words in WORDS.items()
 }
+# What an instructor says in a row: each leads to where single words seldom come.
+SCENE_SHARE: Final = 0.08  # [-] of an instructor's acts begin one
+SCENE_PACES_S: Final = (0.02, 0.3, 1.0)  # [s] from word to word, on the average
+SCENES: Final = (
+    "snapshot A|casualty stern-slow 0.5 ramp 20|restore A",
+    "casualty rudder-stuck|snapshot B|clear all|restore B",
+    "casualty rudder-slow 0.7 ramp 30|snapshot A|backtrack 1 s|restore A",
+    "replay 10 s|freeze|take over",
+    "time 1|replay 20 s|take over|mark taken over",
+    "run|time 1|run|replay 60 s",
+    "replay 10 s|mark seen again|snapshot B|restore B",
+    "replay 20 s|replay 5 s|backtrack 2 s",
+    "in 3 s depth 80|snapshot A|cancel all|restore A",
+    "snapshot A|in 10 s depth 90|restore A|run",
+    "at 20 s depth 70|freeze|backtrack 5 s|run",
+    "snapshot A|end exercise|restore A|run",
+    "end exercise|again|run",
+    "debrief|debrief|again",
+    "end exercise|release marks|next",
+    "ghost on|hint|what if depth 80",
+    "ghost on|predictor 30 s|backtrack 2 s|ghost off",
+    "demonstrate for 10 s|freeze|run",
+    "take command|run|give command",
+    "order depth 90|tell helm steady|belay|backtrack 1 s",
+    "planes manual|stern dive 20|bell ahead full|run|time 100",
+    "surface|time 100|run",
+    "sea state 5|current set 090 drift 2|snapshot A|current off|restore A",
+    "freeze depth|backtrack 1 s|release all",
+    "branch 1|branch 2|mark here|branch 1",
+)
 NOISE: Final = (
     *("\xff\xfd\x01hel\xff\r\n", "$TRO,900001,depth 70*00\r\n", "nonsense\r\n", "\r\n\n\r"),
     *("x" * 3000 + "\r\n", "depth 99999\r\n", "\x1b[2J\r\n", "caf\xe9\r\n", "$$$***\r\n"),
@@ -277,8 +316,10 @@ def _draw_player(
         acts = []
         now += after
         for _ in range(dice.choice((5, 30, 100))):
-            acts.append(_draw_act(dice, role, rate))
-            now += acts[-1].after + acts[-1].pause
+            in_a_row = role == "instructor" and dice.random() < SCENE_SHARE
+            said = _draw_scene(dice) if in_a_row else [_draw_act(dice, role, rate)]
+            acts += said
+            now += sum(act.after + act.pause for act in said)
             if now > seconds:
                 break
         visits.append(
@@ -292,6 +333,13 @@ def _draw_player(
             )
         )
     return Player(role, tuple(visits), way)
+
+
+def _draw_scene(dice: Random) -> list[Act]:
+    """Return some words in a row."""
+    pace = dice.choice(SCENE_PACES_S)
+    words = dice.choice(SCENES).split("|")
+    return [Act(dice.expovariate(1.0 / pace), each, end=dice.choice(LINE_ENDS)) for each in words]
 
 
 def _draw_act(dice: Random, role: str, rate: float) -> Act:

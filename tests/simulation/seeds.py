@@ -16,6 +16,7 @@ class Played(NamedTuple):
     breaches: tuple[Breach, ...]
     counts: dict[str, int]
     trace: str  # the digest of all bytes
+    reached: frozenset[str]  # milestones
 
 
 def play_seed(seed: int, longest: float) -> Played:
@@ -35,7 +36,7 @@ def play_seed(seed: int, longest: float) -> Played:
         "answers": docket.answers,
         "ticks": docket.ticks,
     }
-    return Played(seed, tuple(breaches), counts, trace)
+    return Played(seed, tuple(breaches), counts, trace, frozenset(docket.log.reached))
 
 
 def breaks_law(script: Script, law: Law, *changes: Change) -> bool:

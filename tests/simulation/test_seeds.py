@@ -3,14 +3,18 @@
 import random
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import Final
 
 import pytest
 from helpers import places
 
+from simulation.milestones import MILESTONES, never_reached, reach_table
 from simulation.play import play
 from simulation.script import (
+    CHOICES,
+    SCENES,
     Act,
     Ending,
     Life,
@@ -22,6 +26,8 @@ from simulation.script import (
     write_script,
 )
 from simulation.seeds import play_seed
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.words import ORDER_WORDS
 
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
 GROUPS: Final = 4  # of them, for several workers
@@ -100,3 +106,42 @@ def test_a_session_that_goes_on_flies_its_ticks() -> None:
     assert not docket.breaches
     assert abs(docket.ticks - 60) <= 1
     assert docket.answers == 3
+
+
+def test_a_seed_tells_what_it_has_reached() -> None:
+    scene = (
+        "freeze",
+        "snapshot A",
+        "in 10 s depth 90",
+        "restore A",
+        "run",
+        "replay 5 s",
+        "mark it",
+    )
+    docket = play(lone(*scene, seconds=12.0))
+    assert not docket.breaches
+    assert docket.log.reached >= {
+        *(f"word {name}" for name in ("freeze", "snapshot", "plan", "restore", "run", "mark")),
+        "L17: a jump takes plans away",
+        "L3: a jump in a freeze",
+    }
+    assert not docket.log.reached & {"word casualty", "L3: a take-over in a freeze"}
+
+
+def test_the_table_has_every_milestone_and_names_those_that_are_lacking() -> None:
+    reached = Counter(dict.fromkeys(MILESTONES, 3) | {"word run": 1})
+    table = reach_table(reached, 7)
+    assert "      3 of 7  L17: a plan comes" in table
+    assert table[0].startswith("      0 of 7  word ")
+    lacking = never_reached(reached)
+    assert "word freeze" in lacking
+    assert not {"word run", *MILESTONES} & set(lacking)
+    assert len(MILESTONES) > 40
+
+
+def test_whatever_is_said_in_a_script_is_an_order() -> None:
+    said = [words for choices in CHOICES.values() for words in choices]
+    said += [words for scene in SCENES for words in scene.split("|")]
+    assert [words for words in said if not isinstance(parse(words), Order)] == []
+    names = {order.name for words in said if isinstance(order := parse(words), Order)}
+    assert set(ORDER_WORDS) - names <= {"contact", "scope", "role"}  # by ships' master; by all

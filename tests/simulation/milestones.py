@@ -1,0 +1,295 @@
+"""What sessions sometimes reach: the other side of the laws, which always hold.
+
+A law that held over ten thousand seeds says nothing of what no seed reached. So each law has
+moments here that tempt it. A night prints how many seeds reached each; one that none reached is
+red, because then the generator never makes the case. ``Log`` is asked after each order and each
+tick, and as processes begin and end.
+
+Every order word is to be said and accepted sometimes, too: ``word NAME`` is such a moment.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from simulation.disk import Disk, Trouble
+from trainer.config.outcome import Outcome
+from trainer.io.orders.grammar import Refused
+from trainer.io.orders.words import ORDER_WORDS, Obeyer
+from trainer.session.session import Session
+
+if TYPE_CHECKING:
+    from simulation.script import Life  # whose words are drawn among ships, and those know laws
+
+
+class Stand(NamedTuple):
+    """How a session stood before an order or a tick."""
+
+    branch: int
+    tick: int
+    frozen: bool
+    over: bool
+    replaying: bool
+    plans: int
+    casualties: int
+    ramping: bool
+    busy: bool  # marks or a debrief are being made
+    holder: object  # of command
+
+    @classmethod
+    def of(cls, session: Session) -> "Stand":
+        """Return how a session stands."""
+        state, conduct = session.boat.state, session.conduct
+        return cls(
+            session.history.recording.branch,
+            session.history.tick,
+            session.time.frozen,
+            bool(conduct.ending.over),
+            session.history.flown.replaying,
+            len(session.agenda.planned),
+            int((state.casualty != 0.0).sum()),
+            bool((state.casualty_ticks != 0.0).any()),
+            any(thread.is_alive() for thread in conduct.work.threads),
+            conduct.command.holder,
+        )
+
+
+class Glance(NamedTuple):
+    """One order that was carried out or refused, and what was before and after it."""
+
+    word: str
+    accepted: bool
+    role: str
+    before: Stand
+    after: Stand
+    session: Session
+    troubles: frozenset[Trouble]  # that befall the disk now
+    life: int
+    first_branch: int  # of this process
+
+    @property
+    def jumped(self) -> bool:
+        """Return whether time jumped to another moment."""
+        return self.accepted and self.after.branch != self.before.branch
+
+
+# What an order may reach, by the law that it tempts.
+ORDER_MILESTONES: Final[Mapping[str, Callable[[Glance], bool]]] = {
+    "L1: an order is taken while the disk is full": lambda g: (
+        g.accepted and Trouble.FULL in g.troubles
+    ),
+    "L1: an order is taken while another program writes": lambda g: (
+        g.accepted and Trouble.LOCKED in g.troubles
+    ),
+    "L1: a mark in a replay": lambda g: g.accepted and g.word == "mark" and g.before.replaying,
+    "L1: a mark after the end": lambda g: g.accepted and g.word == "mark" and g.before.over,
+    "L2: a jump is refused": lambda g: not g.accepted and ORDER_WORDS[g.word].jumps,
+    "L2: an order is refused while marks are made": lambda g: not g.accepted and g.before.busy,
+    "L2: an order is refused in a replay": lambda g: not g.accepted and g.before.replaying,
+    "L3: a jump while the disk is full": lambda g: g.jumped and Trouble.FULL in g.troubles,
+    "L3: a jump while another program writes": lambda g: g.jumped and Trouble.LOCKED in g.troubles,
+    "L3: a jump while nothing can be read": lambda g: g.jumped and Trouble.UNREADABLE in g.troubles,
+    "L3: a jump in a freeze": lambda g: g.jumped and g.before.frozen,
+    "L3: a jump while time runs": lambda g: g.jumped and not g.before.frozen,
+    "L3: a jump out of a replay": lambda g: g.jumped and g.before.replaying and g.word != "take",
+    "L3: a jump to a left branch's end": lambda g: g.jumped and g.word == "branch",
+    "L3: a jump forward in time": lambda g: g.jumped and g.after.tick > g.before.tick,
+    "L3: a replay within a replay": lambda g: (
+        g.accepted and g.word == "replay" and g.before.replaying
+    ),
+    "L3: a take-over in a freeze": lambda g: g.accepted and g.word == "take" and g.before.frozen,
+    "L3: a take-over while time runs": lambda g: (
+        g.accepted and g.word == "take" and not g.before.frozen
+    ),
+    "L6: again after the end": lambda g: g.jumped and g.before.over and g.word == "again",
+    "L6: the end taken back by a restore": lambda g: (
+        g.jumped and g.before.over and not g.after.over and g.word == "restore"
+    ),
+    "L6: a jump while marks are made": lambda g: g.jumped and g.before.busy,
+    "L6: a second debrief is asked for while one is made": lambda g: (
+        g.word == "debrief" and g.before.busy
+    ),
+    "L7: a second instructor is refused": lambda g: (
+        not g.accepted and g.role == "instructor" and g.before.holder is not None
+    ),
+    "L7: command changes hands": lambda g: (
+        g.before.holder is not None and g.after.holder not in (None, g.before.holder)
+    ),
+    "L12: a restore with a casualty ramping": lambda g: (
+        g.jumped and g.word == "restore" and (g.before.ramping or g.after.ramping)
+    ),
+    "L12: a restore brings a casualty back": lambda g: (
+        g.jumped and g.before.casualties < g.after.casualties
+    ),
+    "L12: a restore of what an earlier process kept": lambda g: (
+        g.jumped and g.word == "restore" and g.life > 1 and g.before.branch == g.first_branch
+    ),
+    "L12: a snapshot in a replay": lambda g: (
+        g.accepted and g.word == "snapshot" and g.before.replaying
+    ),
+    "L17: a jump takes plans away": lambda g: g.jumped and g.after.plans < g.before.plans,
+    "L17: a jump brings plans back": lambda g: g.jumped and g.after.plans > g.before.plans,
+    "L17: a plan is cancelled": lambda g: g.accepted and g.word == "cancel",
+    "L17: a plan is made in a freeze": lambda g: (
+        g.accepted and g.word == "plan" and g.before.frozen
+    ),
+}
+# What a tick may reach, and what processes begin and end with.
+TICK_MILESTONES: Final[Mapping[str, Callable[[Stand, Stand, Session], bool]]] = {
+    "L3: a replay ends by itself": lambda before, after, _: (
+        before.replaying and not after.replaying
+    ),
+    "L6: an exercise ends by its time": lambda before, after, session: (
+        after.over and not before.over and session.conduct.ending.outcome is not Outcome.LOST
+    ),
+    "L6: an exercise is lost": lambda before, after, session: (
+        after.over and not before.over and session.conduct.ending.outcome is Outcome.LOST
+    ),
+    "L17: a plan comes": lambda before, after, _: (
+        after.plans < before.plans and before.branch == after.branch
+    ),
+    "L16: a tick late among ships": lambda _before, _after, session: (
+        session.boat.world.acts and bool(session.time.ledger.summary().overruns)
+    ),
+}
+OTHER_MILESTONES: Final = (
+    "L1: a kill right after an answer",
+    "L1: a kill between journal and answer",
+    "L1: power lost between journal and answer",
+    "L1: power lost on a slow disk",
+    "L1: a kill while the disk is full",
+    "L3: a kill in a replay",
+    "L3: a gap in the recording",
+    "L3: format 1 goes on",
+    "L3: power is lost after a kill in which nobody spoke",
+    "L3: four processes on one recording",
+    "L5: two instructors within one tick",
+    "L6: a kill after the end",
+    "L6: a kill while marks are made",
+    "L8: the time of day is set",
+    "L8: the machine sleeps",
+    "L11: a page comes in a replay",
+    "L11: somebody comes after a kill",
+    "L14: a second session is refused",
+    "L17: a kill with plans ahead",
+)
+# A line answers its own orders, which no other part of the session hears; all say their role.
+WORD_MILESTONES: Final = tuple(
+    f"word {name}"
+    for name, word in ORDER_WORDS.items()
+    if word.obeyer not in (Obeyer.LINE, Obeyer.CHAIR)
+)
+MILESTONES: Final = (*ORDER_MILESTONES, *TICK_MILESTONES, *OTHER_MILESTONES)
+
+
+@dataclass
+class Log:
+    """The milestones that one script has reached."""
+
+    reached: set[str] = field(default_factory=set)
+    disk: Disk | None = None
+    life: int = 1
+    first_branch: int = 1
+    _ordered: tuple[int, object] = (-1, None)  # the last tick of an instructor's order, and who
+
+    def begin(self, life: "Life", number: int, disk: Disk, before: "Life | None") -> None:
+        """Note what a process begins with."""
+        self.life, self.disk = number, disk
+        self._note("L3: format 1 goes on", life.aged and number > 1)
+        self._note("L3: four processes on one recording", number > 3)
+        silent = before is not None and is_killed(before) and not life.players
+        self._note(
+            "L3: power is lost after a kill in which nobody spoke",
+            silent and is_powerless(life),
+        )
+
+    def see_start(self, session: Session) -> None:
+        """Note how a session begins, when it has read what was before."""
+        self.first_branch = session.history.recording.branch
+        self._note("L1: a kill between journal and answer", bool(session.history.unanswered))
+
+    def see_order(
+        self, session: Session, word: str, role: str, who: object, before: Stand, reply: object
+    ) -> None:
+        """Note what an order has reached."""
+        accepted = not isinstance(reply, Refused)  # None is answered later
+        after = Stand.of(session)
+        troubles = frozenset(self.disk.troubles if self.disk else ())
+        glance = Glance(
+            word, accepted, role, before, after, session, troubles, self.life, self.first_branch
+        )
+        self.reached |= {name for name, is_so in ORDER_MILESTONES.items() if is_so(glance)}
+        self._note(f"word {word}", accepted)
+        if role == "instructor":
+            tick, other = self._ordered
+            self._note(
+                "L5: two instructors within one tick", tick == before.tick and other is not who
+            )
+            self._ordered = before.tick, who
+
+    def see_tick(self, session: Session, before: Stand) -> None:
+        """Note what a tick has reached."""
+        after = Stand.of(session)
+        self.reached |= {
+            name for name, is_so in TICK_MILESTONES.items() if is_so(before, after, session)
+        }
+
+    def see_guest(self, session: Session) -> None:
+        """Note when somebody comes to a session."""
+        self._note("L11: a page comes in a replay", session.history.flown.replaying)
+        self._note("L11: somebody comes after a kill", self.life > 1)
+
+    def see_end(self, session: Session | None, life: "Life", *, unanswered: bool) -> None:
+        """Note with what a process is ended that does not end by itself."""
+        if session is None:
+            return
+        stand, killed, power = Stand.of(session), is_killed(life), is_powerless(life)
+        recording = session.history.recording
+        self._note("L1: a kill right after an answer", killed and life.at_answer)
+        self._note("L1: power lost between journal and answer", power and unanswered)
+        self._note("L1: power lost on a slow disk", power and life.slow_disk)
+        full = self.disk is not None and Trouble.FULL in self.disk.troubles
+        self._note("L1: a kill while the disk is full", killed and full)
+        self._note("L3: a kill in a replay", killed and stand.replaying)
+        self._note("L6: a kill after the end", killed and stand.over)
+        self._note("L6: a kill while marks are made", killed and stand.busy)
+        self._note("L17: a kill with plans ahead", killed and bool(stand.plans))
+        self._note("L3: a gap in the recording", bool(recording.missing))
+
+    def see_mishap(self, trouble: Trouble) -> None:
+        """Note what befalls the machine."""
+        self._note("L8: the time of day is set", trouble is Trouble.SET)
+        self._note("L8: the machine sleeps", trouble is Trouble.ASLEEP)
+
+    def see_rival(self) -> None:
+        """Note that another session was refused the recording."""
+        self.reached.add("L14: a second session is refused")
+
+    def _note(self, name: str, is_so: bool) -> None:  # noqa: FBT001
+        if is_so:
+            self.reached.add(name)
+
+
+def is_killed(life: "Life") -> bool:
+    """Return whether a process is killed, if it does not end by itself."""
+    return life.ending.name == "KILLED"
+
+
+def is_powerless(life: "Life") -> bool:
+    """Return whether a process ends as the power goes."""
+    return life.ending.name == "POWER"
+
+
+def reach_table(reached: Counter[str], seeds: int) -> list[str]:
+    """Return a line for each milestone, with how many seeds reached it; the rarest first."""
+    names = (*MILESTONES, *WORD_MILESTONES)
+    return [
+        f"{reached[name]:>7} of {seeds}  {name}"
+        for name in sorted(names, key=lambda name: reached[name])
+    ]
+
+
+def never_reached(reached: Counter[str]) -> list[str]:
+    """Return the milestones that no seed reached."""
+    return [name for name in (*MILESTONES, *WORD_MILESTONES) if not reached[name]]
