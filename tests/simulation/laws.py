@@ -224,8 +224,9 @@ class Witness:
     def leave(self, *, killed: bool) -> None:
         """Note with which orders ahead a process ends; they are promised where it was killed."""
         self._left = self.ahead if killed and self.session else None
-        if self._left and self.session and self.session.history.recording.trouble:
-            self._left = None
+        history = self.session.history if self.session else None
+        if history and (history.recording.trouble or history.flown.replaying):
+            self._left = None  # who is killed in a replay goes on at its end
 
     def _check_plans(self) -> None:
         """L17, when a session has answered what the process before had left."""
