@@ -47,7 +47,7 @@ class Law(Enum):
     REFUSED = "L2: a refusal changes no bit, no branch, no freeze"
     FLOWN_AGAIN = "L3: every branch is flown again to the same bits and answers"
     SAME_BYTES = "L4: the same script gives the same bytes"
-    ANSWERS = "L5: each whole order has one answer, in order"
+    ANSWERS = "L5: each whole order has one answer, in order but for hint and what if"
     ENDED = "L6: an exercise's end is taken back by a jump away from it alone; no tick follows it"
     COMMAND = "L7: an instructor without command is refused"
     LIVES = "L8: no thread dies, and a session ends within a minute of a signal"

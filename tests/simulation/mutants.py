@@ -10,7 +10,7 @@ that seeds found in the product. Those are mended; the scripts that show them ar
 import contextlib
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -29,12 +29,12 @@ from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session import dispatch, jump, resume
+from trainer.session.crew.standing import StandRecord
 from trainer.session.dispatch import Dispatch
 from trainer.session.exercise.conduct import Conduct
 from trainer.session.nmea.outlets import SteadySubscription
 from trainer.session.nmea.transponders import Messages, Transponders
 from trainer.session.parts import Parts
-from trainer.session.past.journal import Journal
 from trainer.session.questions import Questions
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request
 from trainer.session.stations.view import Picture
@@ -67,12 +67,14 @@ def gather_answers(patch: pytest.MonkeyPatch) -> None:
 
 def plan_refused(patch: pytest.MonkeyPatch) -> None:
     """Plan again what the journal has, whether it was refused or not."""
-    said = Journal.said
+    read = StandRecord.read
 
-    def say(self: Journal) -> list[RecordedOrder]:
-        return [replace(each, accepted=True) for each in said(self)]
+    def read_all(
+        self: StandRecord, given: Iterable[RecordedOrder], tick: int = 0, after: int = 0
+    ) -> None:
+        read(self, [replace(order, accepted=True) for order in given], tick, after)
 
-    patch.setattr(Journal, "said", say)
+    patch.setattr(StandRecord, "read", read_all)
 
 
 def answer_before_journal(patch: pytest.MonkeyPatch) -> None:

@@ -84,6 +84,8 @@ SCENES: Final = (
     "in 3 s depth 80|snapshot A|cancel all|restore A",
     "snapshot A|in 10 s depth 90|restore A|run",
     "at 20 s depth 70|freeze|backtrack 5 s|run",
+    "run|at 1 s emergency blow|at 1 s depth 70",
+    "at 1 s emergency blow|at 1 s casualty rudder-stuck",
     "snapshot A|end exercise|restore A|run",
     "end exercise|again|run",
     "debrief|debrief|again",

@@ -25,6 +25,8 @@ BROWSER: Final = "192.0.2.7"  # another machine, at which the pages are looked a
 HEAR_OUT_S: Final = 1.0  # [s] for which a program that hangs up waits for answers
 GIVE_UP_S: Final = 0.2  # [s] after which a program that cannot send hangs up
 
+ASIDE_WORDS: Final = ("hint", "what if")  # answered when that is found, orders later perhaps
+
 
 @dataclass
 class Program:
@@ -39,6 +41,7 @@ class Program:
     cable: Cable | None = None  # by which it comes, None for a socket
     _end: Socket = field(init=False, repr=False)
     _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
+    _aside: deque[str] = field(default_factory=deque)  # of those whose answer is found aside
     _tag: int = 0
     _first: int = 0  # tag of this visit
     _sip: int = 0  # [bytes] that it takes at once, 0 for all
@@ -53,6 +56,7 @@ class Program:
             while (end := self._call(visit.room)) is None:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
+            self._aside.clear()
             self._first, self._sip = self._tag + 1, visit.sip
             if self.player.way is Way.PAGE:
                 self._send(f"{carried_for(BROWSER)}\n".encode())
@@ -115,7 +119,9 @@ class Program:
             if not self._send(data[:half]):
                 return False
             self.machine.sleep(act.pause)
-        self._asked.append(str(self._tag))  # it may be answered before the last turn comes back
+        aside = act.words.startswith(ASIDE_WORDS)
+        # it may be answered before the last turn comes back
+        (self._aside if aside else self._asked).append(str(self._tag))
         return self._send(data[half:])
 
     def _send(self, data: bytes) -> bool:
@@ -168,6 +174,10 @@ class Program:
             return
         if int(sentence.tag) < self._first:
             return  # a cable has it from a visit before
+        if sentence.tag in self._aside:
+            self._aside.remove(sentence.tag)
+            self.docket.answers += 1
+            return
         while sentence.tag in self._asked and self._may_lose(self._asked[0], sentence.tag):
             self._asked.popleft()
         if not self._asked or self._asked[0] != sentence.tag:
