@@ -10,7 +10,7 @@ from trainer.boat.due_orders import entries_due
 from trainer.boat.mute_crew import MuteCrew
 from trainer.debrief.rehearsal import Departure, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
-from trainer.io.recording.recording import RecordedOrder, Recording
+from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
 
@@ -186,6 +186,25 @@ def test_a_session_that_ends_meanwhile_ends_on_the_crews_branch(jam: Crewed) -> 
     jam.fly(10)
     jam.session.dispatch.way.end()
     assert (jam.recording.branch, jam.boat.ticks) == (3, JAMMED)
+
+
+def test_a_way_that_ends_while_nothing_can_be_read_waits_and_ends_nobody(
+    jam: Crewed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise RecordingError("not readable now")
+
+    shows(jam)
+    with monkeypatch.context() as unreadable:
+        unreadable.setattr(Recording, "fork", fail)
+        jam.fly(SHOWN_TICKS + 5)
+        assert jam.session.time.frozen
+        assert jam.boat.ticks == JAMMED + SHOWN_TICKS
+        assert "not readable now; run tries it again" in jam.events(jam.instructor, "trouble")[-1]
+        assert "not readable now" in jam.order("demonstrate off")
+    jam.order("run")
+    jam.fly(2)
+    assert (jam.recording.branch, jam.boat.ticks, jam.session.time.frozen) == (3, JAMMED, True)
 
 
 def test_a_recording_that_was_cut_short_goes_on_where_the_crew_was(jam: Crewed) -> None:

@@ -14,7 +14,7 @@ from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
-from trainer.io.recording.recording import SHOWN_REASON, Moment
+from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError
 from trainer.session.exercise.second_boat import crew_so_far
 from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
@@ -113,14 +113,23 @@ class Demonstration:
             if name_of(order.text) in (*CREW_HANDS, MARK_ORDER) or not refused:
                 self.session.shown.show_lesson(f"shown: {order.text}")
 
+    def end_in_time(self) -> None:
+        """End it where it is over. While the recording cannot be read, ``run`` tries it again."""
+        try:
+            self.end()
+        except RecordingError as error:
+            self.session.control.stop()
+            text = f"the way has been shown, and the moment before is not to be had: {error}"
+            self.session.event_log.tell("trouble", f"{text}; run tries it again")
+
     def end(self) -> None:
-        """Go back to the moment before, frozen, if the way is being shown."""
+        """Go back to the moment before, frozen, if the way is being shown; RecordingError."""
         session, origin = self.session, self.origin
         if origin is None:
             return
+        jump_to(session, origin, SHOWN_REASON)
         self.origin = self.crew = None
         session.shown.lesson = ""
-        jump_to(session, origin, SHOWN_REASON)
         branch = session.history.recording.branch
         text = f"the way has been shown: back at {session.boat.time:g} s, frozen; branch {branch}"
         session.event_log.tell("moment", text, fact=Fact("back", "demonstrate off"))

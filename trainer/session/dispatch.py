@@ -182,7 +182,7 @@ class Dispatch:
             Due.PLANS: self.obey_plans,
             Due.CREW: self.way.speak,
             Due.JOURNAL: self.obey_again,
-            Due.END_OF_WAY: self.way.end,
+            Due.END_OF_WAY: self.way.end_in_time,
             Due.END_OF_REPLAY: lambda: end_replay(self.session),
         }
 

@@ -280,7 +280,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             with quiet, shown as session.progress, time.attended():
                 session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND_NS
-        session.dispatch.way.end()  # so that its last branch is the crew's
+        session.dispatch.way.end_in_time()  # so that its last branch is the crew's
         session.evaluation.finish()
         session.conduct.training.remember()
         session.conduct.work.finish()
