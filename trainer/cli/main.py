@@ -20,6 +20,7 @@ from trainer.cli import (
     estimate,
     explain,
     export,
+    fit_boat,
     guide,
     identify,
     listings,
@@ -41,7 +42,7 @@ COMMAND_GROUPS: Final = (
     Commands(
         "boat",
         commands=[
-            *(listings.vessels, vessel.new, estimate.estimate, vessel.check),
+            *(listings.vessels, vessel.new, estimate.estimate, fit_boat.fit, vessel.check),
             *(*guide.GUIDE_COMMANDS, vessel.reduce, vessel.gains, vessel.evaluate, sweep.sweep),
             *(vessel.sea, check_cases.check_cases),
             *(export.export_core, export.export_fmu, export.export_page),

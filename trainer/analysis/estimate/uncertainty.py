@@ -169,13 +169,18 @@ class Estimate:
         return root_of(whole)
 
     @cached_property
-    def by_constants(self) -> CoefficientValues:
-        """Return the part [-] of each coefficient's deviation that comes from the constants."""
+    def common_parts(self) -> Numbers:
+        """Return what a deviate of each constant adds to coefficients (16, 131) as in estimated."""
         change = np.array(
             [list(self._changed(row).values()) for row in CONSTANT_NUDGE * np.eye(len(self.names))]
         )
         slopes = (change - np.array(list(self.estimated.values()))) / CONSTANT_NUDGE
-        spread = np.sqrt(np.sum((self.root @ slopes) ** 2, axis=0))
+        return np.asarray(self.root @ slopes)
+
+    @cached_property
+    def by_constants(self) -> CoefficientValues:
+        """Return the part [-] of each coefficient's deviation that comes from the constants."""
+        spread = np.sqrt(np.sum(self.common_parts**2, axis=0))
         return dict(zip(self.estimated, map(float, spread), strict=True))
 
     def _changed(self, logarithms: Numbers) -> CoefficientValues:

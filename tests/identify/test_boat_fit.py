@@ -1,0 +1,304 @@
+"""A boat fitted to made trials: prior, records, search, file and report."""
+
+import csv
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.boat_trials import estimated_boat, made_trial, write_csv
+
+from trainer.analysis.estimate.uncertainty import LINEAR_TERMS, TWIN_COEFFICIENTS, filed_estimate
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.identify.boat import fit, page, search
+from trainer.identify.boat.filter import CHANNELS
+from trainer.identify.boat.fitted_file import fitted_text
+from trainer.identify.boat.motion import CONTROL
+from trainer.identify.boat.prior import Knowledge, Prior, read_prior
+from trainer.identify.boat.regressors import PARAMETER_NAMES
+from trainer.identify.boat.report import VERDICTS, report_fit
+from trainer.identify.boat.trial import read_trial, trial_problems, without_unflown
+from trainer.identify.fitting.minimise import SearchOptions
+from trainer.units import DEGREE
+
+TRUE_DRAW = 7
+
+
+@pytest.fixture(scope="session")
+def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the file of an estimated boat."""
+    return estimated_boat(tmp_path_factory.mktemp("boat"))
+
+
+@cache
+def prior_of(path: Path) -> Prior:
+    return read_prior(str(path))
+
+
+@cache
+def fitted(path: Path) -> tuple[search.FitResult, tuple[float, ...]]:
+    """Return a fit of two trials of a boat drawn from the prior, and the truth."""
+    prior = prior_of(path)
+    truth = prior.draw(TRUE_DRAW)
+    trials = [made_trial(prior.vessel, truth, seed=seed) for seed in (1, 2)]
+    return search.fit_trials(prior, trials), tuple(truth)
+
+
+def test_the_prior_is_the_estimates_draws_linearised(own: Path) -> None:
+    prior = prior_of(own)
+    made = filed_estimate(prior.vessel.file, prior.tables)
+    assert prior.common == 16
+    for name, sd in zip(PARAMETER_NAMES, prior.sd, strict=True):
+        if name in made.sd and name not in LINEAR_TERMS and name[0] not in "abcz":
+            first = TWIN_COEFFICIENTS.get(name, name)
+            assert sd == pytest.approx(made.sd[first], rel=1e-9), name
+    for twin, key in TWIN_COEFFICIENTS.items():
+        rows = prior.root[[PARAMETER_NAMES.index(name) for name in (twin, key)]]
+        assert (rows[0] == rows[1]).all()
+
+
+@pytest.mark.long
+def test_draws_of_small_deviates_go_with_the_estimates_own(own: Path) -> None:
+    prior = prior_of(own)
+    made = filed_estimate(prior.vessel.file, prior.tables)
+    ours = np.array([prior.draw(number) for number in range(1, 41)])
+    theirs = [made.draw(number) for number in range(1, 41)]
+    for name in ("N_v", "N_r", "Y_v", "M_w"):
+        j = PARAMETER_NAMES.index(name)
+        spread = np.std([row[name] for row in theirs])
+        assert np.std(ours[:, j]) == pytest.approx(spread, rel=0.4), name
+
+
+def test_a_boat_without_deviations_is_no_prior() -> None:
+    with pytest.raises(ConfigError, match=r"has no deviations.*trainer boat estimate"):
+        read_prior("bb2")
+
+
+def test_what_keeps_its_sign_keeps_it_in_draws() -> None:
+    values = np.ones(len(PARAMETER_NAMES))
+    known = Knowledge(values, 5.0 * np.eye(len(values)))
+    drawn = known.draw(3)
+    j = PARAMETER_NAMES.index("Y_v")
+    assert (drawn < 0.0).any()
+    assert all(known.draw(n)[j] >= 0.1 for n in range(1, 30))
+
+
+@pytest.mark.long
+def test_a_fit_settles_near_the_truth(own: Path) -> None:
+    found, truth = fitted(own)
+    assert found.found.converged
+    moving = found.prior.sd > 0.0
+    off = (np.array(truth) - found.posterior.values)[moving] / found.posterior.sd[moving]
+    assert np.mean(np.abs(off) < 1.96) > 0.85
+    assert (found.posterior.sd <= found.prior.sd * (1.0 + 1e-9)).all()
+    assert np.count_nonzero(found.learned < 0.5) > 10
+    for one in found.passes:
+        chi = np.nanmean(one.innovations**2 / one.variances)
+        assert 0.9 < chi < 1.1
+
+
+def test_a_fit_has_the_same_bits_again(own: Path) -> None:
+    prior = prior_of(own)
+    trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=120)
+    few = SearchOptions(2)
+    first, second = (search.fit_trials(prior, [trial], few) for _ in range(2))
+    assert (first.posterior.values == second.posterior.values).all()
+    assert (first.posterior.root == second.posterior.root).all()
+
+
+def test_a_search_that_is_stopped_keeps_its_best(own: Path) -> None:
+    prior = prior_of(own)
+    trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=120)
+
+    def stop(found: search.SearchResult) -> None:
+        if found.steps == 2:
+            raise KeyboardInterrupt
+
+    stopped = search.fit_trials(prior, [trial], SearchOptions(25, stop))
+    assert not stopped.found.converged
+    assert "stopped" in stopped.found.doubt
+    assert np.abs(stopped.found.theta).max() > 0.0
+
+
+@pytest.mark.long
+def test_a_fitted_boat_is_a_vessel_file_and_the_next_prior(own: Path, tmp_path: Path) -> None:
+    found, _ = fitted(own)
+    report = report_fit(found, [], draws=0)
+    path = tmp_path / "fitted.toml"
+    text, lacks = fitted_text(found, report, path)
+    assert lacks == ""
+    path.write_text(text, encoding="utf-8")
+    file, again = load_vessel(str(path)), read_prior(str(path))
+    assert file.autopilot is not None
+    assert again.common == 0
+    assert again.values == pytest.approx(found.posterior.values, rel=1e-9, abs=1e-15)
+    assert again.sd == pytest.approx(found.posterior.sd, rel=1e-5, abs=1e-12)
+    covariance = found.posterior.root @ found.posterior.root.T
+    scale = np.where(found.posterior.sd > 0.0, found.posterior.sd, 1.0)
+    error = (again.root @ again.root.T - covariance) / np.outer(scale, scale)
+    assert np.abs(error).max() < 1e-6
+
+
+@pytest.mark.long
+def test_fits_chain(own: Path, tmp_path: Path) -> None:
+    both, truth = fitted(own)
+    prior = prior_of(own)
+    first = search.fit_trials(prior, [made_trial(prior.vessel, np.array(truth), seed=1)])
+    path = tmp_path / "first.toml"
+    text, _ = fitted_text(first, report_fit(first, [], draws=0), path)
+    path.write_text(text, encoding="utf-8")
+    later = read_prior(str(path))
+    second = search.fit_trials(later, [made_trial(prior.vessel, np.array(truth), seed=2)])
+    assert second.found.converged
+    moving = prior.sd > 0.0
+    off = (second.posterior.values - both.posterior.values)[moving] / both.posterior.sd[moving]
+    # not nearer: the noise is found anew, and a posterior is taken for normal
+    assert np.sqrt(np.mean(off**2)) < 0.5
+    assert np.median(second.posterior.sd[moving] / both.posterior.sd[moving]) < 1.05
+
+
+@pytest.mark.long
+def test_a_report_tells_figures_and_what_was_foretold(own: Path) -> None:
+    found, truth = fitted(own)
+    prior = found.prior
+    other = made_trial(prior.vessel, np.array(truth), seed=3)
+    report = report_fit(found, [other], draws=12)
+    assert {row.verdict for row in report.coefficients} == set(VERDICTS)
+    widths = [
+        (after.sd or 0.0) / before.sd
+        for before, after in zip(report.before, report.after, strict=True)
+        if before.sd
+    ]
+    assert np.median(widths) < 0.5
+    shares = report.held_out[0].explained
+    assert all(share[0] > 90.0 for share in shares.values())
+    assert sum(share[0] > share[1] for share in shares.values()) >= 3
+    text = page.render(report)
+    assert max(map(len, text.splitlines())) <= 110
+    for words in ("FIT:", "HELD OUT", "turn at 15 deg: diameter [m]", "from the record"):
+        assert words in text
+
+
+def test_a_strangers_record_is_read_with_its_units(own: Path, tmp_path: Path) -> None:
+    prior = prior_of(own)
+    turns = prior.vessel.file.propulsion.rps_per_mps
+    made = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=150)
+    read = read_trial(write_csv(tmp_path / "trial.csv", made, turns), prior.vessel)
+    assert read.interval == pytest.approx(made.interval)
+    assert read.inputs == pytest.approx(made.inputs, abs=1e-5)
+    known = np.isfinite(made.readings)
+    assert (np.isfinite(read.readings) == known).all()
+    assert read.readings[known] == pytest.approx(made.readings[known], abs=1e-4)
+    assert any("stern planes as stern [deg]" in words for words in read.columns)
+
+
+def test_gaps_are_left_empty(own: Path, tmp_path: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values, count=150)
+    path = write_csv(tmp_path / "trial.csv", made, prior.vessel.file.propulsion.rps_per_mps)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join(lines[:60] + lines[64:]) + "\n", encoding="utf-8")
+    read = read_trial(path, prior.vessel)
+    assert len(read.readings) == 150
+    assert np.isnan(read.readings[59:63]).all()
+    assert read.inputs[59:63] == pytest.approx(made.inputs[59:63], abs=2e-2)
+    assert any("4 rows are lacking" in words for words in read.told)
+
+
+def test_a_record_without_what_a_fit_needs_is_refused(own: Path, tmp_path: Path) -> None:
+    prior = prior_of(own)
+    path = write_csv(tmp_path / "trial.csv", made_trial(prior.vessel, prior.values), 0.2)
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = [[*row[:4], *row[5:9]] for row in csv.reader(file)]
+    path.write_text("\n".join(map(",".join, rows)) + "\n", encoding="utf-8")
+    with pytest.raises(ConfigError) as wrong:
+        read_trial(path, prior.vessel)
+    assert "no column is taken for depth" in str(wrong.value)
+    assert "no column is taken for the revolutions" in str(wrong.value)
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [(CONTROL.RUDDER, "turn the sign of rudder"), (CONTROL.STERN, "turn the sign of stern")],
+)
+def test_a_wrong_sign_is_refused(own: Path, column: int, words: str) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    assert list(trial_problems(made, prior.vessel)) == []
+    inputs = made.inputs.copy()
+    inputs[:, column] *= -1.0
+    (problem,) = trial_problems(replace(made, inputs=inputs), prior.vessel)
+    assert words in problem
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"interval": 3.0}, "a reading each 3 s"),
+        ({"readings": np.full((60, len(CHANNELS)), 50.0), "inputs": np.eye(60, 4)}, "60 rows"),
+        ({"inputs": np.full((300, 4), 3.0)}, "no surface moves by 2 deg"),
+    ],
+)
+def test_a_record_that_tells_nothing_is_refused(
+    own: Path, changes: dict[str, object], words: str
+) -> None:
+    prior = prior_of(own)
+    made = replace(made_trial(prior.vessel, prior.values), **changes)  # type: ignore[arg-type]
+    assert any(words in problem for problem in trial_problems(made, prior.vessel))
+
+
+def test_shallow_and_slow_water_is_refused(own: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    readings = made.readings.copy()
+    readings[:, CHANNELS.index("depth")] -= 118.0
+    readings[:, CHANNELS.index("speed")] = 0.1
+    problems = " ".join(trial_problems(replace(made, readings=readings), prior.vessel))
+    assert "surface is not in the model" in problems
+    assert "fits are of boats ahead" in problems
+
+
+def test_a_course_that_was_only_kept_tells_nothing_of_turning(own: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    inputs = made.inputs.copy()
+    inputs[:, CONTROL.RUDDER] = 0.1 * DEGREE
+    kept = without_unflown(replace(made, inputs=inputs))
+    assert not kept.has("heading")
+    assert not kept.has("roll")
+    assert kept.has("pitch")
+    assert kept.told == ("course only kept: nothing learned of turning",)
+    inputs[:, [CONTROL.STERN, CONTROL.BOW]] = 0.0
+    still = without_unflown(replace(made, inputs=inputs))
+    assert [name for name in CHANNELS if still.has(name)] == ["speed"]
+
+
+def test_a_turn_keeps_what_its_planes_tell(own: Path) -> None:
+    """In a turn the planes hold against what the turn does; without it its forces are unknown."""
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    inputs = made.inputs.copy()
+    inputs[:, [CONTROL.STERN, CONTROL.BOW]] = 0.0
+    assert without_unflown(replace(made, inputs=inputs)).has("depth")
+
+
+def test_a_boat_that_cannot_fly_the_record_is_told(own: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    values = prior.values.copy()
+    values[PARAMETER_NAMES.index("a1")] = 5.0
+    broken = replace(prior, values=values)
+    with pytest.raises(ConfigError, match="does not fly this record"):
+        search.fit_trials(broken, [made])
+
+
+def test_all_is_read_before_anything_is_fitted(own: Path, tmp_path: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    good = write_csv(tmp_path / "good.csv", made, prior.vessel.file.propulsion.rps_per_mps)
+    bad = tmp_path / "bad.csv"
+    bad.write_text("t,rudder\n0,1\n1,2\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"bad\.csv"):
+        fit.open_trials(str(own), [good], [bad])
