@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 from helpers.boat_trials import estimated_boat, made_trial, write_csv
 
-from trainer.analysis.estimate.uncertainty import LINEAR_TERMS, TWIN_COEFFICIENTS, filed_estimate
-from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
+from trainer.analysis.estimate.uncertainty import (
+    LINEAR_TERMS,
+    TWIN_COEFFICIENTS,
+    drawn_fit,
+    filed_estimate,
+    filed_fit,
+)
+from trainer.config.files import ConfigError, parse_toml
+from trainer.config.vessel import load_vessel, read_vessel
 from trainer.identify.boat import fit, page, search
 from trainer.identify.boat.filter import CHANNELS
 from trainer.identify.boat.fitted_file import fitted_text
@@ -20,7 +26,8 @@ from trainer.identify.boat.prior import Knowledge, Prior, read_prior
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.report import VERDICTS, report_fit
 from trainer.identify.boat.trial import read_trial, trial_problems, without_unflown
-from trainer.identify.fitting.minimise import SearchOptions
+from trainer.identify.boat.vessel import FittedVessel
+from trainer.identify.fitting.minimise import SearchOptions, SearchResult
 from trainer.units import DEGREE
 
 TRUE_DRAW = 7
@@ -112,7 +119,7 @@ def test_a_search_that_is_stopped_keeps_its_best(own: Path) -> None:
     prior = prior_of(own)
     trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=120)
 
-    def stop(found: search.SearchResult) -> None:
+    def stop(found: SearchResult) -> None:
         if found.steps == 2:
             raise KeyboardInterrupt
 
@@ -302,3 +309,21 @@ def test_all_is_read_before_anything_is_fitted(own: Path, tmp_path: Path) -> Non
     bad.write_text("t,rudder\n0,1\n1,2\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"bad\.csv"):
         fit.open_trials(str(own), [good], [bad])
+
+
+@pytest.mark.long
+def test_a_sweep_draws_a_fitted_boat_by_its_fit(own: Path, tmp_path: Path) -> None:
+    found, _ = fitted(own)
+    path = tmp_path / "fitted.toml"
+    path.write_text(fitted_text(found, report_fit(found, [], draws=0), path)[0], encoding="utf-8")
+    file = load_vessel(str(path))
+    tables = {**parse_toml(file.text, path.name), "coefficients": dict(file.coefficients)}
+    known = filed_fit(file, tables)
+    drawn = [
+        FittedVessel(read_vessel(drawn_fit(known, tables, number), "", path)).values
+        for number in range(1, 31)
+    ]
+    for name in ("Z_ds", "N_dr", "b1", "z_b"):
+        j = PARAMETER_NAMES.index(name)
+        spread = np.std([row[j] for row in drawn])
+        assert spread == pytest.approx(found.posterior.sd[j], rel=0.4), name

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.page import ManoeuvreReport
     from trainer.analysis.manoeuvres.vehicle import Measure
     from trainer.analysis.sweep.report import Spread, SweepReport
-    from trainer.identify.boat.report import BoatFit, FigureBand
+    from trainer.identify.boat.figures import FigureBand
+    from trainer.identify.boat.report import BoatFit
     from trainer.identify.pages.record import ChannelSummary, RecordReport
     from trainer.identify.pages.results import Estimate, ShipNumber
     from trainer.identify.pages.results import IdentifyReport as FitReport

@@ -310,6 +310,43 @@ def filed_joint(table: Mapping[str, Any], position: Position) -> JointCoefficien
     return JointCoefficients(values, _rows(list(rows.values()), len(rows), position))
 
 
+def filed_fit(file: VesselFile, table: Mapping[str, Any]) -> JointCoefficients:
+    """Return the coefficients of a boat that was fitted to its trials, with their covariance.
+
+    ``table`` holds the tables of its file. Thrust is a1, b1, c1 of the ahead row, and z_b [m] the
+    height of buoyancy. ConfigError if the covariance is damaged.
+    """
+    position, first = Position(file.path.name, "covariance"), file.thrust.ahead[0]
+    known = {**file.coefficients, "a1": first.a, "b1": first.b, "c1": first.c}
+    known["z_b"] = file.hull.cb[2]
+    rows = as_table(table["covariance"], position)
+    for name in rows:
+        if name not in known:
+            raise ConfigError(position.problem(f"{name}: is no coefficient of this boat"))
+    covariance = _rows(list(rows.values()), len(rows), position)
+    return JointCoefficients({name: known[name] for name in rows}, covariance)
+
+
+def drawn_fit(known: JointCoefficients, table: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """Return the tables of a fitted boat with a draw of its coefficients in them.
+
+    ``table`` has its coefficients flat. Damping, added mass and controls keep their sign.
+    """
+    drawn = known.draw(number)
+    for key, value in known.values.items():
+        least = MIN_REMAINING_SHARE * value
+        if key in FIXED_SIGN_COEFFICIENTS and drawn[key] * value < least * value:
+            drawn[key] = least
+    thrust, vessel = dict(table["propulsion"]), dict(table["vessel"])
+    ahead = [row for row in thrust["sets"] if row.get("going") != "astern"]
+    first = max(ahead, key=lambda row: float(row["eta_min"]))
+    changed = {name: drawn.get(f"{name}1", first[name]) for name in "abc"}
+    thrust["sets"] = [{**row, **changed} if row is first else row for row in thrust["sets"]]
+    vessel["cb"] = [*vessel["cb"][:2], drawn.get("z_b", vessel["cb"][2])]
+    coefficients = {key: drawn.get(key, value) for key, value in table["coefficients"].items()}
+    return {**table, "coefficients": coefficients, "propulsion": thrust, "vessel": vessel}
+
+
 def _numbers(table: object, names: tuple[str, ...], position: Position) -> dict[str, float]:
     """Return numbers by name; ConfigError if one is lacking, none, or negative."""
     given_values = as_table(table, position)
@@ -326,7 +363,7 @@ def _rows(rows: object, count: int, position: Position) -> Numbers:
         matrix = np.array(rows, float)
     except (TypeError, ValueError):
         matrix = np.zeros(0)
-    if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T):
+    if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T, rtol=1e-5, atol=0.0):
         problem = f"must be {count} rows of {count} numbers, symmetric"
         raise ConfigError(position.problem(f"covariance: {problem}"))
     return matrix

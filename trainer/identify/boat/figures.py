@@ -99,7 +99,7 @@ class FigureBand:
 
 
 def figures_of(file: VesselFile) -> dict[tuple[str, str], float | None]:
-    """Return the figures of a boat by name and unit, None for what it never reaches."""
+    """Return the figures of a boat by name and unit, None for none."""
     method = Method("full", "lagged", "exact", "adams2", file.run.step_s)
     vessel, found = FittedVessel(file), dict[tuple[str, str], float | None]()
     boat = Submarine(file, method, Rig("own", "own", "trainer"))

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer import __version__
-from trainer.analysis.estimate.boat_file import table_lines
+from trainer.analysis.estimate.boat_file import stable_steps, table_lines
 from trainer.analysis.gains import design_gains
 from trainer.config.coefficients import FORCE_AXES
 from trainer.config.files import ConfigError, toml_value
@@ -27,14 +27,24 @@ FILE_HEAD: Final = """\
 
 
 def fitted_text(fit: FitResult, report: BoatFit, path: Path) -> tuple[str, str]:
-    """Return the text of a fitted boat's file, and why it lacks gains, if so."""
+    """Return the text of a fitted boat's file, and why it lacks gains, if so.
+
+    As an estimated boat it has the longest step that is stable and that gains hold, no longer than
+    its prior's.
+    """
     tables = fitted_tables(fit, report)
     text = _text(tables, report)
-    try:
-        gains = design_gains(parse_vessel(text, path))
-    except ConfigError as wrong:
-        return text, wrong.problems[0]
-    return _text({**tables, "autopilot": gains}, report), ""
+    file, problem = parse_vessel(text, path), ""
+    own = file.run.step_s
+    for step in (own, *(step for step in stable_steps(file) if step < own)):
+        stepped = {**tables, "run": {**tables["run"], "step_s": step}}
+        try:
+            gains = design_gains(parse_vessel(_text(stepped, report), path))
+        except ConfigError as wrong:
+            problem = problem or wrong.problems[0]
+        else:
+            return _text({**stepped, "autopilot": gains}, report), ""
+    return text, problem
 
 
 def fitted_tables(fit: FitResult, report: BoatFit) -> dict[str, Any]:

@@ -20,23 +20,12 @@ from trainer.identify.boat.motion import (
     STATE_NAMES,
     Indices,
 )
-from trainer.identify.boat.trial import Trial
+from trainer.identify.boat.trial import USUAL_ERRORS, Trial
 from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S, FittedVessel
 from trainer.units import DEGREE
 
 # [m/s2, rad/s2 per root of Hz] of six accelerations of BB2 at 10 kn
 USUAL_DISTURBANCE: Final = np.array([4e-3, 6e-3, 6e-3, 4e-4, 1.5e-4, 1.5e-4])
-USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
-    "speed": 0.05,
-    "heading": 0.2 * DEGREE,
-    "pitch": 0.1 * DEGREE,
-    "roll": 0.2 * DEGREE,
-    "depth": 0.1,
-    "p": 0.05 * DEGREE,
-    "q": 0.05 * DEGREE,
-    "r": 0.02 * DEGREE,
-    "ground_speed": 0.05,
-}
 DISTURBANCE_DEVIATION: Final = 2.0  # of the logarithm, before a fit
 ERROR_DEVIATION: Final = 0.5
 # standard deviations of slow states: weight [-], trim [m], pitch, roll [rad], log [-]

@@ -10,7 +10,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -22,10 +21,12 @@ from trainer.analysis.estimate.uncertainty import (
     OWN_SHARE,
     TWIN_COEFFICIENTS,
     Estimate,
+    JointCoefficients,
     deviates,
     filed_estimate,
+    filed_fit,
 )
-from trainer.config.files import ConfigError, Position, as_table, parse_toml
+from trainer.config.files import ConfigError, parse_toml
 from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.matrices import root_of_covariance
@@ -82,7 +83,7 @@ def read_prior(name_or_path: str) -> Prior:
     tables = parse_toml(file.text, file.path.name)
     vessel = FittedVessel(file)
     if "covariance" in tables:
-        root, common = _fitted_root(file.path, tables["covariance"]), 0
+        root, common = fitted_root(filed_fit(file, tables)), 0
     elif "estimate" in tables:
         made = filed_estimate(file, tables)
         root, common = estimate_root(made, vessel), len(made.names)
@@ -123,25 +124,13 @@ def estimate_root(made: Estimate, vessel: FittedVessel) -> Numbers:
     return np.hstack([shared, alone[:, alone.any(axis=0)]])
 
 
-def _fitted_root(path: Path, table: object) -> Numbers:
-    """Return the root of the covariance of an earlier fit; ConfigError if it is damaged."""
-    position = Position(path.name, "covariance")
-    rows = as_table(table, position)
-    for name in rows:
-        if name not in PARAMETER_NAMES:
-            raise ConfigError(position.problem(f"{name}: is no parameter of a fit"))
-    indices = [PARAMETER_NAMES.index(name) for name in rows]
-    try:
-        matrix = np.array(list(rows.values()), float)
-    except (TypeError, ValueError):
-        matrix = np.zeros(0)
-    size = len(indices)
-    if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T, rtol=1e-6, atol=0.0):
-        problem = f"must be {size} rows of {size} numbers, symmetric"
-        raise ConfigError(position.problem(problem))
+def fitted_root(known: JointCoefficients) -> Numbers:
+    """Return the root (m, k) of the covariance of an earlier fit."""
     # scaled by the deviations, because their sizes differ by many powers of ten
-    sd = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    sd = np.sqrt(np.maximum(np.diag(known.covariance), 0.0))
     scale = np.where(sd > 0.0, sd, 1.0)
-    root = np.zeros((len(PARAMETER_NAMES), size))
-    root[indices] = scale[:, None] * root_of_covariance(matrix / np.outer(scale, scale))
+    root = np.zeros((len(PARAMETER_NAMES), len(scale)))
+    scaled = known.covariance / np.outer(scale, scale)
+    indices = [PARAMETER_NAMES.index(name) for name in known.values]
+    root[indices] = scale[:, None] * root_of_covariance(scaled)
     return root

@@ -15,10 +15,10 @@ from trainer.core.kernel import Numbers
 from trainer.identify.boat.figures import BAND_DRAWS, FigureBand, figure_bands
 from trainer.identify.boat.filter import CHANNELS, FilterResult, sail_controls
 from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_NAMES
-from trainer.identify.boat.noise import USUAL_ERRORS, slow_deviations
+from trainer.identify.boat.noise import slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.search import FitResult, run_pass
-from trainer.identify.boat.trial import Trial
+from trainer.identify.boat.trial import USUAL_ERRORS, Trial
 
 LEARNED_SHARES: Final = (0.5, 0.9)  # of the prior deviation that is left: learned, partly
 VERDICTS: Final = ("from the record", "partly", "not learned")

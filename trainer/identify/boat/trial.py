@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.estimate.uncertainty import deviates
 from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
@@ -26,6 +27,7 @@ from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import BOAT_COLUMNS, Column, load_record, own_columns
 from trainer.io.paths import RECORDING_SUFFIX
+from trainer.units import DEGREE
 
 # the fields of a record by channel of the filter
 RECORD_FIELDS: Final = {
@@ -33,6 +35,17 @@ RECORD_FIELDS: Final = {
     "p": "roll_rate",
     "q": "pitch_rate",
     "r": "yaw_rate",
+}
+USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
+    "speed": 0.05,
+    "heading": 0.2 * DEGREE,
+    "pitch": 0.1 * DEGREE,
+    "roll": 0.2 * DEGREE,
+    "depth": 0.1,
+    "p": 0.05 * DEGREE,
+    "q": 0.05 * DEGREE,
+    "r": 0.02 * DEGREE,
+    "ground_speed": 0.05,
 }
 NEEDED_FIELDS: Final = ("rudder", "stern", "heading", "pitch", "depth")
 INTERVAL_RANGE_S: Final = (0.05, 2.0)  # [s]
@@ -96,6 +109,8 @@ def read_trial(path: Path, vessel: FittedVessel) -> Trial:
     if path.suffix == RECORDING_SUFFIX:
         record = _thinned(record, vessel)
     trial = lay_out(record, vessel)
+    if path.suffix == RECORDING_SUFFIX:
+        trial = read_by_instruments(trial)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     words = tuple(f"{one.name} as {key} [{one.unit}]" for key, one in columns.items())
     trial = replace(trial, digest=digest, columns=words)
@@ -128,6 +143,14 @@ def _thinned(record: Record, vessel: FittedVessel) -> Record:
     """Return an exact recording with ticks no closer than a fit needs."""
     wanted = THINNED_LENGTHS * vessel.length / vessel.speed
     return record.part(slice(None, None, max(1, round(wanted / record.interval))))
+
+
+def read_by_instruments(trial: Trial) -> Trial:
+    """Return an exact recording as usual instruments would have read it."""
+    sizes = np.array([USUAL_ERRORS[name] for name in CHANNELS])
+    errors = deviates(1, trial.readings.size).reshape(trial.readings.shape)
+    told = (*trial.told, "exact: the errors of usual instruments are added")
+    return replace(trial, readings=trial.readings + sizes * errors, told=told)
 
 
 def lay_out(record: Record, vessel: FittedVessel) -> Trial:

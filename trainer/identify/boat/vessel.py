@@ -1,4 +1,4 @@
-"""A vessel file as a fit takes it: numbers for kernels, and the parameters in it."""
+"""A vessel file as a fit takes it: numbers for kernels, and its parameters."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
