@@ -12,7 +12,7 @@ from trainer.cli.main import cli
 from trainer.config.vessel import load_vessel
 from trainer.identify.boat.prior import read_prior
 
-TRUE_DRAW = 7
+TRUE_DRAW = 0  # the estimate itself, which gains hold
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_a_fit_writes_a_boat_that_is_checked_and_sails(folder: Path) -> None:
     assert "next: trainer boat check" in done.output
     file = load_vessel(str(fitted))
     assert file.autopilot is not None
-    for words in (["boat", "check", str(fitted)], ["boat", "manoeuvre", "zigzag", str(fitted)]):
+    for words in (["boat", "check", str(fitted)], ["boat", "manoeuvre", "zigzag-20", str(fitted)]):
         flown = CliRunner().invoke(cli, words)
         assert flown.exit_code == 0, flown.output
     again = typed(folder / "two.csv", "--prior", fitted, "--draws", 0, "--json")
@@ -68,7 +68,7 @@ def test_a_fit_in_python_is_the_commands(folder: Path) -> None:
     assert figure.low is not None
     assert figure.high is not None
     assert figure.low < (figure.value or 0.0) < figure.high
-    assert answer.report.settled
+    assert 0 < answer.report.steps <= 25
     assert str(answer).startswith("FIT: ")
 
 

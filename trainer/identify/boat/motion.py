@@ -131,7 +131,7 @@ def write_rates(
 
 
 def mass_matrix(body: Numbers, added: Numbers) -> Numbers:
-    """Return the mass matrix (6, 6) of [ASSES] III-C-8 [kg, kg m, kg m2] with ``added``."""
+    """Return the mass matrix (6, 6) [kg, kg m, kg m2], [ASSES] III-C-8."""
     m, x, y, z = (body[i] for i in (BODY.MASS, BODY.X_G, BODY.Y_G, BODY.Z_G))
     I_xy, I_yz, I_xz = body[BODY.I_XY], body[BODY.I_YZ], body[BODY.I_XZ]
     lever = m * np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
