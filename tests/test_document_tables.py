@@ -18,6 +18,7 @@ SHOWN = {  # by page
         "order-refusals",
     ],
     ("document_tables", "station-tables.md"): ["order-words", "roles", "events"],
+    ("document_tables", "validation.md"): ["people"],
     ("key_tables", "ballast-keys.md"): ["ballast"],
     ("key_tables", "casualty-tables.md"): ["casualties", "casualty-kinds", "casualty-quantities"],
     ("key_tables", "check-cases.md"): ["check-cases"],

@@ -24,7 +24,7 @@ GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is d
 # Texts that are a notation and no prose, by file: what they are
 NOTATIONS = {
     "trainer/analysis/bench/end_to_end.py": "sentences of programs",
-    "trainer/analysis/exercise_page.py": "lines of TOML",
+    "trainer/authoring/exercise_page.py": "lines of TOML",
     "trainer/config/tables.py": "numbers",
     "trainer/config/soundings.py": "names of files",
     "trainer/config/steps.py": "orders in backquotes",
@@ -40,7 +40,7 @@ NOTATIONS = {
 
 # Functions whose text says how something stands, and which refuse nothing: what it tells
 STATES = {
-    "trainer/cli/boat.py: lost": "how a boat was lost, for the Python face",
+    "trainer/api/boat.py: lost": "how a boat was lost, for the Python face",
     "trainer/identify/fitted_ship.py: doubt": "a result of a fit, for the Python face",
     "trainer/io/recording/recording.py: behind": "how the disk keeps up",
 }

@@ -25,7 +25,10 @@ def is_running(process: int) -> bool:
     """Return whether there is such a process, which has not ended."""
     try:
         state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except FileNotFoundError:
+    except (
+        FileNotFoundError,
+        ProcessLookupError,
+    ):  # gone before it was opened, or before it was read
         return False
     return state != "Z"
 
@@ -100,10 +103,10 @@ def test_what_is_left_behind_ends_with_who_started_it() -> None:
     assert next(line for line in stream if "listening at" in line)
     assert is_running(number)
 
-    process.hang_up()
+    with stream:
+        process.hang_up()
 
-    await_that(lambda: not is_running(number))
-    stream.close()
+        await_that(lambda: not is_running(number))
 
 
 @pytest.mark.parametrize(

@@ -103,13 +103,13 @@ def imports() -> Iterator[Use]:
 
 
 def starts_by_name() -> Iterator[Use]:
-    """Yield each module that another names in a text, to import it or to start it as a process."""
+    """Yield each module that another names in a text, to start it, or to import it or of it."""
     for user in sorted(graph().modules):
         for each in nodes_of(ROOT / file_of(user)):
             if isinstance(each, ast.Constant) and isinstance(each.value, str) and "." in each.value:
                 named = f"trainer.{each.value.removeprefix('trainer.')}"
-                if named in graph().modules:
-                    yield Use(user, each.lineno, named)
+                for module in graph().modules & {named, named.rpartition(".")[0]}:
+                    yield Use(user, each.lineno, module)
 
 
 @cache

@@ -59,7 +59,7 @@ TOLD = {
     "session/past/header.py",  # when it was begun
     "io/paths.py",  # a recording's name
     "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
-    "cli/guide.py",  # when a guide was made
+    "cli/workshop/guide.py",  # when a guide was made
     "debrief/changes.py",  # when a mark was changed
     "debrief/progress_words.py",  # how many days ago an exercise was flown
     "console/exercise_choice.py",  # likewise

@@ -30,9 +30,8 @@ __all__ = [
 
 TYPE_CHECKING = False  # type checkers take it for true; the module typing takes its time
 if TYPE_CHECKING:
-    from trainer.analysis.recording_export import Recording, read_recording
-    from trainer.cli.boat import Boat, Snapshot
-    from trainer.cli.calls import (
+    from trainer.api.boat import Boat, Snapshot
+    from trainer.api.calls import (
         Answer,
         exercises,
         fit_boat,
@@ -43,10 +42,11 @@ if TYPE_CHECKING:
         vessels,
     )
     from trainer.config.files import ConfigError as TrainerError
+    from trainer.debrief.recording_export import Recording, read_recording
 else:
     _MODULE_BY_NAME = {  # the module of each name, and what it is called there
-        **dict.fromkeys(("Recording", "read_recording"), "trainer.analysis.recording_export"),
-        **dict.fromkeys(("Boat", "Snapshot"), "trainer.cli.boat"),
+        **dict.fromkeys(("Recording", "read_recording"), "trainer.debrief.recording_export"),
+        **dict.fromkeys(("Boat", "Snapshot"), "trainer.api.boat"),
         "TrainerError": "trainer.config.files",
     }
     _SOURCE_NAMES = {"TrainerError": "ConfigError"}
@@ -57,7 +57,7 @@ else:
             raise AttributeError(f"module 'trainer' has no attribute {name!r}")
         from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
 
-        module = import_module(_MODULE_BY_NAME.get(name, "trainer.cli.calls"))
+        module = import_module(_MODULE_BY_NAME.get(name, "trainer.api.calls"))
         found: object = getattr(module, _SOURCE_NAMES.get(name, name))
         globals()[name] = found
         return found

@@ -16,7 +16,7 @@ from helpers.lanes import sample_cases
 from helpers.places import ROOT
 from helpers.rehearsed import flown, marks_of
 
-from trainer.analysis.exercise_page import (
+from trainer.authoring.exercise_page import (
     baseline_lines,
     baseline_of,
     check_exercise,
@@ -95,7 +95,7 @@ def test_a_check_finds_nothing_wrong_in_a_shipped_exercise(
     monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     kept = flown(name)
-    monkeypatch.setattr("trainer.analysis.exercise_page.fly_both", lambda _: kept)
+    monkeypatch.setattr("trainer.authoring.exercise_page.fly_both", lambda _: kept)
     lines = check_exercise(name)
     assert any(re.match(r"nobody  (0 marks|void), ", line) for line in lines)
     assert any(re.match(r"crew    (8[5-9]|9\d|100) marks, won", line) for line in lines)

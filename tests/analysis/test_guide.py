@@ -40,10 +40,10 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Measure, share_measure
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
-from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
-from trainer.cli.guide import guide, manoeuvre
+from trainer.cli.workshop.guide import guide, manoeuvre
 from trainer.config.files import ConfigError
+from trainer.config.series import load_series
 from trainer.config.vessel import load_vessel
 from trainer.report.pdf import find_browser
 from trainer.units import KNOT
@@ -555,7 +555,7 @@ def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
 def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     book: GuideContents, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.workshop.guide.write_guide", lambda *_: book)
     old, html = tmp_path / "old.json", tmp_path / "guide.html"
     old.write_text(json.dumps(figures(book)))
 
@@ -567,7 +567,7 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     assert told["checksums"]["bb2.toml"]
     assert "Nothing moved." in html.read_text()
     failed = replace(book, guide=replace(book.guide, passed=False))
-    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: failed)
+    monkeypatch.setattr("trainer.cli.workshop.guide.write_guide", lambda *_: failed)
     assert ask(guide, "bb2").exit_code == 1
     assert "Out of tolerance." in ask(guide, "bb2").output
 
@@ -575,7 +575,7 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
 def test_a_page_that_cannot_be_written_is_told(
     book: GuideContents, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.workshop.guide.write_guide", lambda *_: book)
     full = ask(guide, "bb2", "--html", "/dev/full")
 
     assert isinstance(full.exception, ConfigError)

@@ -6,8 +6,8 @@ import pytest
 from helpers.lanes import sample_cases
 from helpers.rehearsed import flown
 
-from trainer.analysis.exercise_page import plan_exercise
-from trainer.analysis.lateness import (
+from trainer.authoring.exercise_page import plan_exercise
+from trainer.authoring.lateness import (
     LATENESS_S,
     MAX_URGENT_MARKS,
     URGENT_LATE_S,

@@ -12,8 +12,8 @@ import pytest
 from helpers.crewed import Begin, Crewed
 from helpers.line import Line
 
-from trainer.analysis.exercise_page import check_exercise
-from trainer.analysis.stated import READING_TIMES_S, StepFlight, fly_steps
+from trainer.authoring.exercise_page import check_exercise
+from trainer.authoring.stated import READING_TIMES_S, StepFlight, fly_steps
 from trainer.boat.boat import Boat
 from trainer.boat.quantities import quantity_of
 from trainer.config.course import course, lessons

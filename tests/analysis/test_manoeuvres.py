@@ -30,14 +30,14 @@ from trainer.analysis.manoeuvres.vehicle import (
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
 from trainer.analysis.programs.compare import compare_runs
 from trainer.analysis.programs.neutral import trim_at
-from trainer.analysis.recording_export import panel_of
-from trainer.analysis.series import Series
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.cli.guide import manoeuvre as command
 from trainer.cli.main import main
+from trainer.cli.workshop.guide import manoeuvre as command
 from trainer.config.files import ConfigError
+from trainer.config.series import Series
 from trainer.config.vessel import VesselFile, load_vessel
+from trainer.debrief.recording_export import panel_of
 from trainer.report import plots
 from trainer.units import KNOT
 
@@ -153,7 +153,7 @@ def test_the_library_of_manoeuvres_does_not_know_submarines() -> None:
             "trainer.config.files",
             "trainer.config.nomoto",
             "trainer.boat.world.nomoto",
-            "trainer.analysis.series",
+            "trainer.config.series",
             "trainer.analysis.manoeuvres.",
             "trainer.core.kernel",
             "trainer.units",

@@ -8,7 +8,7 @@ import pytest
 from helpers.lanes import sample_cases
 from helpers.rehearsed import flown, marks_of
 
-from trainer.analysis.trainees import Skill, Trainee
+from trainer.authoring.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
 from trainer.boat.reference_crew import CrewReaction, GivenOrder
 from trainer.config.files import Position, shipped_names

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -11,12 +12,12 @@ from click.testing import CliRunner, Result
 from helpers.lanes import sample_cases
 
 from trainer.analysis.programs.neutral import panels, report_neutral
-from trainer.cli.programs import PROGRAM_COMMANDS
+from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.report import plots
 
-COMMANDS: dict[str, click.Command] = {str(command.name): command for command in PROGRAM_COMMANDS}
+COMMANDS: Mapping[str, click.Command] = cli.commands["report-1969"].commands  # type: ignore[attr-defined]
 ON_VESSELS = ["neutral", "thrust", "tanks", "modes"]
 FORMS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 

@@ -20,12 +20,12 @@ from trainer.analysis.programs.compare import (
     event_apart,
     render,
 )
-from trainer.analysis.recording_export import panel_of, recorded_series
-from trainer.analysis.series import Series, load_series
 from trainer.boat.boat import Boat
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
+from trainer.config.series import Series, load_series
 from trainer.config.vessel import load_vessel
+from trainer.debrief.recording_export import panel_of, recorded_series
 from trainer.units import KNOT
 
 TOOLS = json.loads((DATA / "vectors" / "tools.json").read_text())

@@ -27,7 +27,7 @@ from trainer.analysis.guide.validation import FigureRow
 from trainer.analysis.guide.verdicts import Validity
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT
-from trainer.cli.guide import guide, manoeuvre
+from trainer.cli.workshop.guide import guide, manoeuvre
 from trainer.config.files import ConfigError, shipped_names
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.console import app

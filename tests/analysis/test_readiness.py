@@ -12,7 +12,7 @@ from helpers.nursery import run_trainer
 from helpers.places import environment
 
 from trainer.analysis.check_page import Readiness, examine_boat, render_readiness
-from trainer.cli.vessel import check
+from trainer.cli.workshop.vessel import check
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_template import vessel_text
 from trainer.session.past.options import RunOptions

@@ -64,7 +64,7 @@ from trainer.analysis.reduce.search import (
     without_terms,
 )
 from trainer.boat.assemble import Method, compact_coefficients
-from trainer.cli.vessel import reduce
+from trainer.cli.workshop.vessel import reduce
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers

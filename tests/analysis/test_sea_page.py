@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from trainer.analysis import seaway
-from trainer.cli.vessel import sea
+from trainer.cli.workshop.vessel import sea
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea, parse_sea
 from trainer.config.vessel import load_vessel

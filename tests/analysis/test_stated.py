@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from trainer.analysis.exercise_page import check_exercise
-from trainer.analysis.stated import fly_stated
+from trainer.authoring.exercise_page import check_exercise
+from trainer.authoring.stated import fly_stated
 from trainer.boat.depths import WATCH_CALLS
 from trainer.boat.grounding import GENTLE_SINK
 from trainer.config.baseline import digest_of

@@ -13,7 +13,7 @@ from trainer.analysis.sweep.job import member_values
 from trainer.analysis.sweep.manoeuvres import MAX_FLIGHTS_HELD, ManoeuvreSubject
 from trainer.analysis.sweep.study import parse_study
 from trainer.cli.main import cli
-from trainer.cli.subjects import subject_of
+from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 

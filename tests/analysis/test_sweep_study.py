@@ -21,7 +21,7 @@ from trainer.analysis.sweep.report import (
 )
 from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.cli.main import cli
-from trainer.cli.subjects import subject_of
+from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
 from trainer.report.plots import Panel
 

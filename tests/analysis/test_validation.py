@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.analysis import validation
-from trainer.analysis.exercise_page import plan_exercise
-from trainer.analysis.lateness import LATE_KINDS, LATENESS_S, Ladder
-from trainer.analysis.trainees import (
+from trainer.authoring import validation
+from trainer.authoring.exercise_page import plan_exercise
+from trainer.authoring.lateness import LATE_KINDS, LATENESS_S, Ladder
+from trainer.authoring.trainees import (
     ALL_CREWS,
     GRADED_CREWS,
     SILLY_POLICIES,
@@ -27,7 +27,7 @@ from trainer.analysis.trainees import (
     make_harsh,
     silly_orders,
 )
-from trainer.analysis.validation import (
+from trainer.authoring.validation import (
     LEAST_CORRELATION,
     SeedTrial,
     Validation,

@@ -15,11 +15,11 @@ import pytest
 from helpers.places import ROOT
 from helpers.syntax import nodes_of
 
-from trainer.analysis.workers import worker_pool
+from trainer.workers import map_tasks, worker_pool
 
 POOL = """
 import multiprocessing, signal, sys
-from trainer.analysis.workers import worker_pool
+from trainer.workers import worker_pool
 
 if __name__ == "__main__":
     with worker_pool(2) as pool:
@@ -124,4 +124,10 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
         and ast.unparse(node.func).rpartition(".")[2] in ("ProcessPoolExecutor", "Pool")
     }
 
-    assert makers == {"trainer/analysis/workers.py"}
+    assert makers == {"trainer/workers.py"}
+
+
+@pytest.mark.process
+def test_tasks_give_their_results_in_order_however_many_work() -> None:
+    tasks = [(base, 2) for base in (5, 3, 4)]
+    assert [list(map_tasks(pow, tasks, cores)) for cores in (1, 2)] == [[25, 9, 16]] * 2

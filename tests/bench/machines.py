@@ -16,8 +16,8 @@ from helpers.emulated import EMULATORS, fly_exported_hour, needed_programs
 
 from trainer.analysis.bench.standard_hour import fly_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.boat_page import boat_for_page
 from trainer.boat.machine_code import way_name
+from trainer.debrief.boat_page import boat_for_page
 
 
 class Machine(NamedTuple):

@@ -12,13 +12,13 @@ from helpers.tab import fly, standard_hour
 from helpers.typed import type_command
 
 from trainer.analysis.bench.standard_hour import digest, standard_boat
-from trainer.analysis.boat_page import boat_for_page
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest
+from trainer.debrief.boat_page import boat_for_page
 from trainer.session.past.options import RunOptions
 
 SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)

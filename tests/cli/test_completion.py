@@ -12,9 +12,9 @@ from helpers.installation import run_program
 from helpers.shell import HEAVY, imported, shell_environment
 
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES
-from trainer.cli import guide
 from trainer.cli import run as run_commands
 from trainer.cli.main import cli
+from trainer.cli.workshop import guide
 from trainer.config.files import shipped_names
 from trainer.session.stations.roles import ROLES
 

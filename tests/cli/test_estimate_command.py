@@ -33,7 +33,7 @@ from trainer.analysis.reduce.programme import fit_legs
 from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.cli.estimate import estimate
+from trainer.cli.workshop.estimate import estimate
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.hull import read_hull
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel, read_vessel
@@ -390,7 +390,7 @@ def test_a_compact_set_is_searched_for_quickly_in_the_file_that_is_written(
 ) -> None:
     asked: list[list[str]] = []
     monkeypatch.setattr(
-        "trainer.cli.vessel.reduce.main", lambda words, **_: asked.append(list(words))
+        "trainer.cli.workshop.vessel.reduce.main", lambda words, **_: asked.append(list(words))
     )
     boat = tmp_path / "boat.toml"
 

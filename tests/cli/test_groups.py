@@ -1,11 +1,14 @@
 """Commands stand in groups; what was typed before there were groups goes on."""
 
 import re
+import sys
 
 import click
 import pytest
 from click.shell_completion import ShellComplete
 from click.testing import CliRunner
+from helpers.installation import run_program
+from helpers.places import environment
 
 from trainer.cli.main import COMMAND_GROUPS, EARLIER_NAMES, cli
 from trainer.config.course import AXIS_STATIONS, course
@@ -114,6 +117,17 @@ def test_the_shell_completes_what_is_listed_and_the_arguments_of_earlier_names()
     assert [each.value for each in complete(["boat"], "che")] == ["check", "check-cases"]
     for words in (["boat", "check"], ["check"]):
         assert [each.value for each in complete(words, "bb")] == ["bb2"]
+
+
+@pytest.mark.process
+def test_a_command_of_the_trainer_imports_no_workshop() -> None:
+    code = "import sys\nfrom trainer.cli.main import cli\nimport trainer.session.run\n"
+    code += "cli(['run', '--help'], standalone_mode=False)\nprint(*sys.modules)"
+    done = run_program([sys.executable, "-c", code], env=environment())
+    modules = done.stdout.split()
+    assert "trainer.cli.run" in modules
+    workshops = ("trainer.analysis", "trainer.identify", "trainer.cli.workshop")
+    assert not [name for name in modules if name.startswith(workshops)]
 
 
 def test_the_list_of_exercises_tells_length_stations_and_hand() -> None:

@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 import pytest
 
 import trainer
-from trainer.cli import boat, calls
+from trainer.api import boat, calls
 from trainer.config.files import shipped_path
 from trainer.units import KNOT
 
+WORKSHOP = "cli.workshop"
 RECORD = shipped_path("records", "example").with_suffix(".csv")
 Case = tuple[Any, str, Any]  # the value given, the option, and what has to arrive there
 
@@ -102,10 +103,14 @@ class Face(NamedTuple):
 
 
 FACES = {
-    "boat": Face(trainer.Boat, RUN, "boat.plan_run"),
-    "manoeuvre": Face(partial(trainer.manoeuvre, "turn"), MANOEUVRE, "guide.fly"),
-    "sweep": Face(partial(trainer.sweep, "turn-uncertainty"), SWEEP, "sweep.fly", "pyarrow"),
-    "fit": Face(partial(trainer.identify_ship, RECORD), IDENTIFY, "identify.fit_ship", "scipy"),
+    "boat": Face(trainer.Boat, RUN, "api.boat.plan_run"),
+    "manoeuvre": Face(partial(trainer.manoeuvre, "turn"), MANOEUVRE, f"{WORKSHOP}.guide.fly"),
+    "sweep": Face(
+        partial(trainer.sweep, "turn-uncertainty"), SWEEP, f"{WORKSHOP}.sweep.fly", "pyarrow"
+    ),
+    "fit": Face(
+        partial(trainer.identify_ship, RECORD), IDENTIFY, f"{WORKSHOP}.identify.fit_ship", "scipy"
+    ),
 }
 
 
@@ -138,7 +143,7 @@ def test_a_keyword_reaches_its_option(
         taken.append(given[-1])
         raise ArrivedError
 
-    monkeypatch.setattr(f"trainer.cli.{taker}", arrive)
+    monkeypatch.setattr(f"trainer.{taker}", arrive)
     monkeypatch.setattr("trainer.identify.options.study_of", lambda _file, _options: None)
     with pytest.raises(ArrivedError):
         call(**{keyword: value})

@@ -8,8 +8,8 @@ import pytest
 
 from trainer.analysis.manoeuvres.page import ManoeuvreOptions
 from trainer.analysis.manoeuvres.submarine import Rig
-from trainer.cli.guide import manoeuvre
-from trainer.cli.identify import identify, prbs
+from trainer.cli.workshop.guide import manoeuvre
+from trainer.cli.workshop.identify import identify, prbs
 from trainer.identify.options import IdentifyOptions
 from trainer.identify.pages.experiment import ExperimentOptions
 from trainer.identify.ships.trials import TrialOptions

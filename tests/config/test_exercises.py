@@ -13,7 +13,7 @@ from helpers.nursery import Done, run_trainer
 from helpers.orders import read_order
 from helpers.places import ROOT
 
-from trainer.analysis.exercise_page import check_exercise
+from trainer.authoring.exercise_page import check_exercise
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active_casualties
 from trainer.boat.helm import obey_order

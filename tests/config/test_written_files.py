@@ -23,7 +23,14 @@ from trainer.analysis.reduce import page as reduction_page
 from trainer.analysis.reduce.reduction import load_standings, save_standings
 from trainer.analysis.reduce.search import SearchState, TermNeed
 from trainer.analysis.sweep import sweep
-from trainer.config.baseline import Baseline, BaselineHeading, Totals, read_baseline, write_baseline
+from trainer.config.baseline import (
+    Baseline,
+    BaselineHeading,
+    PeopleFigures,
+    Totals,
+    read_baseline,
+    write_baseline,
+)
 from trainer.config.exercise import parse_exercise
 from trainer.config.files import MIN_NONZERO_SIZE, parse_toml, toml_value
 from trainer.config.nomoto import NomotoFile, load_nomoto, nomoto_text_of
@@ -241,19 +248,27 @@ def test_an_experiment_is_an_exercise_as_it_was_written(
 
 @MANY
 @given(
-    st.dictionaries(PRINTED, numbers(0.0, 100.0), max_size=3), records(Totals), numbers(0.0, 1e6)
+    st.dictionaries(PRINTED, numbers(0.0, 100.0), max_size=3),
+    records(Totals),
+    numbers(0.0, 1e6),
+    records(PeopleFigures),
 )
 def test_a_baseline_is_read_as_it_was_written(
-    marks: dict[str, float], totals: Totals, seed: float
+    marks: dict[str, float], totals: Totals, seed: float, people: PeopleFigures
 ) -> None:
     heading = BaselineHeading(
         schema="baseline/1", exercise="ab", core="cd", seed=float(int(seed)), seeds=10.0
     )
-    written = Baseline(heading=heading, nobody=totals, crew=None, marks=marks)
+    written = Baseline(heading=heading, nobody=totals, crew=None, marks=marks, people=people)
     read = read_baseline(write_baseline(written), Path("jam.baseline.toml"))
     assert (read.heading, read.nobody.outcome) == (heading, totals.outcome)
     assert [*read.marks] == [*marks]
     assert read.nobody.total == pytest.approx(totals.total, abs=0.05)
+    assert read.people
+    assert read.people.core == people.core
+    assert read.people.persons == pytest.approx(people.persons, abs=0.5)
+    assert read.people.standard_error == pytest.approx(people.standard_error, abs=0.05)
+    assert read.people.correlation == pytest.approx(people.correlation, abs=0.005)
 
 
 @MANY

@@ -10,8 +10,8 @@ from helpers.explored import by_crew, explored, late, plan_of, with_nobody_else
 from helpers.givers import journalled
 from helpers.sessions import start_plan
 
-from trainer.analysis.trainees import Skill
-from trainer.analysis.validation import fly_skilled
+from trainer.authoring.trainees import Skill
+from trainer.authoring.validation import fly_skilled
 from trainer.debrief.attainable_changes import (
     ChangeCause,
     MarkChange,

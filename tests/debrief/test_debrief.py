@@ -23,7 +23,6 @@ from helpers.contrast import contrast
 from helpers.givers import journalled
 from helpers.sessions import begin_run, session_over
 
-from trainer.analysis.recording_export import export_file
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, shipped_path
 from trainer.config.score_rules import SCORE_MEASURES
@@ -40,6 +39,7 @@ from trainer.debrief.page import (
     read_dossier,
     render,
 )
+from trainer.debrief.recording_export import export_file
 from trainer.debrief.sections import pressed_together
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.report import pdf

@@ -18,6 +18,7 @@ from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
 from trainer.config.files import ConfigError
+from trainer.config.outcome import Outcome
 from trainer.debrief.attainable import RunExplorer
 from trainer.debrief.attainable_changes import ChangeCause
 from trainer.debrief.attainable_curve import AttainableCurve
@@ -32,8 +33,10 @@ from trainer.debrief.data import (
     reference_from,
 )
 from trainer.debrief.episodes import read_backs
+from trainer.debrief.history import came_of
 from trainer.debrief.judgement import costs
 from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
+from trainer.debrief.progress import run_of
 from trainer.debrief.reference import can_fly, join_runs
 from trainer.debrief.sections import OLDER_RULES
 from trainer.debrief.trajectory import Trajectory
@@ -428,3 +431,34 @@ def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) 
     deviation = debrief_figures(debrief)["deviation"]
     assert deviation >= 0.5
     assert f"\N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" in told
+
+
+def test_the_top_says_what_model_people_say_of_the_mark_and_nothing_where_none_flew(
+    tmp_path: Path,
+) -> None:
+    debrief = debriefed(record(tmp_path / "jam.trainer", "stern-plane-jam", {}))
+    baseline = debrief.plan.baseline
+    assert baseline
+    assert baseline.people
+    error = baseline.people.standard_error
+    assert error > 15.0
+    assert f"of 100 marks, \N{PLUS-MINUS SIGN}{error:.0f} from run to run" in render(debrief)
+    assert f"only beyond {2.8 * error:.0f} marks" in render(debrief)
+    assert f"of 100 marks, \N{PLUS-MINUS SIGN}{error:.0f} from run to run" in as_text(debrief)
+    assert debrief_figures(debrief)["standard_error"] == error
+    assert (run_of(debrief, Outcome.LOST).standard_error, came_of(debrief).standard_error) == (
+        error,
+        error,
+    )
+
+    assert baseline.crew
+    by_sea = replace(baseline, crew=replace(baseline.crew, deviation=2.0))
+    both = render(replace(debrief, plan=replace(debrief.plan, baseline=by_sea)))
+    assert "\N{PLUS-MINUS SIGN}2 by the sea alone, \N{PLUS-MINUS SIGN}" in both
+    assert f"only beyond {2.8 * error:.0f} marks" in both
+
+    plan = replace(debrief.plan, baseline=replace(baseline, people=None))
+    alone = replace(debrief, plan=plan)
+    assert "from run to run" not in render(alone)
+    assert debrief_figures(alone)["standard_error"] is None
+    assert run_of(alone, Outcome.LOST).standard_error is None

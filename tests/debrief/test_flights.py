@@ -10,7 +10,7 @@ import pytest
 from helpers.lanes import sample_cases
 
 from trainer.analysis.sweep.exercises import go_out
-from trainer.analysis.trainees import Skill, Trainee
+from trainer.authoring.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import GaugeHistory, PlanesHand, RudderHand, TicksAhead

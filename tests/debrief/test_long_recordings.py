@@ -15,10 +15,10 @@ import pytest
 from helpers.altered import alter
 from helpers.recorded import record
 
-from trainer.analysis.recording_export import read_recording
 from trainer.cli.main import main
 from trainer.debrief import charts, history, sections
 from trainer.debrief.data import gather_debrief
+from trainer.debrief.recording_export import read_recording
 from trainer.io.recording import queries
 from trainer.io.recording.recording import Recording
 from trainer.session.replay import replay_anyway

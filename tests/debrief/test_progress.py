@@ -39,9 +39,16 @@ LOST = ProgressRun(
     *(600.0, Outcome.NOT_REACHED),
     total=40.0,
     costs={"late": 35.0, "trim": 5.0},
+    standard_error=24.5,
 )
 WON = replace(
-    LOST, recording="b.trainer", started="2026-01-02", outcome=Outcome.WON, total=91.0, costs={}
+    LOST,
+    recording="b.trainer",
+    started="2026-01-02",
+    outcome=Outcome.WON,
+    total=91.0,
+    costs={},
+    standard_error=None,
 )
 LESSON = replace(
     WON, exercise="wheel-and-course", outcome=Outcome.DONE, total=None, recording="c.trainer"
@@ -240,10 +247,11 @@ def test_a_class_is_a_table_with_a_row_for_each_run(
     assert "3 runs of 2 trainees" in text
     assert "left out" in text
     rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
-    assert [(row["trainee"], row["marks"], row["late"]) for row in rows] == [
-        (ANN, "40.0", "35.0"),
-        (ANN, "91.0", ""),  # what cost it is not known yet
-        ("Bob", "40.0", "35.0"),
+    columns = ("trainee", "marks", "standard_error", "late")
+    assert [tuple(row[column] for column in columns) for row in rows] == [
+        (ANN, "40.0", "24.5", "35.0"),
+        (ANN, "91.0", "", ""),  # neither is known
+        ("Bob", "40.0", "24.5", "35.0"),
     ]
 
 

@@ -27,7 +27,6 @@ from trainer.analysis.estimate.boat_file import open_hull as load_drawing
 from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.programs.evaluate import evaluate_states
-from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
 from trainer.config.check_case import parse_case
@@ -37,6 +36,7 @@ from trainer.config.exercise import parse_exercise
 from trainer.config.files import ConfigError, Position, read_text
 from trainer.config.nomoto import load_nomoto
 from trainer.config.sea import parse_sea
+from trainer.config.series import load_series
 from trainer.config.ship import parse_ship, ship_text
 from trainer.config.soundings import read_ascii
 from trainer.config.tables import read_table

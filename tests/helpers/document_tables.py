@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from helpers.places import ROOT
+from trainer.config.baseline import kept_baseline
+from trainer.config.files import path_named, shipped_names
 from trainer.console.keys import KEYS
 from trainer.io.orders import sentences
 from trainer.io.orders.help import limits_and_units, synonyms, usage
@@ -225,6 +227,23 @@ def key_tables() -> str:
     return "\n".join(f"#### {role.capitalize()}\n\n{key_table(role)}" for role in shown)
 
 
+def people_table() -> str:
+    """Return the table of model people, as docs/validation.md shows it, the easiest first."""
+    kept = {
+        each: kept_baseline(path_named(each, "exercises")) for each in shipped_names("exercises")
+    }
+    figures = {name: each.people for name, each in kept.items() if each and each.people}
+    rows = [
+        (
+            *(name, f"{each.mean:.0f}", f"{100.0 * each.ceiling:.0f} %", f"{each.correlation:.2f}"),
+            *(f"{each.better_has_more:.2f}", f"{each.standard_error:.0f}"),
+        )
+        for name, each in sorted(figures.items(), key=lambda item: -item[1].mean)
+    ]
+    heads = ("exercise", "mean", "95 or more", "correlation", "better has more", "standard error")
+    return table_lines(heads, rows)
+
+
 MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "orders": form_table,  # docs/orders.md, as the next ones
     "order-numbers": number_table,
@@ -240,6 +259,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "channels": channel_tables,  # docs/channels.md
     "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea-sentences.md
+    "people": people_table,  # docs/validation.md
 }
 
 if __name__ == "__main__":

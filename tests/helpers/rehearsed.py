@@ -2,7 +2,7 @@
 
 import functools
 
-from trainer.analysis.exercise_page import FlownExercise, fly_at
+from trainer.authoring.exercise_page import FlownExercise, fly_at
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.reference_crew import Crew
 from trainer.debrief.judgement import judge_run

@@ -6,7 +6,7 @@ from typing import Any
 from click.testing import Result
 
 from helpers.typed import type_command
-from trainer.cli.identify import identify
+from trainer.cli.workshop.identify import identify
 
 
 def columns(**named: str) -> str:

@@ -12,9 +12,9 @@ from helpers.installation import installed
 from helpers.places import ROOT
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.boat_page import state_changes
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED_PATH
+from trainer.debrief.boat_page import state_changes
 from trainer.web.modules import ASSETS_FOLDER
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from helpers.studies import columns
 from helpers.typed import type_command
 
-from trainer.cli.identify import identify
+from trainer.cli.workshop.identify import identify
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.fitting.problem import problem_of

@@ -10,7 +10,7 @@ import pytest
 from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 from helpers.typed import type_command
 
-from trainer.cli.identify import decca
+from trainer.cli.workshop.identify import decca
 from trainer.config.files import ConfigError
 from trainer.identify.pages.decca import (
     Point,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.cli.identify import identify
+from trainer.cli.workshop.identify import identify
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import load_nomoto
 from trainer.identify.fitting.nonlinear import (

@@ -13,7 +13,7 @@ from helpers.studies import identified, numbers
 from helpers.typed import type_command
 from numpy.testing import assert_allclose
 
-from trainer.cli.identify import identify
+from trainer.cli.workshop.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.model.sampled import COMPLEX_STEP, step_aside
 from trainer.identify.model.system_files import load_system, parse_expression

@@ -14,8 +14,8 @@ from helpers.places import ROOT
 from helpers.typed import type_command
 
 from trainer.analysis.programs.characteristic import horizontal_system
-from trainer.cli.guide import manoeuvre
-from trainer.cli.identify import identify, prbs
+from trainer.cli.workshop.guide import manoeuvre
+from trainer.cli.workshop.identify import identify, prbs
 from trainer.config.vessel import load_vessel
 from trainer.identify.model.nomoto import find_steering
 from trainer.units import KNOT

@@ -12,7 +12,7 @@ from helpers.rolling import SYSTEM, write_record, write_study
 from helpers.studies import identified, numbers
 from numpy.testing import assert_allclose
 
-from trainer.cli.identify import identify
+from trainer.cli.workshop.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.fitting.estimate import find_best_minimum
 from trainer.identify.fitting.likelihood import (

@@ -24,7 +24,7 @@ from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
 from trainer.analysis.sweep.study import parse_study
 from trainer.boat.ship.models import model_of
 from trainer.cli.main import cli
-from trainer.cli.subjects import subject_of
+from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.config.ship import FitResult as Fitted
 from trainer.config.ship import (

@@ -17,8 +17,8 @@ from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.cli.guide import manoeuvre
-from trainer.cli.identify import identify, steering
+from trainer.cli.workshop.guide import manoeuvre
+from trainer.cli.workshop.identify import identify, steering
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto, nomoto_text_of
 from trainer.config.vessel import load_vessel

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from helpers.studies import columns
 from helpers.typed import type_command
 
-from trainer.cli.identify import identify, prbs
+from trainer.cli.workshop.identify import identify, prbs
 from trainer.config.files import ConfigError
 from trainer.config.nomoto import load_nomoto
 from trainer.identify.experiment import hold_bits

@@ -229,5 +229,21 @@ def by_journal(ship: Crewed) -> Plans:
     session = ship.session
     agenda = Agenda(session.boat)
     crew = CrewTalk(session.boat, HandWork(session.boat))
-    StandRecord(crew, agenda, session.history).put_back_plans()
+    afresh = StandRecord(crew, agenda, session.history)
+    afresh.read_journal()
+    afresh.put_back_plans()
     return agenda.plans
+
+
+def test_a_jump_to_an_order_that_a_page_journalled_has_its_plans(ship: Crewed) -> None:
+    ship.order("at 60 depth 70")
+    hint = parse("hint")
+    assert isinstance(hint, Order)
+    history = ship.session.history
+    history.answered(history.order(CAPTAIN, hint), "hint, 2 marks: depth 80")
+    ship.order("snapshot told")
+    ship.order("cancel 1")
+    assert planned(ship) == []
+    ship.order("restore told")
+    assert planned(ship) == ["1,60.000,depth 70 m"]
+    assert ship.session.agenda.plans == by_journal(ship)

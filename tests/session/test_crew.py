@@ -191,6 +191,7 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
         afresh = StandRecord(
             CrewTalk(here.boat, HandWork(here.boat)), Agenda(here.boat), session.history
         )
+        afresh.read_journal()
         afresh.follow(session.history.now())
         assert session.crew.talk == afresh.crew.talk, jump
         assert session.agenda.plans == afresh.agenda.plans, jump

@@ -10,18 +10,18 @@ import pytest
 from helpers.boats import make_boat, start_boat, take_ticks
 from helpers.sessions import frame_of, start_plan
 
-from trainer.analysis.boat_page import boat_of
+from trainer.api.boat import Boat as Ship
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor, following_speed_ratio
 from trainer.boat.quantities import is_met
 from trainer.boat.world.world import World
-from trainer.cli.boat import Boat as Ship
 from trainer.cli.export import boat_at_start
 from trainer.config.derived import compile_conditions
 from trainer.config.exercise import ExerciseLimits, parse_exercise
 from trainer.config.files import ConfigError, Position
 from trainer.config.sea import load_sea
+from trainer.debrief.boat_page import boat_of
 from trainer.debrief.measures import rows_beyond
 from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.chart import DEFAULT_CHART

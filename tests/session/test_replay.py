@@ -18,11 +18,11 @@ from helpers.orders import read_order
 from helpers.sessions import NOISE_AND_FLOODING, TROUBLED_SEA, begin_run
 from helpers.waiting import stay_for
 
-from trainer.analysis.recording_export import table_layout
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.core.update import update
+from trainer.debrief.recording_export import table_layout
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording

@@ -24,8 +24,8 @@ from helpers.nursery import Done, run_trainer, start_trainer
 from helpers.places import ROOT
 from helpers.waiting import await_that
 
-from trainer.analysis.recording_export import export_file
 from trainer.config.files import ConfigError
+from trainer.debrief.recording_export import export_file
 from trainer.io.recording.recording import Recording
 from trainer.session.past.layout import LAYOUT
 from trainer.units import KNOT

@@ -12,8 +12,8 @@ from helpers.nursery import run_trainer
 from helpers.places import environment
 from helpers.sessions import frame_of
 
+from trainer.api.boat import Boat
 from trainer.boat.world.contacts import contacts_in
-from trainer.cli.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.config.world import WorldTables, read_world
 from trainer.debrief.rehearsal import fly_rehearsal

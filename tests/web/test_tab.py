@@ -15,12 +15,12 @@ from helpers.orders import answer_of
 from helpers.recorded import record
 from helpers.tab import fly
 
-from trainer.analysis.boat_page import boat_for_page, boat_of, boat_of_visitors
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
 from trainer.boat.export.orders import order_rows
 from trainer.boat.mute_crew import MuteCrew
 from trainer.cli.export import boat_at_start
+from trainer.debrief.boat_page import boat_for_page, boat_of, boat_of_visitors
 from trainer.debrief.rehearsal import Departure
 from trainer.debrief.rehearsal import fly as flown_by_orders
 from trainer.io.recording.recording import RecordedOrder, Recording

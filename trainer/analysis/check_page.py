@@ -1,9 +1,9 @@
 """The report of ``trainer boat check`` for a terminal, and the readiness at its end.
 
-``cli/vessel`` prints both in 79 columns of ASCII. ``check`` has the figures of the report; here
-they are only put into tables and sentences. For the readiness a few flights of the guide are judged
-in the way in which ``trainer boat reduce --check`` judges all; each part that the file lacks is
-told with the command that makes it.
+``cli/workshop/vessel`` prints both in 79 columns of ASCII. ``check`` has the figures of the report;
+here they are only put into tables and sentences. For the readiness a few flights of the guide are
+judged in the way in which ``trainer boat reduce --check`` judges all; each part that the file lacks
+is told with the command that makes it.
 """
 
 import textwrap

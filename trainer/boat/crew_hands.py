@@ -1,6 +1,6 @@
 """The hands of a reference crew work planes and rudder by what the crew sees.
 
-``reference_crew`` has a planesman and a helmsman, and ``analysis/trainees`` makes worse ones of
+``reference_crew`` has a planesman and a helmsman, and ``authoring/trainees`` makes worse ones of
 them. A hand looks at the gauges every few seconds, works out an angle by gains that the exercise
 file gives ([planesman], [helmsman]), and orders whole degrees, as a person does. It knows nothing
 that a person could not see, so that people can reach its marks.

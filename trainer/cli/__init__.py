@@ -1,11 +1,11 @@
 """The command line.
 
-Begin with ``main``, the group of commands; each imports what it needs when it runs. A module holds
-one command or a few; ``options`` and ``types`` are what several share. The Python face lies here
-too: ``boat`` is a session run by calls, ``calls`` has manoeuvres, sweeps and fits.
+Begin with ``main``, the group of commands: it knows each by its place, and imports it when it is
+typed. A module holds one command or a few; ``options`` and ``types`` are what several share.
+Commands here are the trainer's, those in ``workshop`` the engineer's and of identification.
 
-Only the package itself uses this room, by ``main``, ``boat`` and ``calls``.
+The package itself uses this room, by ``main``; the Python face has its keywords from the options.
 """
 
 # The modules that other rooms may use.
-__all__ = ["boat", "calls", "main"]
+__all__ = ["main", "options", "run", "workshop"]

@@ -8,10 +8,10 @@ from trainer.io.orders.help import help_text
 from trainer.io.orders.table import HELP_TOPICS
 
 
-@click.command("help")
+@click.command()
 @click.argument("words", type=Word(HELP_TOPICS), nargs=-1, metavar="[WORD]...")
 @click.pass_context
-def explain(ctx: click.Context, words: tuple[str, ...]) -> None:
+def help_command(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show help for a command, or for an order of a session.
 
     \b

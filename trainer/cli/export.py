@@ -193,7 +193,7 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
     over at any moment, to the bits of trainer resume. Station visitor is the kiosk.
     """
-    from trainer.analysis.boat_page import boat_of_visitors, write_page
+    from trainer.debrief.boat_page import boat_of_visitors, write_page
 
     page_options = {name: value for name, value in options.items() if value is not None}
     if recording is not None and page_options:
@@ -215,7 +215,7 @@ def page_text(
     boat: Any, recording: Path | None, station: str, visitors: dict[str, Any] | None = None
 ) -> str:
     """Return a station's page with a boat or a recording inside."""
-    from trainer.analysis.boat_page import page_of
+    from trainer.debrief.boat_page import page_of
     from trainer.web.single_file import single_file
 
     parts = page_of(boat, recording, station, visitors)

@@ -146,7 +146,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
               trainer exercise new jam.toml --from stern-plane-jam
     """
-    from trainer.analysis.exercise_page import write_new
+    from trainer.authoring.exercise_page import write_new
 
     write_new(file, name, source)
 
@@ -162,7 +162,7 @@ def check(file: str) -> None:
     FILE is a path, or the name of a shipped exercise. It is flown with nobody aboard and with its
     reference crew. Exit code 2 when something is wrong, each mistake with its line.
     """
-    from trainer.analysis import exercise_page
+    from trainer.authoring import exercise_page
 
     click.echo("\n".join(exercise_page.check_exercise(file)))
 
@@ -180,7 +180,7 @@ def baseline(file: str, seeds: int) -> None:
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
-    from trainer.analysis import exercise_page
+    from trainer.authoring import exercise_page
 
     study = exercise_page.study_exercise(file, seeds)
     click.echo("\n".join(exercise_page.baseline_lines(study)))
@@ -192,38 +192,54 @@ def baseline(file: str, seeds: int) -> None:
 @click.option("--seeds", type=click.IntRange(1, 1000), default=10, show_default=True)
 @click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write the evidence as a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@click.option("--people", is_flag=True, help="Have model people fly too, each of them twice.")
+@click.option("--keep", is_flag=True, help="Keep their figures in the baselines, for debriefs.")
 @cores_option
 def validate(
-    names: tuple[str, ...], seeds: int, html: Path | None, *, as_json: bool, cores: int | None
+    names: tuple[str, ...], seeds: int, html: Path | None, cores: int | None, **how: bool
 ) -> None:
     """Say whether the marks of exercises order skill, by graded and by silly crews.
 
     \b
     Example:  trainer exercise validate stern-plane-jam --seeds 3
               trainer exercise validate ./drill.toml --html drill.validation.html
+              trainer exercise validate stern-plane-jam --seeds 1 --people
 
     NAME is a path, or the name of a shipped exercise; without one all shipped ones are flown, which
     takes minutes. Exit code 1 when the marks of an exercise do not order skill.
     """
     import trainer
-    from trainer.analysis.validation import (
+    from trainer.authoring import people as model_people
+    from trainer.authoring.validation import (
         exercise_text,
         summary_text,
         validate_exercises,
         validation_data,
         validation_page,
     )
-    from trainer.analysis.workers import processor_count
+    from trainer.workers import processor_count
 
     chosen, found = tuple(dict.fromkeys(names or trainer.exercises())), []
+    cores, marks = cores or processor_count(), {}
+    if how["keep"]:
+        model_people.kept_baselines(chosen)
     with show_progress(seeds * len(chosen), "flying") as step:
-        for each in validate_exercises(chosen, seeds, cores or processor_count(), step):
+        for each in validate_exercises(chosen, seeds, cores, step):
             found.append(each)
-            if not as_json:
+            if not how["as_json"]:
                 click.echo(exercise_text(each))
+    data, chapters, said = validation_data(found), [], [summary_text(found)]
+    if how["people"] or how["keep"]:
+        with show_progress(model_people.SITTINGS * len(chosen), "flying people") as step:
+            marks = model_people.fly_people(chosen, cores, step)
+        data["people"] = people = model_people.people_data(marks)
+        chapters = [model_people.people_section(found, people)]
+        said.append(model_people.people_text(found, people))
     if html is not None:
-        write_text(html, validation_page(found), "--html")
-    click.echo(json_of(validation_data(found)) if as_json else summary_text(found))
+        write_text(html, validation_page(found, data, chapters), "--html")
+    if how["keep"]:
+        model_people.keep_people(marks)
+    click.echo(json_of(data) if how["as_json"] else "\n\n".join(said))
     sys.exit(1 if any(each.faults for each in found) else 0)
 
 

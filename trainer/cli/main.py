@@ -13,40 +13,35 @@ from typing import Final, NoReturn
 import click
 
 from trainer import __version__
-from trainer.cli import (
-    bench,
-    check_cases,
-    conform,
-    estimate,
-    explain,
-    export,
-    fit_boat,
-    guide,
-    identify,
-    listings,
-    programs,
-    recordings,
-    run,
-    schema,
-    sweep,
-    vessel,
-    web,
-)
 from trainer.cli.moved import name_successor
 from trainer.cli.options import text_option
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
 
 SHOWN_LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
+IDENTIFY_PLACE: Final = "trainer.cli.workshop.identify.identify"
+# A command is named by its place, and imported when it is typed or listed.
 COMMAND_GROUPS: Final = (
     Commands(
         "boat",
-        commands=[
-            *(listings.vessels, vessel.new, estimate.estimate, fit_boat.fit, vessel.check),
-            *(*guide.GUIDE_COMMANDS, vessel.reduce, vessel.gains, vessel.evaluate, sweep.sweep),
-            *(vessel.sea, check_cases.check_cases),
-            *(export.export_core, export.export_fmu, export.export_page),
-        ],
+        places=(
+            "trainer.cli.listings.vessels",
+            "trainer.cli.workshop.vessel.new",
+            "trainer.cli.workshop.estimate.estimate",
+            "trainer.cli.workshop.fit_boat.fit",
+            "trainer.cli.workshop.vessel.check",
+            "trainer.cli.workshop.guide.manoeuvre",
+            "trainer.cli.workshop.guide.guide",
+            "trainer.cli.workshop.vessel.reduce",
+            "trainer.cli.workshop.vessel.gains",
+            "trainer.cli.workshop.vessel.evaluate",
+            "trainer.cli.workshop.sweep.sweep",
+            "trainer.cli.workshop.vessel.sea",
+            "trainer.cli.workshop.check_cases.check_cases",
+            "trainer.cli.export.export_core",
+            "trainer.cli.export.export_fmu",
+            "trainer.cli.export.export_page",
+        ),
         help="""Make a boat of your own, judge it, fly its manoeuvres, export it.
 
         \b
@@ -56,7 +51,12 @@ COMMAND_GROUPS: Final = (
     ),
     Commands(
         "ship",
-        commands=[identify.identify, identify.prbs, identify.decca, identify.steering],
+        places=(
+            IDENTIFY_PLACE,
+            "trainer.cli.workshop.identify.prbs",
+            "trainer.cli.workshop.identify.decca",
+            "trainer.cli.workshop.identify.steering",
+        ),
         help="""Find the steering of a ship from recordings of it.
 
         \b
@@ -65,7 +65,14 @@ COMMAND_GROUPS: Final = (
     ),
     Commands(
         "report-1969",
-        commands=programs.PROGRAM_COMMANDS,
+        places=(
+            "trainer.cli.workshop.programs.neutral",
+            "trainer.cli.workshop.programs.thrust",
+            "trainer.cli.workshop.programs.tanks",
+            "trainer.cli.workshop.programs.modes",
+            "trainer.cli.workshop.programs.compare",
+            "trainer.cli.workshop.programs.fit",
+        ),
         help="""Run the engineer's programs of the report of 1969.
 
         \b
@@ -74,7 +81,12 @@ COMMAND_GROUPS: Final = (
     ),
     Commands(
         "dev",
-        commands=[bench.bench, conform.conform, listings.instruments, schema.schema],
+        places=(
+            "trainer.cli.workshop.bench.bench",
+            "trainer.cli.conform.conform",
+            "trainer.cli.listings.instruments",
+            "trainer.cli.schema.schema",
+        ),
         help="""Measure this machine; print what standards, plotters and editors ask for.
 
         \b
@@ -83,17 +95,28 @@ COMMAND_GROUPS: Final = (
     ),
 )
 COMMAND_SECTIONS: Final = {
-    "Train": (run.run, run.serve, run.attach, run.station, web.web),
-    "Exercises": (listings.exercises, listings.exercise, listings.casualties, listings.seas),
-    "Recordings": (
-        recordings.debrief,
-        recordings.recordings,
-        run.resume,
-        recordings.replay,
-        recordings.export,
+    "Train": (
+        "trainer.cli.run.run",
+        "trainer.cli.run.serve",
+        "trainer.cli.run.attach",
+        "trainer.cli.run.station",
+        "trainer.cli.web.web",
     ),
-    "Ships": (identify.identify,),
-    "More": (*COMMAND_GROUPS, explain.explain),
+    "Exercises": (
+        "trainer.cli.listings.exercises",
+        "trainer.cli.listings.exercise",
+        "trainer.cli.listings.casualties",
+        "trainer.cli.listings.seas",
+    ),
+    "Recordings": (
+        "trainer.cli.recordings.debrief",
+        "trainer.cli.recordings.recordings",
+        "trainer.cli.run.resume",
+        "trainer.cli.recordings.replay",
+        "trainer.cli.recordings.export",
+    ),
+    "Ships": (IDENTIFY_PLACE,),
+    "More": (*COMMAND_GROUPS, "trainer.cli.explain.help_command"),
 }
 # fmt: off
 UNGROUPED_NAMES: Final = frozenset({  # typed before there were groups: a new command is none

@@ -83,7 +83,7 @@ def export(
 
     Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
-    from trainer.analysis.recording_export import export_file, panels_of_run
+    from trainer.debrief.recording_export import export_file, panels_of_run
     from trainer.report.plots import draw_plot
 
     if columns and plot is None:

@@ -8,7 +8,8 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
@@ -45,32 +46,70 @@ FILE_KINDS: Final = {  # what has an ending, also such as only somebody else wri
 PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
 
+class FoundCommands(MutableMapping[str, click.Command]):
+    """Commands by name, each imported from its place when it is asked for.
+
+    So who types one command waits for no other, and the trainer needs neither workshop.
+    """
+
+    def __init__(self) -> None:
+        self._places: dict[str, str | click.Command] = {}
+
+    def add(self, place: str | click.Command) -> str:
+        """Add a command, or its place such as ``trainer.cli.run.run``; return its name."""
+        if isinstance(place, str):  # named as click names a command by its function
+            name = place.rpartition(".")[2].removesuffix("_command").replace("_", "-")
+        else:
+            name = place.name or ""
+        self._places[name] = place
+        return name
+
+    def __getitem__(self, name: str) -> click.Command:
+        place = self._places[name]
+        if isinstance(place, str):
+            module, _, attribute = place.rpartition(".")
+            place = self._places[name] = getattr(import_module(module), attribute)
+        return place
+
+    def __setitem__(self, name: str, command: click.Command) -> None:
+        self._places[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        del self._places[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+
 class Commands(click.Group):
     """A group that lists its commands by section. It answers a mistyped one with the nearest."""
 
-    def __init__(self, *args: Any, **attributes: Any) -> None:
+    def __init__(self, *args: Any, places: Iterable[str] = (), **attributes: Any) -> None:
         super().__init__(*args, **attributes)
-        self.sections: dict[str, list[click.Command]] = {}
+        self.commands = self._found = FoundCommands()
+        for place in places:
+            self._found.add(place)
+        self.sections: dict[str, list[str]] = {}
         # What is typed now, by a name that is no longer listed.
         self.earlier_names: Mapping[str, str] = {}
 
-    def add_section(self, title: str, commands: Iterable[click.Command]) -> None:
-        """Add commands, to be listed under ``title``."""
-        self.sections[title] = list(commands)
-        for command in self.sections[title]:
-            self.add_command(command)
+    def add_section(self, title: str, places: Iterable[str | click.Command]) -> None:
+        """Add commands, or their places, to be listed under ``title``."""
+        self.sections[title] = [*map(self._found.add, places)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write each section's commands with the first sentence of their help."""
         del ctx
-        width = max(len(command.name or "") for command in self.commands.values())
-        sections = self.sections or {"Commands": [*self.commands.values()]}
-        for title, commands in sections.items():
+        width = max(map(len, self.commands))
+        for title, names in (self.sections or {"Commands": [*self.commands]}).items():
             with formatter.section(title):
                 formatter.write_dl(
                     [
-                        ((command.name or "").ljust(width), command.get_short_help_str(200))
-                        for command in commands
+                        (name.ljust(width), self.commands[name].get_short_help_str(200))
+                        for name in names
                     ]
                 )
 

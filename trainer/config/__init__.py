@@ -17,7 +17,7 @@ __all__ = [
     "condition", "conformity", "contacts", "course", "current", "derivatives", "derived",
     "exercise", "extras", "file_schemas", "files", "fit_options", "hull", "loss_words", "nomoto",
     "outcome", "plausibility", "progress", "propulsion", "reference_crew", "schema", "score_rules",
-    "sea", "sensors", "ship", "soundings", "stated", "steps", "tables", "vessel", "vessel_records",
-    "vessel_template", "words", "world",
+    "sea", "sensors", "series", "ship", "soundings", "stated", "steps", "tables", "vessel",
+    "vessel_records", "vessel_template", "words", "world",
 ]
 # fmt: on

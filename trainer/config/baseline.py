@@ -1,7 +1,8 @@
 """The baseline beside an exercise: its marks with nobody aboard, and with the reference crew.
 
 ``trainer exercise baseline`` flies and writes it. A debrief takes the marks with nobody aboard from
-it if the recording was made with another core (docs/debrief.md).
+it if the recording was made with another core (docs/debrief.md). ``trainer exercise validate
+--keep`` adds how well its marks tell model people apart (docs/validation.md).
 """
 
 import hashlib
@@ -54,6 +55,19 @@ class Totals:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PeopleFigures:
+    """What the marks of model people in one exercise are worth, by test and retest."""
+
+    core: str = required(Text(80, "digest of the core"))
+    persons: float = required("-", within(2, 1e4), "each flew it twice")
+    correlation: float = required("-", within(-1, 1), "of the ranks of marks with those of skill")
+    better_has_more: float = required("-", within(0, 1), "share of pairs of a better and a worse")
+    standard_error: float = required("%", within(0, 100), "of one run's mark")
+    ceiling: float = required("-", within(0, 1), "share of runs with next to all marks")
+    mean: float = required(MARK_QUANTITY)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Baseline:
     """A baseline as it is kept."""
 
@@ -61,6 +75,7 @@ class Baseline:
     nobody: Totals
     crew: Totals | None
     marks: Mapping[str, float]  # [%] with nobody aboard, by the name of the score
+    people: PeopleFigures | None = None
 
     def fits(self, text: str) -> bool:
         """Return whether it is of an exercise with this text."""
@@ -89,16 +104,19 @@ def kept_baseline(exercise: Path) -> Baseline | None:
 def read_baseline(text: str, path: Path) -> Baseline:
     """Return the baseline in ``text``; ConfigError if it is wrong."""
     table, position = parse_toml(text, path.name), Position(path.name, "")
-    tables = ("nobody", "crew", "marks")
+    tables = ("nobody", "crew", "people", "marks")
     heading = {key: value for key, value in table.items() if key not in tables}
     marks = as_table(table.get("marks", {}), position.inside("marks"))
     if "nobody" not in table:
         raise ConfigError(position.problem("lacks [nobody]"))
-    crew = table.get("crew")
+    crew, people = table.get("crew"), table.get("people")
     return Baseline(
         heading=read_record(BaselineHeading, heading, position, ()),
         nobody=read_record(Totals, table["nobody"], position.inside("nobody"), ()),
         crew=None if crew is None else read_record(Totals, crew, position.inside("crew"), ()),
+        people=None
+        if people is None
+        else read_record(PeopleFigures, people, position.inside("people"), ()),
         marks={
             name: MARK_QUANTITY.read(name, value, position.inside("marks"))
             for name, value in marks.items()
@@ -120,6 +138,12 @@ def write_baseline(baseline: Baseline) -> str:
             lines += ["", f"[{name}]", f"total = {totals.total:.1f}"]
             lines += [f"outcome = {toml_value(totals.outcome)}", f"mean = {totals.mean:.1f}"]
             lines += [f"deviation = {totals.deviation:.1f}", f"least = {totals.least:.1f}"]
+    if (people := baseline.people) is not None:
+        lines += ["", "[people]  # model operators: trainer exercise validate --keep"]
+        lines += [f"core = {toml_value(people.core)}", f"persons = {people.persons:.0f}"]
+        shares = ("correlation", "better_has_more", "ceiling")
+        lines += [f"{key} = {getattr(people, key):.2f}" for key in shares]
+        lines += [f"{key} = {getattr(people, key):.1f}" for key in ("standard_error", "mean")]
     lines += ["", "[marks]  # with nobody aboard"]
     lines += [f"{toml_value(name)} = {mark:.2f}" for name, mark in baseline.marks.items()]
     return "\n".join(lines) + "\n"

@@ -51,6 +51,7 @@ class ProgressRun:
     counts: bool = True  # neither free nor practice
     aids: str = ""
     costs: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))  # marks [%]
+    standard_error: float | None = None  # [%] of the mark, from run to run; None: unknown
 
     @property
     def passed(self) -> bool:
@@ -208,8 +209,9 @@ def _run(row: Mapping[str, Any]) -> ProgressRun:
     known = {each.name for each in fields(ProgressRun)}
     run = ProgressRun(**{name: value for name, value in row.items() if name in known})
     total, costs = run.total, {str(kind): float(marks) for kind, marks in run.costs.items()}
-    marks, outcome = None if total is None else float(total), Outcome(run.outcome)
-    return replace(run, costs=costs, seconds=float(run.seconds), total=marks, outcome=outcome)
+    marks, error = (None if n is None else float(n) for n in (total, run.standard_error))
+    run = replace(run, costs=costs, seconds=float(run.seconds), outcome=Outcome(run.outcome))
+    return replace(run, total=marks, standard_error=error)
 
 
 def all_progress() -> Iterator[Progress | ConfigError]:

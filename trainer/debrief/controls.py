@@ -1,6 +1,6 @@
 """Which control an order works, which way, and which order is its opposite.
 
-``attainable`` tells by it what was done wrong, ``analysis/trainees`` makes crews that do it.
+``attainable`` tells by it what was done wrong, ``authoring/trainees`` makes crews that do it.
 """
 
 import math

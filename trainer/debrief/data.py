@@ -466,6 +466,7 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.total,
         "deviation": deviation_of(debrief),
+        "standard_error": standard_error_of(debrief),
         "verdict": debrief.card.verdict and asdict(debrief.card.verdict),
         "cost_most": [{"marks": each.marks, "told": each.told} for each in debrief.costs],
         **_compared(debrief),
@@ -535,6 +536,12 @@ def deviation_of(debrief: DebriefData) -> float | None:
     if baseline is None or baseline.crew is None or baseline.heading.seeds < 2:
         return None
     return baseline.crew.deviation
+
+
+def standard_error_of(debrief: DebriefData) -> float | None:
+    """Return the standard error of a mark from run to run [%], of model people. None: unknown."""
+    baseline = debrief.plan.baseline
+    return baseline.people.standard_error if baseline and baseline.people else None
 
 
 def _compared(debrief: DebriefData) -> dict[str, Any]:

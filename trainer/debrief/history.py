@@ -25,7 +25,7 @@ from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.outcome import Outcome
 from trainer.config.progress import forget_progress
 from trainer.debrief.changes import changes_path, read_changes, write_changes
-from trainer.debrief.data import DebriefData, gather_debrief
+from trainer.debrief.data import DebriefData, gather_debrief, standard_error_of
 from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
 from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
 from trainer.io.lines import plain
@@ -49,7 +49,7 @@ MARK_TYPES: Final[Mapping[str, Any]] = {  # of what is kept
     **dict.fromkeys(("exercise", "width", "outcome"), str),
     **dict.fromkeys(("counts", "changed"), bool),
     **dict.fromkeys(("seed", "branch", "branches"), int),
-    "total": float | int | None,
+    **dict.fromkeys(("total", "standard_error"), float | int | None),
     "aids": str,
 }
 REMOVED_NAME: Final = "(name removed)"
@@ -73,6 +73,7 @@ class RecordedResult:
     aids: str = ""  # that were used
     branch: int = 1  # that was judged
     branches: int = 1  # in all
+    standard_error: float | None = None  # [%] of the mark, from run to run; None: unknown
 
 
 @dataclass(frozen=True)
@@ -205,6 +206,7 @@ def came_of(debrief: DebriefData) -> RecordedResult:
         aids=", ".join(debrief.aids),
         branch=debrief.branch.id,
         branches=len(debrief.branches),
+        standard_error=standard_error_of(debrief) if debrief.total is not None else None,
     )
 
 

@@ -218,8 +218,8 @@ def as_json(debrief: DebriefData) -> str:
 
 def as_text(debrief: DebriefData) -> str:
     """Return the marks and what each minute cost, for a terminal of 80 columns."""
-    aids = "".join(f", with {aid}" for aid in debrief.aids)
-    lines = [f"{debrief.title}: {sections.describe_card(debrief.final)}{aids}"]
+    beside = sections.how_sure(debrief) + "".join(f", with {aid}" for aid in debrief.aids)
+    lines = [f"{debrief.title}: {sections.describe_card(debrief.final)}{beside}"]
     comparison = debrief.compared
     if debrief.familiarisation:
         lines = [f"{debrief.title}: a familiarisation run, without marks"]

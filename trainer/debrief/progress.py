@@ -18,7 +18,7 @@ from trainer.config.outcome import Outcome
 from trainer.config.progress import COST_KINDS, ProgressRun, add_run
 from trainer.debrief.attainable_changes import ChangeCause, MarkChange
 from trainer.debrief.controls import SURFACE_ORDERS
-from trainer.debrief.data import DebriefData, compare_debrief
+from trainer.debrief.data import DebriefData, compare_debrief, standard_error_of
 from trainer.debrief.page import read_dossier
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.words import ORDER_WORDS
@@ -48,6 +48,7 @@ def run_of(debrief: DebriefData, how: Outcome) -> ProgressRun:
         total=debrief.total if debrief.plan.scores else None,
         counts=not (debrief.free or debrief.practice),
         aids=", ".join(debrief.aids),
+        standard_error=standard_error_of(debrief) if debrief.plan.scores else None,
     )
 
 

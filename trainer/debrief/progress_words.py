@@ -38,8 +38,8 @@ DRAWN_RUNS: Final = 12  # the latest, a column each
 WORD_COLUMNS: Final = 11  # of outcomes and kinds
 MAX_COLUMNS: Final = 80
 CSV_HEADER: Final = (
-    *("trainee", "exercise", "title", "started", "minutes", "outcome", "marks", "counts"),
-    *("aids", *(kind.replace(" ", "_") for kind in COST_KINDS), "recording", "branch"),
+    *("trainee", "exercise", "title", "started", "minutes", "outcome", "marks", "standard_error"),
+    *("counts", "aids", *(kind.replace(" ", "_") for kind in COST_KINDS), "recording", "branch"),
 )
 
 
@@ -147,11 +147,11 @@ def class_rows(found: Iterable[Progress]) -> Iterator[tuple[object, ...]]:
     """Yield the row of each run."""
     for progress in found:
         for run in progress.runs:
-            marks = "" if run.total is None else f"{run.total:.1f}"
+            figures = ("" if n is None else f"{n:.1f}" for n in (run.total, run.standard_error))
             known = run.costs  # nothing before they are known: a flight of its own finds them
             costs = (f"{known.get(kind, 0.0):.1f}" if known else "" for kind in COST_KINDS)
             yield (
                 *(progress.trainee, run.exercise, run.title, run.started),
-                *(f"{run.seconds / 60.0:.1f}", run.outcome, marks, "yes" if run.counts else "no"),
-                *(run.aids, *costs, run.recording, run.branch),
+                *(f"{run.seconds / 60.0:.1f}", run.outcome, *figures),
+                *("yes" if run.counts else "no", run.aids, *costs, run.recording, run.branch),
             )

@@ -18,7 +18,7 @@ from trainer.debrief.attainable_changes import MarkChange
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
-from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of
+from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of, standard_error_of
 from trainer.debrief.episodes import ReadBack, hints_told
 from trainer.debrief.judgement import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
@@ -82,16 +82,29 @@ def verdict(debrief: DebriefData) -> Markup:
 
 def _outcome(debrief: DebriefData) -> Iterator[Markup]:
     """Yield the outcome with its reason, and the marks."""
-    verdict, total, deviation = debrief.final.verdict, debrief.total, deviation_of(debrief)
-    sure = f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" if deviation else ""
-    sure = sure if deviation and deviation >= MIN_SHOWN_DEVIATION else ""
-    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, sure)
+    verdict, total = debrief.final.verdict, debrief.total
+    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, how_sure(debrief))
     if total is None:
         marks = Markup("no marks")
     outcome = Markup("<b>{}</b>, ").format(verdict.outcome.capitalize()) if verdict else ""
     yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
     if verdict is not None and verdict.reason:
         yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
+
+
+def how_sure(debrief: DebriefData) -> str:
+    """Return what stands behind the marks: how much they differ by chance."""
+    deviations = _shown_deviations(debrief) if debrief.total is not None else {}
+    return "".join(f", \N{PLUS-MINUS SIGN}{each:.0f} {cause}" for cause, each in deviations.items())
+
+
+def _shown_deviations(debrief: DebriefData) -> dict[str, float]:
+    """Return by what a mark differs by chance, and by how much [%], where that is worth telling."""
+    known = {
+        "by the sea alone": deviation_of(debrief) or 0.0,
+        "from run to run, by model people": standard_error_of(debrief) or 0.0,
+    }
+    return {cause: each for cause, each in known.items() if each >= MIN_SHOWN_DEVIATION}
 
 
 def branch_notes(debrief: DebriefData) -> Iterator[str]:
@@ -130,8 +143,8 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     counted = sum(each.marks is not None for each in card.scores)
     if counted < len(card.scores):
         yield f"{counted} of {len(card.scores)} rules count."
-    if (deviation := deviation_of(debrief)) and deviation >= MIN_SHOWN_DEVIATION:
-        yield f"Two runs differ for sure only beyond {SURE_DEVIATIONS * deviation:.0f} marks."
+    if deviations := _shown_deviations(debrief).values():
+        yield f"Two runs differ for sure only beyond {SURE_DEVIATIONS * max(deviations):.0f} marks."
     flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
     if planned is not None and flown < planned - debrief.step:
         yield f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."

@@ -65,7 +65,8 @@ class Session(Parts):
         self.conduct.guide.give = self.dispatch.obey_step
         self.conduct.guide.go_back = partial(repeat_step, self)
         self.quiet = QuietTicks(self)
-        self.standing.follow(self.history.now())  # a recorded run goes on
+        self.standing.read_journal()  # a recorded run goes on
+        self.standing.follow(self.history.now())
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can say run."""

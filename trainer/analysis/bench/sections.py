@@ -1,7 +1,7 @@
 """The parts of ``trainer dev bench``, each with the option that asks for it alone.
 
-``cli/bench`` measures the parts that are asked for. A part that this machine lacks something for
-(Chromium) is left out with the reason, because the others are still worth having.
+``cli/workshop/bench`` measures the parts that are asked for. A part that this machine lacks
+something for (Chromium) is left out with the reason, because the others are still worth having.
 """
 
 from collections.abc import Callable, Iterable, Mapping

@@ -1,8 +1,8 @@
 """The guide's contents: everything flown, judged and computed for one boat, and what moved.
 
-``cli/guide`` asks for it; ``page`` shows it. A leg is one manoeuvre at one speed,
-flown by every equation set. Each flight that several chapters need is flown once, because flights
-are what a guide waits for.
+``cli/workshop/guide`` asks for it; ``page`` shows it. A leg is one manoeuvre at one speed, flown by
+every equation set. Each flight that several chapters need is flown once, because flights are what a
+guide waits for.
 
 Transport delays are those from order to control, to motion, to a screen. Orders are given anywhere
 within a tick and act on the next one, so ticks are counted, and no clock is needed: delays in

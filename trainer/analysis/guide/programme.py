@@ -23,11 +23,11 @@ from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
 from trainer.analysis.programs.characteristic import vertical_system
-from trainer.analysis.workers import worker_pool
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
+from trainer.workers import worker_pool
 
 OWN_RIG: Final = Rig()
 LIMITED_RIG: Final = Rig(engine="limited")

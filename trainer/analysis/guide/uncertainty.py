@@ -35,7 +35,6 @@ from trainer.analysis.guide.trials import (
     trials_path,
 )
 from trainer.analysis.guide.validation import InputTable, wave_values
-from trainer.analysis.workers import worker_pool
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -48,6 +47,7 @@ from trainer.config.propulsion import ThrustRows
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.vessel_records import ThrustSet
 from trainer.core.kernel import Numbers
+from trainer.workers import worker_pool
 
 DRAWN_BOATS: Final = 200
 NUDGE: Final = 0.1  # of a standard deviation, for slopes

@@ -31,8 +31,8 @@ from trainer.analysis.manoeuvres.vehicle import (
     Watch,
     check_parts,
 )
-from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
+from trainer.config.series import Series
 from trainer.core.kernel import Numbers
 
 CycleGenerator = Generator[None, None, None]

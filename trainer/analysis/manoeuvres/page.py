@@ -1,7 +1,7 @@
 """``trainer boat manoeuvre``: one manoeuvre flown, with its report, page, plot and CSV file.
 
-``cli/guide`` calls ``fly_boat``; fitted ships come by ``fly_vehicle``. A report
-is a record, from which page and ``--json`` are both made.
+``cli/workshop/guide`` calls ``fly_boat``; fitted ships come by ``fly_vehicle``. A report is a
+record, from which page and ``--json`` are both made.
 """
 
 import math

@@ -19,8 +19,8 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
-from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
+from trainer.config.series import Series
 from trainer.core.kernel import Numbers
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel

@@ -1,9 +1,9 @@
 """Damped sinusoids fitted to a response by least squares: program EC310.
 
-``cli/programs`` has the command; [ASSES] is the report of 1969 on the programs. [ASSES] VI with
-errata E4, E6: y = sum a_i exp(s_i t) + sum b_j exp(-alpha_j t) cos(beta_j t + c_j), one real mode
-and one pair in the vertical plane, two and one in the horizontal. Starting roots are those of the
-boat (EC140, EC200), or of the response itself by a matrix pencil where no boat is given; the
+``cli/workshop/programs`` has the command; [ASSES] is the report of 1969 on the programs. [ASSES] VI
+with errata E4, E6: y = sum a_i exp(s_i t) + sum b_j exp(-alpha_j t) cos(beta_j t + c_j), one real
+mode and one pair in the vertical plane, two and one in the horizontal. Starting roots are those of
+the boat (EC140, EC200), or of the response itself by a matrix pencil where no boat is given; the
 starting amplitudes follow from them linearly (EC120, EC150, EC330). Then all numbers are adjusted
 together by Levenberg's and Marquardt's method.
 """
@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
+from trainer.config.series import Series
 from trainer.core.kernel import Numbers
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, root_text, table

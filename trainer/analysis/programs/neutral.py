@@ -1,10 +1,10 @@
 """Planes for straight level flight, and the speed at which they reverse: program EC470.
 
-``cli/programs`` and the guide show them; a manoeuvre may begin in the full set's ``trim_at``.
-[ASSES] is the report of 1969 on the programs. [ASSES]
-EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy, x_G = 0,
-one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and R2 = 2
-(z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
+``cli/workshop/programs`` and the guide show them; a manoeuvre may begin in the full set's
+``trim_at``. [ASSES] is the report of 1969 on the programs. [ASSES] EC470 with errata F1-F4: pitch
+equals the angle of attack, q = 0, weight equals buoyancy, x_G = 0, one pair of planes deflected and
+the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and R2 = 2 (z_B B - z_G W)/(rho L^3), normal
+force and pitching moment vanish where
 
     Z_waw t|t| + Z_ww t^2 + Z_w t + Z_aw |t| + Z_star + Z_d d = 0
     M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0

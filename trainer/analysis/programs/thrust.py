@@ -1,8 +1,8 @@
 """Thrust less drag over speed and command speed: program ZC300.
 
-``cli/programs`` and the guide show it. [ASSES], the report of 1969, ZC300
-with errata F5 and A28-A31: T = rho/2 L^2 (a u^2 + b u uc + c uc^2), the row of a, b and c by eta =
-uc/u; the acceleration as printed, T/m, and as flown, T/(m - rho/2 L^3 X_udot).
+``cli/workshop/programs`` and the guide show it. [ASSES], the report of 1969, ZC300 with errata F5
+and A28-A31: T = rho/2 L^2 (a u^2 + b u uc + c uc^2), the row of a, b and c by eta = uc/u; the
+acceleration as printed, T/m, and as flown, T/(m - rho/2 L^3 X_udot).
 """
 
 from collections.abc import Iterable, Sequence

@@ -27,7 +27,6 @@ from trainer.analysis.guide.verdicts import (
 )
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
-from trainer.analysis.workers import worker_pool
 from trainer.boat.assemble import Method, body_values, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
@@ -35,6 +34,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS, SLIP_TERMS
 from trainer.core.vessel import compact_record
 from trainer.units import KNOT
+from trainer.workers import worker_pool
 
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
 # boat without rudder drag would pass many a test. So does what the propeller does beyond its

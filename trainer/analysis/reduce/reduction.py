@@ -1,11 +1,11 @@
 """A boat's compact set, from a search or from its file, and its worth.
 
-``cli/vessel`` calls ``search`` and ``report_reduction`` for ``trainer boat reduce``. A compact set
-is the full set's coefficients times factors, 0 for a term that is dropped. The leash is the pull of
-each factor towards 1 (``search`` the module): a firm one keeps a coefficient near the hull's data.
-An unfinished search is kept in a file, because a search takes long. The worth is how far the set's
-flights differ, what a tick costs, and what each coefficient does: a set that passes flies like the
-full one for a fraction of its work.
+``cli/workshop/vessel`` calls ``search`` and ``report_reduction`` for ``trainer boat reduce``. A
+compact set is the full set's coefficients times factors, 0 for a term that is dropped. The leash is
+the pull of each factor towards 1 (``search`` the module): a firm one keeps a coefficient near the
+hull's data. An unfinished search is kept in a file, because a search takes long. The worth is how
+far the set's flights differ, what a tick costs, and what each coefficient does: a set that passes
+flies like the full one for a fraction of its work.
 """
 
 import contextlib

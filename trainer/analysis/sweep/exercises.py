@@ -1,7 +1,7 @@
 """Members that fly an exercise: seas, casualties and scheduled orders, as ``trainer run`` does.
 
-A member is one run of a study. ``cli/subjects`` chooses this module for a study with a table
-[exercise]. Nobody is aboard: only what the exercise itself orders moves the boat.
+A member is one run of a study. ``cli/workshop/subjects`` chooses this module for a study with a
+table [exercise]. Nobody is aboard: only what the exercise itself orders moves the boat.
 """
 
 from collections.abc import Mapping
@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.analysis.manoeuvres.flight import Flight
-from trainer.analysis.series import Series
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.config.exercise import read_exercise
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
+from trainer.config.series import Series
 from trainer.config.vessel import read_vessel
 from trainer.debrief.rehearsal import ByReference
 from trainer.debrief.rehearsal import Flight as UnderWay

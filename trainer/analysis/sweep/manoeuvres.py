@@ -1,7 +1,7 @@
 """Members fly a manoeuvre in fleets where orders are known, else one by one.
 
-A member is one run of a study. ``cli/subjects`` chooses this module for a study with a table
-[manoeuvre]. A fleet computes many boats at once, but only by orders that are known before; a
+A member is one run of a study. ``cli/workshop/subjects`` chooses this module for a study with a
+table [manoeuvre]. A fleet computes many boats at once, but only by orders that are known before; a
 zig-zag waits for an angle, so its boats fly one by one.
 """
 
@@ -24,7 +24,6 @@ from trainer.analysis.manoeuvres.submarine import (
     Rig,
     Submarine,
 )
-from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
 from trainer.analysis.sweep.fleets import Script, script_of
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member_values, read_off
@@ -34,6 +33,7 @@ from trainer.boat.assemble import Method
 from trainer.config.coefficients import COEFFICIENT_QUANTITY, FACTOR_QUANTITY
 from trainer.config.files import ConfigError, Position
 from trainer.config.schema import read_record
+from trainer.config.series import Series
 from trainer.config.vessel import VesselFile, read_vessel
 from trainer.core.autopilot.steering import REPORT_LAW
 from trainer.units import KNOT

@@ -1,7 +1,7 @@
 """A study's result as a page and as a plot: percentiles and tornado.
 
-``cli/sweep`` prints it from the table of results. A tornado has a bar for each variable, the widest
-first: what to measure better before anything else.
+``cli/workshop/sweep`` prints it from the table of results. A tornado has a bar for each variable,
+the widest first: what to measure better before anything else.
 """
 
 import math

@@ -20,11 +20,11 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.sweep.job import Batch, Job, OpenJob, fact_differences, fly_chunk, open_job
-from trainer.analysis.workers import worker_pool
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.io.file_lock import holding
 from trainer.io.outputs import renew_whole, replacing
+from trainer.workers import worker_pool
 
 ROW_GROUP_ROWS: Final = 65_536  # of a row group of the result
 MEMBER_COLUMN, SEED_COLUMN, TROUBLE_COLUMN = "member", "seed", "trouble"

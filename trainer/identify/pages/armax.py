@@ -1,8 +1,9 @@
 """``trainer identify --armax``: models of rising order, as text and as a plot.
 
-``cli/identify`` prints it. ``fitting/armax`` estimates the models; a user compares orders here, and
-takes the least that leaves white residuals. A higher order always fits the record better: Akaike's
-and Schwarz's criteria and the F test say when the gain is no more than chance gives (MI 8.3, 9).
+``cli/workshop/identify`` prints it. ``fitting/armax`` estimates the models; a user compares orders
+here, and takes the least that leaves white residuals. A higher order always fits the record better:
+Akaike's and Schwarz's criteria and the F test say when the gain is no more than chance gives (MI
+8.3, 9).
 """
 
 import math

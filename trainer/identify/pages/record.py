@@ -1,6 +1,6 @@
 """``trainer identify --data-only``: a record by itself, before any fit, as text and as plots.
 
-``cli/identify`` prints it. A wrong unit, sign or gap is seen here, before it spoils a fit.
+``cli/workshop/identify`` prints it. A wrong unit, sign or gap is seen here, before it spoils a fit.
 """
 
 from collections.abc import Iterator

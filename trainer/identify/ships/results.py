@@ -1,8 +1,8 @@
 """The report of a fitted ship: what records determine, and what the prior does.
 
-``cli/ships`` calls ``read_trials`` and ``fit_trials`` for a ship that is not linear; ``fit``
-searches, and ``page`` prints what is found here. The prior is what books say of such a ship: a user
-must see which numbers are the record's own and which are the books'.
+``cli/workshop/ships`` calls ``read_trials`` and ``fit_trials`` for a ship that is not linear;
+``fit`` searches, and ``page`` prints what is found here. The prior is what books say of such a
+ship: a user must see which numbers are the record's own and which are the books'.
 """
 
 # long: one report, part by part

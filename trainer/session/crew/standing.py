@@ -2,15 +2,16 @@
 
 ``dispatch`` keeps them after each order. A jump in time puts back what stood after the last order
 of its moment. The number of an order is enough to find that, because it also says which orders came
-before, on any branch. The journal is read, and its orders are understood anew, only where another
-process gave them.
+before, on any branch. What an earlier process was given is read and understood as a session begins,
+on all branches, because a jump may come while the recording is out of reach.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
-from trainer.io.recording.recording import Moment
+from trainer.io.recording.recording import Moment, RecordedOrder
 from trainer.session.crew.agenda import Agenda, Plans
 from trainer.session.crew.crew import CREW_WORDS, CrewTalk, Talk
 from trainer.session.crew.manning import HandWork
@@ -48,15 +49,25 @@ class StandRecord:
         self.agenda.put_back(self._stand_after(self.history.after)[1])
 
     def _stand_after(self, order: int) -> Stand:
-        if order not in self._by_order:
-            self._read()
-        return self._by_order.get(order, EMPTY_STAND)
+        """Return what stood after an order: as after the one before, where it changed nothing."""
+        while order not in self._by_order:
+            order = self.history.before_order.get(order, order - 1)  # the latter: lost in a gap
+        return self._by_order[order]
 
-    def _read(self) -> None:
-        """Understand the journal's orders again, up to the last that the state includes."""
+    def read_journal(self) -> None:
+        """Understand what an earlier process was given, branch by branch."""
+        recording = self.history.recording
+        for branch in recording.branches():
+            self.read(recording.orders(branch.id, branch.after), branch.tick, branch.after)
+
+    def read(self, given: Iterable[RecordedOrder], tick: int = 0, after: int = 0) -> None:
+        """Understand the orders of a branch, which begins at a tick, after an order."""
         boat = self.crew.boat
+        talk, plans = self._stand_after(after)
         crew, agenda = CrewTalk(boat, HandWork(boat)), Agenda(boat)
-        for entry in self.history.said():
+        crew.put_back(talk, tick)
+        agenda.put_back(plans)
+        for entry in given:
             order = parse(entry.text)
             taken = bool(entry.accepted)
             if isinstance(order, Order) and taken and order.name in CREW_WORDS:

@@ -2,7 +2,7 @@
 
 From the start by the schedule alone it is the ghost. By the orders that were given aboard, with
 the crew mute, it tells what that crew knows at a moment, from which it can then show the way.
-``aids`` flies the ghost, ``demonstration`` and ``analysis/boat_page`` follow a run.
+``aids`` flies the ghost, ``demonstration`` and ``debrief/boat_page`` follow a run.
 
 A session flies it in a thread, so it rests after each tick: the session's own tick never waits for
 long.

@@ -112,6 +112,7 @@ class Journal:
     recording: Recording | NoRecording
     after: int = 0  # the last order that the present state includes
     entry: int = 0  # the schedule's next one
+    before_order: dict[int, int] = field(default_factory=dict, repr=False)  # on any branch
     automatic: Moments = field(
         default_factory=lambda: Moments(MAX_KEPT_MOMENTS, STATE.itemsize), repr=False
     )
@@ -137,7 +138,8 @@ class Journal:
         if self.recording.reachable:
             self.recording.go_on(self.now())
         before = self._world_order(self.recording.branch, self.after)
-        self.after = number = self.recording.order(self.tick, giver, order.text, entry)
+        number = self.recording.order(self.tick, giver, order.text, entry)
+        self.before_order[number], self.after = self.after, number
         ours = order.name in WORLD_PARTS
         self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
         if entry is not None:

@@ -15,8 +15,8 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.analysis.exercise_page import depends_on_seed, plan_exercise
-from trainer.analysis.lateness import (
+from trainer.authoring.exercise_page import depends_on_seed, plan_exercise
+from trainer.authoring.lateness import (
     LATENESS_S,
     MAX_URGENT_MARKS,
     STEEP_FALL,
@@ -25,7 +25,7 @@ from trainer.analysis.lateness import (
     fly_ladders,
     is_urgent,
 )
-from trainer.analysis.trainees import (
+from trainer.authoring.trainees import (
     ALL_CREWS,
     GRADED_CREWS,
     LATE_CREWS,
@@ -35,7 +35,6 @@ from trainer.analysis.trainees import (
     Trainee,
     silly_orders,
 )
-from trainer.analysis.workers import worker_pool
 from trainer.config.baseline import digest_of
 from trainer.config.files import ConfigError, path_named, read_text
 from trainer.core.digest import core_digest
@@ -49,6 +48,7 @@ from trainer.report import html, text
 from trainer.report.panels import draw_panel, legend
 from trainer.report.plots import Curve, Panel
 from trainer.session.past.plan import Plan
+from trainer.workers import map_tasks
 
 MARK_DECIMALS: Final = 6  # of marks [%] that are ranked: a difference in the last bits is a tie
 LEAST_CORRELATION: Final = 0.9  # [-] of marks with skill
@@ -164,20 +164,11 @@ def validate_exercises(
     """
     tasks = [task for name in names for task in trial_seeds(name, count)]
     trials: dict[str, list[SeedTrial]] = defaultdict(list)
-    for trial in _fly_all(tasks, cores):
+    for trial in map_tasks(fly_trial, tasks, cores):
         progress(1)
         trials[trial.exercise].append(trial)
         if len(trials[trial.exercise]) == count:
             yield validation_of(trials.pop(trial.exercise))
-
-
-def _fly_all(tasks: list[tuple[str, int, bool]], cores: int) -> Iterator[SeedTrial]:
-    """Yield the trials in the order of the tasks."""
-    if min(cores, len(tasks)) < 2:
-        yield from (fly_trial(*task) for task in tasks)
-        return
-    with worker_pool(min(cores, len(tasks))) as pool:
-        yield from pool.map(fly_trial, *zip(*tasks, strict=True))
 
 
 def trial_seeds(name: str, count: int) -> list[tuple[str, int, bool]]:
@@ -350,16 +341,18 @@ def _conclusion(found: Sequence[Validation]) -> str:
     return f"{failed} of {of} FAIL." if failed else f"The marks order skill in {of}."
 
 
-def validation_page(found: Sequence[Validation]) -> str:
-    """Return the page of HTML."""
+def validation_page(
+    found: Sequence[Validation], data: Mapping[str, Any], people: Sequence[Markup] = ()
+) -> str:
+    """Return the page of HTML, with chapters about model people if there are any."""
     failed = any(each.faults for each in found)
     return html.fill_page(
         "validation.html",
         "guide.css",
         verdict=html.Cell(_conclusion(found), "bad" if failed else "good"),
-        contents=[each.exercise for each in found],
-        parts=[_overview(found), *map(_exercise_section, found)],
-        data=html.embed_json(validation_data(found)),
+        contents=[*("people" for _ in people), *(each.exercise for each in found)],
+        parts=[_overview(found), *people, *map(_exercise_section, found)],
+        data=html.embed_json(data),
     )
 
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli import ships
 from trainer.cli.answers import json_of, outputs, show_progress, show_report, write_text
 from trainer.cli.options import (
     CSV_OUTPUT,
@@ -29,6 +28,7 @@ from trainer.cli.options import (
     text_option,
 )
 from trainer.cli.types import AHEAD_SPEED_TYPE, File, Number, Word
+from trainer.cli.workshop import ships
 from trainer.config.words import EQUATION_SETS
 
 if TYPE_CHECKING:
@@ -285,7 +285,7 @@ def guide(vessel: str, **options: Any) -> None:
 def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
     """Return the guide's book of some legs, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents
-    from trainer.analysis.workers import processor_count
+    from trainer.workers import processor_count
 
     count = len(contents.guide_tasks(file, legs))
     with show_progress(count, "flying") as step:
@@ -296,8 +296,8 @@ def write_uncertainty(file: Any, cores: int | None) -> None:
     """Fly and write the table of u_input; ConfigError if the boat has no published figures."""
     from trainer.analysis.guide import uncertainty
     from trainer.analysis.guide.trials import load_published, trials_path
-    from trainer.analysis.workers import processor_count
     from trainer.config.files import ConfigError, renew_file
+    from trainer.workers import processor_count
 
     path = trials_path(file)
     published = load_published(path) if path else None
@@ -324,6 +324,3 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
         write_text(path, text, "--html")
         if pdf is not None:
             print_pdf(path, pdf)
-
-
-GUIDE_COMMANDS: Final = [manoeuvre, guide]

@@ -16,7 +16,7 @@ from typing import Final
 
 import click
 
-from trainer.analysis.stated import fly_stated, step_problems
+from trainer.authoring.stated import fly_stated, step_problems
 from trainer.boat.boat import Boat
 from trainer.config.baseline import (
     BASELINE_SCHEMA,
@@ -148,8 +148,10 @@ def baseline_of(found: ExerciseStudy) -> Baseline:
         seed=found.seeds[0],
         seeds=len(found.seeds),
     )
+    kept = found.flown[0].plan.baseline
     return Baseline(
         heading=heading,
+        people=kept.people if kept and kept.heading.exercise == heading.exercise else None,
         nobody=totals([each.nobody for each in found.flown]),
         crew=totals(crews) if crews else None,
         marks=found.flown[0].nobody_marks,

@@ -8,8 +8,12 @@ parent's end.
 import os
 import signal
 import threading
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import connection, get_context, parent_process
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
 
 
 def processor_count() -> int:
@@ -22,6 +26,17 @@ def processor_count() -> int:
 def worker_pool(count: int) -> ProcessPoolExecutor:
     """Return a pool of ``count`` processes. They end with this one even if it is killed."""
     return ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_go_with)
+
+
+def map_tasks(
+    work: Callable[..., Result], tasks: Sequence[tuple[Any, ...]], cores: int
+) -> Iterator[Result]:
+    """Yield the result of each task, in their order; one core works in this process."""
+    if min(cores, len(tasks)) < 2:
+        yield from (work(*task) for task in tasks)
+        return
+    with worker_pool(min(cores, len(tasks))) as pool:
+        yield from pool.map(work, *zip(*tasks, strict=True))
 
 
 def _go_with() -> None:

@@ -9,7 +9,7 @@ from functools import partial
 from itertools import pairwise
 from typing import Final, NamedTuple
 
-from trainer.analysis.trainees import Skill, Trainee
+from trainer.authoring.trainees import Skill, Trainee
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.casualties import HOLE_MEASURE, SEVERITY_MEASURES
 from trainer.core.casualties import CASUALTY_TABLE

@@ -193,8 +193,8 @@ def reduce(vessel: str, **options: Any) -> None:
     out of tolerance.
     """
     from trainer.analysis.reduce import page, reduction
-    from trainer.analysis.workers import processor_count
     from trainer.config.vessel import load_vessel
+    from trainer.workers import processor_count
 
     chosen = [name for name in ("check", "table", "write", "output") if options[name]]
     if len(chosen) > 1:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli import ships
 from trainer.cli.answers import outputs, print_note, show_report, show_step, write_text
 from trainer.cli.options import (
     CSV_OUTPUT,
@@ -27,6 +26,7 @@ from trainer.cli.options import (
     record_of,
 )
 from trainer.cli.types import AHEAD_SPEED_TYPE, File, Name, Number, Output, ParentCommand
+from trainer.cli.workshop import ships
 from trainer.config.fit_options import SHIP_MODELS, USUAL_PRIOR_STRENGTH
 from trainer.config.words import LINEAR_MODELS
 

@@ -10,11 +10,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack, overload
 
-from trainer.cli import fit_boat as fit_boat_command
-from trainer.cli import guide, identify
-from trainer.cli import sweep as sweep_command
-from trainer.cli.keywords import parse_options
+from trainer.api.keywords import parse_options
 from trainer.cli.options import record_of
+from trainer.cli.workshop import fit_boat as fit_boat_command
+from trainer.cli.workshop import guide, identify
+from trainer.cli.workshop import sweep as sweep_command
 from trainer.config.extras import require_library
 from trainer.config.files import json_text, shipped_names
 
@@ -60,7 +60,7 @@ class Answer(Generic[Report, Figure]):
 
         TrainerError where pandas is not installed; the extra ``pandas`` brings it.
         """
-        from trainer.analysis.recording_export import frame_of
+        from trainer.debrief.recording_export import frame_of
 
         return frame_of(self.columns)
 
@@ -141,7 +141,7 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     from trainer.analysis.sweep.job import job_of, open_job
     from trainer.analysis.sweep.report import render, report_of
     from trainer.analysis.sweep.sweep import check_pyarrow
-    from trainer.cli.subjects import subject_of
+    from trainer.cli.workshop.subjects import subject_of
 
     keywords = {"jobs": 1, **options}
     with parse_options(

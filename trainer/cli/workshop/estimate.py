@@ -95,7 +95,7 @@ def _write_study(path: Path, boat: Path | None, rudder: float) -> None:
 
 def _reduce(boat: Path | None) -> None:
     """Find the compact set of the boat in a file, and add it to the file."""
-    from trainer.cli.vessel import reduce
+    from trainer.cli.workshop.vessel import reduce
 
     if boat is not None:
         sys.stdout.flush()  # the estimate appears before the minutes that the search takes

@@ -16,8 +16,14 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
-from trainer.boat.crew_hands import GaugeHistory
-from trainer.boat.reference_crew import CrewReaction, GivenOrder, ReferenceCrew, RuleProgress
+from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory
+from trainer.boat.reference_crew import (
+    CrewReaction,
+    GivenOrder,
+    ReferenceCrew,
+    RuleProgress,
+    order_of_hand,
+)
 from trainer.config.reference_crew import (
     CREW_HANDS,
     MARK_ORDER,
@@ -94,9 +100,17 @@ def make_harsh(habits: Any, look_s: float) -> Any:
 
     It looks each ``look_s`` [s], and takes no angle off in time.
     """
-    gains = {key: HARSH_GAIN * getattr(habits, key) for key in GAIN_KEYS if hasattr(habits, key)}
-    leads = dict.fromkeys((key for key in LEAD_KEYS if hasattr(habits, key)), 0.0)
-    return replace(habits, look_s=look_s, **gains, **leads)
+    return scale_habits(habits, HARSH_GAIN, 0.0, look_s)
+
+
+def scale_habits(habits: Any, gain: float, lead: float, look_s: float) -> Any:
+    """Return the habits of a hand that looks each ``look_s`` [s].
+
+    ``gain`` [-] of the angle is given for an error, and ``lead`` [-] of it taken off in time.
+    """
+    factors = dict.fromkeys(GAIN_KEYS, gain) | dict.fromkeys(LEAD_KEYS, lead)
+    scaled = {key: by * getattr(habits, key) for key, by in factors.items() if hasattr(habits, key)}
+    return replace(habits, look_s=look_s, **scaled)
 
 
 class MisreadGauges(GaugeHistory):
@@ -131,6 +145,7 @@ class Trainee(ReferenceCrew):
         super().__init__(boat, crew, reaction)
         seed = self.reaction.seed
         self.skill, self.said = skill, seed
+        self.wrong_until: dict[str, float] = {}  # [s] by control
         self.corrections: dict[str, RuleProgress] = {}  # of what went the wrong way, by control
         if skill.misread_share:
             self.gauges = MisreadGauges(boat, skill.misread_share, seed)
@@ -182,14 +197,21 @@ class Trainee(ReferenceCrew):
         if self.skill.forgets and self.said % self.skill.forgets == 0:
             return FORGOTTEN_ORDER
         control = text.partition(" ")[0]
-        right = parse(text)
-        if not self.skill.wrong_s or not isinstance(right, Order):
+        until = self.wrong_until.setdefault(control, self.boat.time + self.skill.wrong_s)
+        if self.boat.time >= until - TIME_ROUNDING_S:
             return super()._give(text)
-        rule = CrewRule(row=CrewRow(order=text), conditions=(), order=right)
-        wait = RuleProgress(rule, self.boat.time + self.skill.wrong_s)
-        correction = self.corrections.setdefault(control, wait)
-        correction.rule = rule  # what is put right is what was ordered last
-        return super()._give(text if correction.over else opposite_order(text))
+        correction = self.corrections.get(control)
+        if correction is None or correction.over:
+            self.corrections[control] = order_later(text, until)
+        else:  # what is put right is what was ordered last
+            correction.rule = order_later(text, until).rule
+        return super()._give(opposite_order(text))
+
+
+def order_later(text: str, due: float) -> RuleProgress:
+    """Return an order as a rule that waits for a time [s] alone."""
+    rule = CrewRule(row=CrewRow(order=text), conditions=(), order=order_of_hand(text))
+    return RuleProgress(rule, due)
 
 
 def coarse_order(text: str, step: int) -> str:

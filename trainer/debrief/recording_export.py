@@ -13,9 +13,9 @@ from typing import Any, Final
 import click
 import numpy as np
 
-from trainer.analysis.series import MIN_ROWS, Series, load_series
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.series import MIN_ROWS, Series, load_series
 from trainer.core.kernel import Numbers
 from trainer.io.recording import recording as recording_file
 from trainer.io.tables import (

@@ -49,7 +49,7 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
               trainer boat sweep ./study.toml --scheduler tcp://127.0.0.1:8786
     """
     from trainer.analysis.sweep.job import job_of, open_job
-    from trainer.cli.subjects import subject_of
+    from trainer.cli.workshop.subjects import subject_of
 
     job = job_of(study, options["members"], subject_of)
     if member is not None:
@@ -69,7 +69,7 @@ def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Fly the members and return a table of pyarrow; show progress on a terminal."""
     from trainer.analysis.sweep.job import open_job
     from trainer.analysis.sweep.sweep import RESUME_NOTE, carry_out, cluster_crew, process_crew
-    from trainer.analysis.workers import processor_count
+    from trainer.workers import processor_count
 
     crew = process_crew(options["jobs"] or processor_count())
     if options["scheduler"] is not None:

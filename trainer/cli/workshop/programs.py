@@ -73,7 +73,7 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     Exit code 1 when a change of change is beyond what is allowed.
     """
     from trainer.analysis.programs import compare as program
-    from trainer.analysis.series import load_series
+    from trainer.config.series import load_series
 
     runs = load_series(full), load_series(other)
     event = program.event_apart(*runs)
@@ -121,7 +121,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
     EC330). Exit code 1 when the fit does not settle.
     """
     from trainer.analysis.programs import fit as program
-    from trainer.analysis.series import load_series
+    from trainer.config.series import load_series
 
     span = options["begin"], options["end"]
     t, y, level = program.response_in(load_series(run), column, span, options["about"])
@@ -303,6 +303,3 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
     )
     report = program.report_modes(file, speeds_of(file, speeds), means, depth)
     show_report(report, program.render, lambda: program.panels(report), options)
-
-
-PROGRAM_COMMANDS: Final = [neutral, thrust, tanks, modes, compare, fit]

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypedDi
 
 import numpy as np
 
-from trainer.analysis.recording_export import frame_of
+from trainer.api.keywords import parse_options
 from trainer.boat.limits import LimitMonitor
-from trainer.cli.keywords import parse_options
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
 from trainer.config.exercise import StartState
@@ -26,6 +25,7 @@ from trainer.config.files import ConfigError, Position, quote, remembering
 from trainer.config.outcome import Outcome
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
+from trainer.debrief.recording_export import frame_of
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
@@ -342,6 +342,7 @@ class Boat:
     def _take_over(self, flown: Flown) -> None:
         """Be where another boat of this plan is."""
         self._keeper = self._session.history.recording = OrderMemory(flown.orders)
+        self._session.standing.read(flown.orders)
         with np.errstate(all="ignore"):
             jump_to(self._session, flown.moment, "copied")
         self._rows.numbers[:] = flown.rows

@@ -1,0 +1,13 @@
+"""The commands of the workshops: boats made and proved, ships found from recordings.
+
+``main`` finds them by name. Nothing of the trainer's own commands uses them, so that nobody who
+trains waits for a workshop. Begin with ``vessel`` for boats, with ``identify`` for ships.
+"""
+
+# The modules that other rooms may use.
+# fmt: off
+__all__ = [
+    "bench", "check_cases", "estimate", "fit_boat", "guide", "identify", "programs", "subjects", "sweep",
+    "vessel",
+]
+# fmt: on
