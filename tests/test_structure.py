@@ -152,7 +152,7 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 def test_the_kinds_of_events_stay() -> None:
     assert set(EVENT_KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
-        *("depth", "pilot", "crew", "marks", "lesson", "shown"),
+        *("depth", "pilot", "crew", "marks", "lesson", "shown", "alert"),
     }
 
 
@@ -176,6 +176,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         "chair",
         *("past", "plans", "planned", "debrief-page"),
         *("stations", "aboard", "said", "reason", "degree", "own-order", "own-alert", "alert-rank"),
+        *("alerts", "alert-state"),
         *("step", "step-hint", "step-missed", "steps-undone"),
         *("shown", "attainable", "no-attainable", "no-room"),
     }

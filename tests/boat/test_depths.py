@@ -28,7 +28,7 @@ def called(boat: Boat, monitor: DepthMonitor, *depths: float) -> list[str]:
     for depth in depths:
         boat.state.z = depth
         passed = monitor.look(boat)
-        words.append(passed.words if passed else "")
+        words.append(passed.call.text if passed else "")
     return words
 
 

@@ -326,6 +326,7 @@ def test_after_a_jump_only_what_waits_there_is_new() -> None:
 @pytest.mark.parametrize(
     ("fact", "event", "rings"),
     [
+        (None, ("alert", "planes: alert 3 seen: Passing test depth, 250 m"), 0),
         (("crew-order", "depth 60 m"), None, 1),
         (("exercise-over", "won"), None, 1),
         (None, ("depth", "Passing test depth, 250 m"), 1),

@@ -155,7 +155,11 @@ class Crewed:
         raise AssertionError
 
     def facts(self, line: Line, what: str) -> list[str]:
-        return [told[3] for told in fields_of(line.sent, "TRF") if told[2] == what]
+        return [subject for each, subject in self.all_facts(line) if each == what]
+
+    def all_facts(self, line: Line) -> list[tuple[str, str]]:
+        """Return the name and the subject of each fact that a line was told."""
+        return [(told[2], told[3]) for told in fields_of(line.sent, "TRF")]
 
     def events(self, line: Line, kind: str) -> list[str]:
         return [told[3] for told in fields_of(line.sent, "TRE") if told[2] == kind]

@@ -23,6 +23,8 @@ from trainer.io.orders.table import FORMS, word_of
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.nmea.page import heading as sentence_heading
 from trainer.session.nmea.sentences import INSTRUMENTS
+from trainer.session.stations.alert_table import ALERT_TABLE, SOUND_PACES_S
+from trainer.session.stations.alerts import SEEN_RANKS
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.panels import Channel
 from trainer.session.stations.roles import (
@@ -32,6 +34,7 @@ from trainer.session.stations.roles import (
     INSTRUCTOR_ROLE,
     ROLES,
 )
+from trainer.web.words import catalogues
 
 EXAMPLE_ORDERS = (
     ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
@@ -190,6 +193,22 @@ def event_table() -> str:
     return "\n".join(lines) + "\n"
 
 
+def alert_table() -> str:
+    """Return the Markdown table of all alerts, in English and German."""
+    lines = [
+        "| alert | name | in German | rank | sounds every | begins | is over | acknowledged by |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    german = catalogues()["de"]
+    for name, row in ALERT_TABLE.items():
+        pace = f"{SOUND_PACES_S[row.rank]:g} s" if row.rank in SOUND_PACES_S else "-"
+        seen = row.rank in SEEN_RANKS
+        by = ("nobody: silence" if pace != "-" else "-") if not seen else ", ".join(row.roles)
+        told = (row.title, f"`{name}`" if name else "none", german[row.title], row.rank.value, pace)
+        lines.append(f"| {' | '.join((*told, row.begins, row.ends, by))} |")
+    return "\n".join(lines) + "\n"
+
+
 def channel_tables() -> str:
     """Return the Markdown tables of the channels, as docs/channels.md shows them."""
     return "\n".join(f"{channel_table(channel)}\n" for channel in CHANNELS.values())
@@ -256,6 +275,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "order-words": order_table,  # docs/station-tables.md, as the next ones
     "roles": role_table,
     "events": event_table,
+    "alerts": alert_table,
     "channels": channel_tables,  # docs/channels.md
     "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea-sentences.md

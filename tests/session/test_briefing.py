@@ -11,7 +11,7 @@ from helpers.line import Line, fields_of
 from helpers.orders import read_order
 from helpers.sessions import free_session, prompt_sender, start_plan
 
-from trainer.boat.calls import Rank
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
@@ -241,8 +241,8 @@ def test_alerts_have_numbers_and_are_acknowledged_before_the_others() -> None:
     here = attended("stern-plane-jam", "instructor", "planes", "helm")
     here.enter()
     log = here.session.event_log
-    log.alert("watch", "LIMIT: depth above 140 m")
-    log.alert("pilot", "autopilot: afloat")
+    log.alert("watch", MonitorCall("LIMIT: depth above 140 m"))
+    log.alert("pilot", MonitorCall("autopilot: afloat"))
 
     assert here.facts_of("instructor", "alert") == [
         "1,watch,LIMIT: depth above 140 m",
@@ -256,14 +256,14 @@ def test_alerts_have_numbers_and_are_acknowledged_before_the_others() -> None:
     assert here.facts_of("planes", "ack") == ["2"]
     assert here.answer("planes", "ack all") == "no such alert is open here; there is none"
     assert here.answer("instructor", "ack all") == "seen: 1"
-    assert not log.alerts
+    assert not any(alert.owed for alert in log.alerts.listed)
 
 
 def test_a_caution_is_told_with_its_rank_and_asks_nobody_to_acknowledge_it() -> None:
     here = attended("stern-plane-jam", "planes")
     here.enter()
     log = here.session.event_log
-    log.alert("depth", "lies on the ground", rank=Rank.CAUTION)
+    log.alert("depth", MonitorCall("lies on the ground", Rank.CAUTION))
 
     assert here.facts_of("planes", "alert-rank") == ["1,caution"]
     assert here.facts_of("planes", "alert") == ["1,depth,lies on the ground"]
@@ -273,7 +273,7 @@ def test_a_caution_is_told_with_its_rank_and_asks_nobody_to_acknowledge_it() -> 
 
 def test_who_comes_late_is_told_the_alerts_that_nobody_has_seen() -> None:
     here = attended("stern-plane-jam", "planes")
-    here.session.event_log.alert("pilot", "autopilot: afloat")
+    here.session.event_log.alert("pilot", MonitorCall("autopilot: afloat"))
     here.enter()
     assert here.facts_of("planes", "alert") == ["1,pilot,autopilot: afloat"]
 

@@ -113,8 +113,8 @@ def test_depths_passed_are_told_to_the_instructor_the_crew_and_the_log(watch: Wa
 
     for heard in (watch.instructor.said("Passing "), watch.helm.said("Passing ")):
         assert [line.partition(": ")[2] for line in heard] == [
-            f"{CALLS[0]} [1]",
-            f"{CALLS[1]} [2]",
+            f"{CALLS[0]} [2]",  # 1: near test depth, where the boat begins
+            f"{CALLS[1]} [3]",
         ]
     told = [line.partition(": ")[2] for line in watch.events()]
     assert [*told[:2], told[2][: len(CALLS[2])]] == CALLS

@@ -29,7 +29,7 @@ CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes th
     "ExerciseEnd": ("LossMonitor",),
     "HullWatch": ("GroundMonitor",),
     "StandRecord": ("CrewTalk", "HandWork", "PumpMonitor", "Agenda"),
-    "EventLog": ("OwnAlerts",),
+    "EventLog": ("OwnAlerts", "AlertBook"),
 }
 LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not follow
     "the jump begins with them": ("Control", "History", "Moments", "Boat"),
@@ -52,7 +52,8 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
     "what is kept of who trains stays kept": ("Training",),
 }
 GROWING: Final = {  # of followers, and kept for all branches
-    *(f"EventLog.{name}" for name in ("news", "_alert", "_branch", "_counts")),
+    *(f"EventLog.{name}" for name in ("news", "_branch", "_counts")),
+    "AlertBook.number",
     *("StandRecord._by_order", "StandRecord._latest"),
 }
 CHANGES: Final = (  # methods that change a container

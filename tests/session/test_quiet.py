@@ -165,7 +165,8 @@ def test_a_station_has_each_tick_to_itself(monkeypatch: pytest.MonkeyPatch) -> N
     with Boat() as boat:
         session = boat._session  # noqa: SLF001
         session.event_log.stations.append(session.event_log.stations)  # type: ignore[arg-type]
-        monkeypatch.setattr(session.event_log, "_spread", lambda *_: None)
+        for name in ("_spread", "take_up"):
+            monkeypatch.setattr(session.event_log, name, lambda *_: None)
         monkeypatch.setattr(session.dispatch, "tell_plans", lambda: None)
         boat.run(100)
         assert taken() == 200

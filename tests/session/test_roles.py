@@ -38,7 +38,7 @@ OWN["trainee"] = set().union(*(OWN[name] for name in CREW_ROLES)) | {
     *("debrief", "demonstrate", "hint", "ghost", "predictor"),
 }
 ALL = {
-    *("role", "help", "status", "briefing", "log", "ack", "history"),
+    *("role", "help", "status", "briefing", "log", "alerts", "ack", "history"),
     *("subscribe", "unsubscribe", "detach", "who", "name"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})

@@ -29,7 +29,7 @@ from trainer.session.dispatch import Dispatch
 from trainer.session.past.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
-from trainer.session.stations.event_log import MAX_OPEN_ALERTS
+from trainer.session.stations.alerts import MAX_OPEN_ALERTS
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Request, Station
 
@@ -227,7 +227,7 @@ class Witness:
         held = {
             "threads": (threads, MAX_THREADS),
             "moments": (len(session.history.automatic), MAX_KEPT_MOMENTS),
-            "alerts": (len(session.event_log.alerts), MAX_OPEN_ALERTS),
+            "alerts": (len(session.event_log.alerts.open), MAX_OPEN_ALERTS),
             "bytes ahead": (ahead.stat().st_size if ahead.exists() else 0, 2 * MAX_AHEAD_BYTES),
             "files": (len(list(disk.path.parent.iterdir())), 3),
         }

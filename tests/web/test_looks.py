@@ -36,6 +36,7 @@ PAIRS = {
     **{("ordered", ground): TEXT for ground in ("page", "panel", "well", "deep")},
     ("actual", "well"): TEXT,
     ("on-alarm", "alarm"): TEXT,
+    ("warning-ink", "raised"): TEXT,
     ("on-warning", "warning"): TEXT,
     ("on-caution", "caution"): TEXT,
     ("page", "ordered"): TEXT,
@@ -56,6 +57,12 @@ def tokens(palette: str) -> dict[str, str]:
         if "data-palette" not in selector or f'"{palette}"' in selector:
             found |= dict(re.findall(r"--([\w-]+):\s*(#[0-9a-f]{6})", block))
     return found
+
+
+def test_at_night_no_alert_is_brighter_than_the_letters_of_the_page() -> None:
+    night = tokens("night")
+    for ground in ("alarm", "raised"):  # what fills an alarm, and a warning
+        assert contrast(night[ground], night["page"]) < contrast(night["ink"], night["page"]) / 2
 
 
 @pytest.mark.parametrize("palette", PALETTES)

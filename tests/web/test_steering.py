@@ -329,7 +329,10 @@ def test_without_readings_nothing_works_and_all_is_crossed_until_they_are_back(
         expect(page.locator("#state")).to_have_text("RUNNING")
         expect(page.locator(".gauge[data-stale], main [data-control][inert]")).to_have_count(0)
         assert page.evaluate("sent") == []
-        expect(page.locator("alert-bar .alert", has_text="No link")).to_have_count(0)
+        link = page.locator("alert-bar .alert[data-state=rectified]", has_text="No link")
+        expect(link).to_contain_text("over")  # until somebody says that he has seen it
+        link.get_by_role("button").click()
+        expect(link).to_have_count(0)
     angle = put(pages[0], "rudder", "mouse")
     await_truth(instructor, "steering.ordered_rudder", f"{angle:.1f}")
 
@@ -360,6 +363,8 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
     expect(warning).to_contain_text("Rudder off its order")
     assert instructor.ask("clear all")[0]
     step(instructor, 30)
+    expect(warning).to_have_attribute("data-state", "rectified")
+    page.keyboard.press("a")
     expect(alerts).to_have_count(0)
     assert instructor.ask("order course left 90")[0]
     put(page, "rudder", "mouse")

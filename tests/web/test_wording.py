@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import pytest
-from helpers import node, page_orders
+from helpers import node, page_alerts, page_orders
 from helpers.browser import Look
 from helpers.pages import SIZES, Served, served
 from helpers.places import ROOT
@@ -112,6 +112,11 @@ def test_the_pages_know_order_words_from_the_tables_of_the_session() -> None:
     assert page_orders.PAGE.read_text("utf-8") == page_orders.script(), renew
 
 
+def test_the_pages_know_alerts_from_the_table_of_the_session() -> None:
+    renew = "renew: in tests/, python -m helpers.page_alerts"
+    assert page_alerts.PAGE.read_text("utf-8") == page_alerts.script(), renew
+
+
 READ: Final = (  # an order as it is told, which the pages are to read as the session does
     *("at 600 s casualty rudder-stuck", "in 90 s depth 80", "when depth > 60 then bell stop"),
     *("casualty stern-stuck", "clear all", "snapshot before", "branch 2", "replay 90 s"),
@@ -175,20 +180,24 @@ RANKED: Final = """((role) => {
     open.rank(`${number},${rank}`);
     open.raise(9, `${number},${kind},beyond all, ${number} of ${kind}`);
   }
+  open.raise(8, "5,depth,seen before");
+  open.become("5,acknowledged,0.0");
+  open.become("1,rectified,0.0");
   const session = { role, seconds: 10, state: "running", alerts: open, on: () => undefined,
     onFacts: () => undefined, number: (place) => numbers[place] ?? null,
     exercise: { limits: "depth_m_max:140" } };
   const alerts = new Alerts(session, [bankWatch("Bank", "air.main_full")]);
   alerts.look();
-  return alerts.shown.map(({ rank, words, fresh }) => `${rank} ${words}${fresh ? "" : ", seen"}`);
+  return alerts.shown.map(({ rank, words, owed, state }) =>
+    `${owed ? "" : "known: "}${state} ${rank} ${words}`);
 })"""
 
 
 @pytest.mark.parametrize(
     ("role", "limits"),
-    [("planes", ["alarm Beyond the limit: depth at most 140 m"]), ("instructor", [])],
+    [("planes", ["active alarm Beyond the limit: depth at most 140 m"]), ("instructor", [])],
 )
-def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
+def test_what_is_owed_a_look_comes_first_then_rank_then_the_newest(
     role: str, limits: list[str]
 ) -> None:
     """The session tells the instructor of a limit passed; a remark waits for nobody."""
@@ -198,11 +207,11 @@ def test_the_worst_alert_comes_first_then_depth_and_no_situation_is_told_twice(
     shown = evaluated("model/alerts.js", names, code)
 
     assert shown == [
-        "emergency beyond all, 4 of watch",
-        *limits,
-        *("alarm beyond all, 2 of depth", "alarm beyond all, 1 of watch"),
-        *("alarm Pitch beyond 30 degrees", "alarm Bank empty"),
-        "caution beyond all, 3 of watch, seen",
+        "active emergency beyond all, 4 of watch",
+        *("active alarm Pitch beyond 30 degrees", *limits, "active alarm Bank empty"),
+        *("active alarm beyond all, 2 of depth", "rectified alarm beyond all, 1 of watch"),
+        "known: acknowledged warning seen before",
+        "known: active caution beyond all, 3 of watch",
     ]
 
 

@@ -14,7 +14,8 @@ class Rank(Enum):
 
 
 class MonitorCall(NamedTuple):
-    """One call of a monitor."""
+    """One call of a monitor. With a key it holds until the monitor's ``holding`` lacks that key."""
 
     text: str
     rank: Rank = Rank.ALARM
+    key: str = ""  # the name of its alert, with ``: SHIP`` where each ship has its own

@@ -17,6 +17,7 @@ import numpy as np
 
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.limits import is_surfacing, may_surface
 from trainer.config.files import ConfigError
@@ -39,6 +40,9 @@ WATCH_CALLS: Final = (  # [m] above periscope depth, and what the periscope watc
     (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
     (4.0, "Periscope watch: the sail is close below the surface"),
 )
+# of the alerts: all depths beyond test depth are one
+DEPTH_KEYS: Final = ("near test depth", "test depth", "beyond test depth")
+WATCH_KEYS: Final = ("mast out", "sail near the surface")
 GUARD_AHEAD_S: Final = 30.0  # [s] that a guard looks ahead
 GUARD_MARGIN_M: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
 RELEASE_MARGIN_M: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
@@ -173,8 +177,7 @@ class PassedDepth(NamedTuple):
     """
 
     depth: float  # [m]
-    words: str
-    too_deep: bool = False  # beyond test depth
+    call: MonitorCall
 
 
 def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
@@ -229,12 +232,16 @@ def called_depth(test_depth: float, index: int) -> PassedDepth:
     """Return a depth to call and its words, by its index from 0, the shallowest."""
     if index == 0:
         depth = test_depth - FIRST_CALL_M
-        return PassedDepth(depth, f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth")
+        words = f"Passing {depth:g} m, {FIRST_CALL_M:g} m above test depth"
+        return PassedDepth(depth, MonitorCall(words, key=DEPTH_KEYS[0]))
     beyond = CALL_SPACING_M * (index - 1)
     depth = test_depth + beyond
     if index == AT_TEST_DEPTH:
-        return PassedDepth(depth, f"Passing test depth, {depth:g} m")
-    return PassedDepth(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth", too_deep=True)
+        return PassedDepth(
+            depth, MonitorCall(f"Passing test depth, {depth:g} m", key=DEPTH_KEYS[1])
+        )
+    words = f"Passing {depth:g} m, {beyond:g} m beyond test depth"
+    return PassedDepth(depth, MonitorCall(words, Rank.EMERGENCY, DEPTH_KEYS[2]))
 
 
 @dataclass
@@ -271,6 +278,11 @@ class DepthMonitor:
         None if there is nothing to call.
         """
         return self._look_down(boat) or self._look_out(boat)
+
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        return {*DEPTH_KEYS[: self.passed], *WATCH_KEYS[: self.seen]}
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -318,7 +330,8 @@ class DepthMonitor:
         self.seen = max(
             high, min(before, sum(now < depth - above + RECALL_SINK_M for above, _ in WATCH_CALLS))
         )
-        return PassedDepth(now, WATCH_CALLS[high - 1][1]) if high > before else None
+        call = MonitorCall(WATCH_CALLS[high - 1][1], key=WATCH_KEYS[high - 1])
+        return PassedDepth(now, call) if high > before else None
 
     def _look_down(self, boat: Boat) -> PassedDepth | None:
         """Return the deepest depth passed since the last look, None if none was."""

@@ -22,6 +22,7 @@ from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT
 
 BOTTOM_NAMES: Final = tuple(f"bottom[{row},{i}]" for row in range(3) for i in range(SOUNDING_COUNT))
+BEYOND_KEY: Final = "beyond the chart"  # of an alert
 # beside those of conditions and motion
 STATE_NAMES: Final = (*BOTTOM_NAMES, "bottom_load", "aground")
 # As docs/world.md has it (Aground). The speeds, the pitch and the loads are estimates.
@@ -93,6 +94,7 @@ class GroundCall(NamedTuple):
     text: str
     aground: bool = False  # it was not meant, or not done well
     how: str = ""  # what the exercise then does: a word of GROUNDINGS
+    key: str = "aground"  # of its alert
 
 
 @dataclass
@@ -132,6 +134,12 @@ class GroundMonitor:
             calls += self._lying() if self.down_since is not None else self._aground(bottom)
         return [call._replace(how=bottom.grounding) for call in calls]
 
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        beyond = {BEYOND_KEY} if self.beyond else set()
+        return beyond if self.down_since is None else beyond | {"aground"}
+
     def quiet_ticks(self, _boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
         bottom = self.bottom
@@ -156,7 +164,9 @@ class GroundMonitor:
     def _edge(self, bottom: Bottom) -> list[GroundCall]:
         was, self.beyond = self.beyond, not self._charted(bottom)
         if self.beyond and not was:
-            return [GroundCall("BEYOND THE CHART: the ground is taken as at its edge")]
+            return [
+                GroundCall("BEYOND THE CHART: the ground is taken as at its edge", key=BEYOND_KEY)
+            ]
         return []
 
     def _afloat(self) -> None:

@@ -139,6 +139,7 @@ class LimitMonitor:
     limits: ExerciseLimits = field(default_factory=ExerciseLimits)
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
+    shown: str = ""  # as which alert
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     validity: int = 0  # the worst since the boat was last inside the equations' range for long
     inside_since: float = 0.0  # [s]
@@ -199,7 +200,7 @@ class LimitMonitor:
             elif name not in self.beyond:
                 self.beyond.add(name)
                 said = LIMIT_WORDS[name].format(limit)
-                news.append((said, MonitorCall(f"LIMIT: {said}")))
+                news.append((said, MonitorCall(f"LIMIT: {said}", key=name)))
         return news
 
     def _value(self, boat: Boat, key: str) -> float:
@@ -209,6 +210,14 @@ class LimitMonitor:
         if key == "cpa_m":
             return self.encounters.nearest[1]
         return float(LIMIT_READERS[key](lambda name: boat.plain[STATE_OFFSETS[name]]))
+
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        remarks = {RANGE_WORDS[self.validity]: self.validity > 0, self.shown: self.shows}
+        remarks |= {FOLLOWING_SEA_TEXT: self.followed, MAST_SPEED_TEXT: self.shaken}
+        hold = {key for key, holds in remarks.items() if holds}
+        return hold | self.beyond | self.encounters.holding
 
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
@@ -284,7 +293,8 @@ class LimitMonitor:
             return []
         self.validity = now
         said = RANGE_WORDS[now]
-        return [(said, MonitorCall(f"{said.upper()}: {RANGE_REASONS[now]}", RANGE_RANKS[now]))]
+        text = f"{said.upper()}: {RANGE_REASONS[now]}"
+        return [(said, MonitorCall(text, RANGE_RANKS[now], said))]
 
     def _following_sea(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""
@@ -301,7 +311,7 @@ class LimitMonitor:
             f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
             'bands; a sea with generator = "cosines" does not'
         )
-        return [(FOLLOWING_SEA_TEXT, MonitorCall(said, Rank.CAUTION))]
+        return [(FOLLOWING_SEA_TEXT, MonitorCall(said, Rank.CAUTION, FOLLOWING_SEA_TEXT))]
 
     def _shaking_mast(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that the mast is out at a speed that it does not stand, if that is news."""
@@ -315,7 +325,7 @@ class LimitMonitor:
             return []
         self.shaken = True
         said = f"MAST SHAKES: {scope.too_fast(speed)}; nothing can be measured"
-        return [(MAST_SPEED_TEXT, MonitorCall(said, Rank.WARNING))]
+        return [(MAST_SPEED_TEXT, MonitorCall(said, Rank.WARNING, MAST_SPEED_TEXT))]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, MonitorCall]]:
         """Return that sail or deck has come out of the sea, if it has."""
@@ -326,12 +336,12 @@ class LimitMonitor:
         if self.shows or height <= 0.0:
             self.shows = self.shows and height > -RECALL_COVER_M
             return []
-        self.shows = True
-        if is_surfacing(boat):
-            return [
-                ("surfaced", MonitorCall("surfaced: the boat shows above the sea", Rank.CAUTION))
-            ]
-        return [("broached", MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea"))]
+        self.shows, self.shown = True, "surfaced" if is_surfacing(boat) else "broached"
+        call = MonitorCall(f"BROACHED: the boat shows {height:.1f} m above the sea", key=self.shown)
+        if self.shown == "surfaced":
+            text = "surfaced: the boat shows above the sea"
+            call = MonitorCall(text, Rank.CAUTION, self.shown)
+        return [(self.shown, call)]
 
     def account(self) -> str:
         """Return how often each has happened, in words."""

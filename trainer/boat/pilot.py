@@ -143,6 +143,11 @@ class TailMonitor:
 
     lacking: dict[str, float] = field(default_factory=dict)  # [s] when each was last seen to
 
+    def holding(self, now: float) -> set[str]:
+        """Return the keys of the alerts called that hold still at a time [s]."""
+        lately = (name for name, last in self.lacking.items() if now - last <= LACK_RECALL_S)
+        return {f"{name} short on the X-tail" for name in lately}
+
     def may_lack(self, boat: Boat, flown: FlownTicks) -> Mask:
         """Return at which ticks the surfaces stand so far that one may lack something."""
         c = boat.vessel
@@ -175,6 +180,7 @@ class EngineMonitor:
     """The watch on an engine that cannot turn what is ordered."""
 
     limited: float = -math.inf  # [s] when it was so last
+    stands: bool = False  # it was so within LACK_RECALL_S
 
     def may_lack(self, boat: Boat, flown: FlownTicks) -> Mask:
         """Return at which ticks there is something to say."""
@@ -183,7 +189,7 @@ class EngineMonitor:
         limited = was_limited(boat, flown)
         before = np.append(self.limited, np.where(limited, flown.times, -math.inf)[:-1])
         again: Mask = flown.times - np.maximum.accumulate(before) > LACK_RECALL_S
-        return limited & again
+        return again & (limited | self.stands)
 
     def pass_over(self, boat: Boat, flown: FlownTicks) -> None:
         """Take these ticks as seen, in which there was nothing to say."""
@@ -193,6 +199,7 @@ class EngineMonitor:
     def look(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what there is to say after a tick, by names for the account."""
         limit = engine_limit(boat)
+        self.stands = bool(limit) or boat.time - self.limited <= LACK_RECALL_S
         if not limit:
             return []
         last, self.limited = self.limited, boat.time
@@ -236,15 +243,24 @@ class PilotMonitor:
         shared = self.tail.look(boat) + self.engine.look(boat)
         for name, _ in shared:
             self.times.setdefault(name, []).append(boat.time)
-        calls = [MonitorCall(words, Rank.WARNING) for _, words in shared] + self._news(boat)
+        calls = [
+            MonitorCall(words, Rank.WARNING, name.partition(" by ")[0]) for name, words in shared
+        ]
+        calls += self._news(boat)
         if not calls:
             return []
         now = f"tick {boat.ticks} ({boat.time:g} s)"
         return [call._replace(text=f"{now}: {call.text}") for call in calls]
 
+    def holding(self, now: float) -> set[str]:
+        """Return the keys of the alerts called that hold still at a time [s]."""
+        engine = {"engine limited"} if self.engine.stands else set()
+        return self.given_up | self.tail.holding(now) | engine
+
     def quiet_ticks(self, boat: Boat, flown: FlownTicks) -> int:
         """Return after how many ticks there may be something to call, or all of them."""
-        if self.given_up or self.rising:
+        begun = float(flown.times[0]) - boat.method.step if len(flown) else boat.time
+        if self.given_up or self.rising or self.tail.holding(begun):
             return 0
         mask = flown["hover_lost"] != 0.0
         mask |= (flown["speed_short"] > MIN_LACK_TIME_S) | (flown["ascent"] != NO_ASCENT)
@@ -274,7 +290,7 @@ class PilotMonitor:
         calls = []
         for name in sorted(now - self.given_up):
             rank = Rank.CAUTION if name in REMARK_NAMES else Rank.WARNING
-            calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank))
+            calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank, name))
             self.times.setdefault(name, []).append(boat.time)
         if rose and boat.plain[ASCENT_OFFSET] == NO_ASCENT:
             kept = round(float(boat.state.ordered_depth), 1)

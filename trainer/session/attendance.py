@@ -139,6 +139,7 @@ class Attendance:
             self.log.note(station, self.evaluation.facts)
             self.evaluation.hand_over()
         self.log.note_alerts(station)
+        self.log.tell_duties()
 
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
         """Return the facts of the exercise at this moment, as keys and values."""
@@ -160,6 +161,7 @@ class Attendance:
             return  # a line that the run was begun with is there to its end
         station.leave()
         self.log.stations.remove(station)
+        self.log.tell_duties()
         tell = self.log.tell if station.settled else self.log.strangers.log
         tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(CLOSE_TIMEOUT_S,), daemon=True).start()

@@ -14,6 +14,7 @@
    and plans must not undo. The news comes after them, because it tells programs the branches before
    they hear of the jump. Last comes what a branch has to have in its journal for its marks.
 5. **Judged** (``conduct``). The moment may be the end of an exercise, or the boat lost there.
+   Then stations are told all alerts that hold there.
 6. **Shown, and told** by who asked. News has a fact ``back``, by which programs forget as well.
 
 ``Follower.follow`` alone takes an object back, and it is always told the moment gone to. It does
@@ -68,6 +69,7 @@ def follow_jump(session: Parts) -> None:
     for follower in followers(session):
         follower.follow(moment)
     session.conduct.judge_moment()
+    session.event_log.take_up(session.holding())
 
 
 def jump_to(session: Parts, moment: Moment, why: str) -> None:

@@ -76,6 +76,12 @@ class Parts:
         self.shown.seen = self.evaluate_frozen
         self.standing = StandRecord(self.crew, self.agenda, self.history)
 
+    def holding(self) -> set[str]:
+        """Return the keys of all alerts called that hold still."""
+        monitors, hull = self.monitors, self.conduct.hull
+        known = monitors.limits.holding | monitors.depths.holding | hull.holding
+        return known | monitors.pilot.holding(self.boat.time)
+
     def evaluate_frozen(self) -> None:
         """Have the present moment evaluated if time stands still there."""
         if self.time.frozen:

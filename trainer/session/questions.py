@@ -43,6 +43,9 @@ class Questions:
             "snapshots": self._snapshots,
             "mark": self._mark,
             "ack": self._acknowledge,
+            "alerts": lambda asked: LongAnswer(
+                self.log.account_alerts(asked.station) or ["no alerts"]
+            ),
         }
 
     def _status(self, asked: Request) -> LongAnswer:
@@ -80,9 +83,11 @@ class Questions:
         return f"snapshots: {', '.join(names) or 'none by name'}; backtrack reaches any tick"
 
     def _acknowledge(self, asked: Request) -> Reply:
-        own = bool(asked.order.subject)  # named, and not numbered: a page's own
-        take = self.log.note_own_alert if own else self.log.acknowledge
-        return take(asked.order, asked.station)
+        order = asked.order
+        if order.subject:  # named, and not numbered: a page's own
+            return self.log.note_own_alert(order, asked.station)
+        take = self.log.silence if order.word == "silent" else self.log.acknowledge
+        return take(order, asked.station)
 
     def _mark(self, asked: Request) -> Reply:
         """Mark this moment. The mark is in the file before the answer goes out."""

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Final
 
 from trainer.boat.boat import TICK_OFFSET
-from trainer.boat.calls import Rank
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
@@ -73,6 +72,7 @@ class Session(Parts):
         self._write_row()
         self.conduct.guide.follow(self.history.now())  # of a lesson that goes on
         self.conduct.judge_moment()  # a recorded run may have ended in a collapse, or be over
+        self.event_log.take_up(self.holding())
         self.dispatch.answer_left_orders()
         if any(self.history.flown.due_of_schedule(self.agenda.schedule)):
             self.shown.show()  # the moment as it is recorded, before what is ordered in it
@@ -185,13 +185,13 @@ class Session(Parts):
         flown.keep_row(self._write_row)
         self.shown.show_tick(tick, state)
         for call in self.monitors.limits.look(self.boat):
-            self.event_log.alert("watch", call.text, rank=call.rank)
+            self.event_log.alert("watch", call)
         for call in self.monitors.pilot.look(self.boat):
-            self.event_log.alert("pilot", call.text, rank=call.rank)
+            self.event_log.alert("pilot", call)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
-            rank = Rank.EMERGENCY if passed.too_deep else Rank.ALARM
-            self.conduct.hull.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"), rank)
+            self.conduct.hull.tell_depth(passed.call, Fact("depth", f"{passed.depth:g}"))
         self.conduct.judge_tick(self.monitors.limits.encounters)
+        self.event_log.settle(self.holding())
         self.evaluation.look()
         self.dispatch.tell_plans()
         if tick >= self.crew.due:

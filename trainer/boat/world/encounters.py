@@ -145,6 +145,9 @@ def passing_range(start: ShipMotion, end: ShipMotion, before: Pose, now: Pose) -
     return math.sqrt(north * north + east * east)
 
 
+Named = tuple[str, str]  # a ship, and what is called of it
+
+
 @dataclass
 class EncounterMonitor:
     """The watch on ships that come near: what is called, and the least ranges."""
@@ -201,8 +204,15 @@ class EncounterMonitor:
         if not (struck or near):
             return []
         now_text = f"tick {tick} ({boat.time:g} s)"
-        calls = [MonitorCall(f"{now_text}: {text}", Rank.EMERGENCY) for text in struck]
-        return calls + [MonitorCall(f"{now_text}: {text}") for text in near]
+        calls = [MonitorCall(text, Rank.EMERGENCY, f"collision: {name}") for name, text in struck]
+        calls += [MonitorCall(text, key=f"approach: {name}") for name, text in near]
+        return [call._replace(text=f"{now_text}: {call.text}") for call in calls]
+
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        touching = {f"collision: {name}" for name in self.touching}
+        return touching | {f"approach: {name}" for name in self.called}
 
     def ranges(self, flown: TickColumns) -> Numbers:
         """Return the least ranges [m] of the ships at some ticks, a row each."""
@@ -281,8 +291,8 @@ class EncounterMonitor:
         self._past = [*self._past, *(Pose(*row) for row in poses.tolist())][-len(self._past) :]
         self._pose = self._past[-1]
 
-    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[str]:
-        """Keep each ship's least range in the step to a tick. Return new collisions."""
+    def step(self, contacts: Contacts, tick: int, before: Pose, now: Pose) -> list[Named]:
+        """Keep each ship's least range in the step to a tick. Return new collisions by ship."""
         self.struck, self.nearest = "", ("", math.inf)
         fleet, hull, closest = contacts.fleet(tick - 1), self.hull, self.closest
         depth, struck = min(before.depth, now.depth), set()
@@ -302,12 +312,14 @@ class EncounterMonitor:
         # a collision is news once, until the hulls part
         new = struck - self.touching
         self.struck, self.touching = min(new, default=""), struck
-        return sorted(f"COLLISION with {name}, a {fleet.ships[name].kind}" for name in new)
+        return [
+            (name, f"COLLISION with {name}, a {fleet.ships[name].kind}") for name in sorted(new)
+        ]
 
     def _calls(
         self, boat: Any, ships: Sequence[Ship], motions: Sequence[ShipMotion], now: Pose
-    ) -> list[str]:
-        """Return each closest approach that is to be called now."""
+    ) -> list[Named]:
+        """Return each closest approach that is to be called now, by its ship."""
         rules, soon = self.rules, []
         own_north, own_east, turning = self._mean_motion(boat, now)
         speed, own = math.hypot(own_north, own_east), None
@@ -345,7 +357,7 @@ class EncounterMonitor:
             change = math.inf if before is None else abs(plot.closest - before)
             if change > RECALL_CHANGE_SHARE * rules.cpa_m:
                 self.called[ship.name] = plot.closest
-                news.append(_call(ship, plot))
+                news.append((ship.name, _call(ship, plot)))
         return news
 
     def _forget(self, over: list[str], time: float) -> None:

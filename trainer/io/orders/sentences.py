@@ -84,6 +84,8 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "rate": "orders that wait beyond: `second=20`, or given at once `once=100`",
     "alert": "the number of an alert, its kind and its words, after commas",
     "alert-rank": "the number of the next alert, then emergency, alarm, warning or caution",
+    "alerts": "how many alerts are open: as many follow, and those told before hold no more",
+    "alert-state": "number of an alert, state, silence left [s], `you` or who answers, its name",
     "ack": "the number of an alert that somebody has seen",
     "own-alert": "an alert of a page's own: its name, `seen`, `silent` or `over`, for how long [s]",
     "over": "nothing: the session has ended",

@@ -276,8 +276,9 @@ SESSION_TOPICS: Final = (
     Topic("mark good recovery | what if blow all", "a remark; marks with it", (
         question("mark", control=REMARKS_CONTROL, in_page=True),
         question("what-if", in_replay=False, after_end=False))),
-    Topic("log 20 | ack 3 | ack all", "what has happened; alerts seen", (
+    Topic("log 20 | alerts | ack 3", "what has happened; alerts seen", (
         question("log", control=COMMON_CONTROL, in_page=True),
+        question("alerts", control=COMMON_CONTROL),
         question("ack", control=COMMON_CONTROL))),
     Topic("briefing", "what the exercise is about", (
         question("briefing", control=COMMON_CONTROL),)),

@@ -8,7 +8,7 @@ cannot go on, whatever the exercise says.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from trainer.boat.calls import Rank
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.depths import collapse_of, hull_depth
 from trainer.boat.grounding import GroundCall, GroundMonitor
 from trainer.boat.world.encounters import EncounterMonitor
@@ -41,24 +41,32 @@ class HullWatch:
         if not control.failure and (collapse := collapse_of(control.boat)):
             control.failure = collapse
             fact = Fact("collapse", f"{hull_depth(control.boat):.1f}")
-            self.tell_depth(collapse, fact, Rank.EMERGENCY)
+            self.tell_depth(MonitorCall(collapse, Rank.EMERGENCY, "collapse"), fact)
 
     def tell_ground(self) -> list[GroundCall]:
         """Announce contact with the ground; return the calls."""
         calls = list(self.ground.look()) if self.ground.bottom else []
         for call in calls:
-            self.tell_depth(call.text, rank=Rank.ALARM if call.aground else Rank.CAUTION)
+            rank = Rank.ALARM if call.aground else Rank.CAUTION
+            self.tell_depth(MonitorCall(call.text, rank, call.key))
         return calls
+
+    @property
+    def holding(self) -> set[str]:
+        """Return the keys of the alerts called that hold still."""
+        collapse = {"collapse"} if collapse_of(self.control.boat) else set()
+        return self.ground.holding | collapse
 
     def collide(self, met: EncounterMonitor) -> None:
         """Freeze or end after a collision, as the exercise says."""
         if met.struck:
             self._halt(f"collision with {met.struck}", met.rules.collision)
 
-    def tell_depth(self, words: str, fact: Fact | None = None, rank: Rank = Rank.ALARM) -> None:
-        """Announce a depth that was reached, with its tick and its rank."""
+    def tell_depth(self, call: MonitorCall, fact: Fact | None = None) -> None:
+        """Announce a depth that was reached, with its tick."""
         boat = self.control.boat
-        self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact, rank)
+        text = f"tick {boat.ticks} ({boat.time:g} s): {call.text}"
+        self.log.alert("depth", call._replace(text=text), fact)
 
     def follow(self, _moment: Moment) -> None:
         """Forget a halt and groundings, because time has jumped."""

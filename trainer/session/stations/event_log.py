@@ -6,19 +6,23 @@ words for people and, for programs, a fact: no program has to read the words.
 """
 
 import contextlib
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
-from trainer.boat.calls import Rank
+from trainer.boat.calls import MonitorCall, Rank
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.status_line import clock
 from trainer.session.past.history import History
-from trainer.session.stations.own_alerts import OwnAlerts
+from trainer.session.stations.alert_table import alert_row
+from trainer.session.stations.alerts import REMARK_S, Alert, AlertBook, Instant
+from trainer.session.stations.own_alerts import SILENCE_S, OwnAlerts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
 
@@ -27,7 +31,7 @@ MARK: Final = "mark"  # the kind of a remark that somebody makes by the order ``
 CREW_KIND: Final = "crew"  # the kind of orders to the crew, of repeats and of reports
 # facts of the crew's talk whose news is of another kind than CREW_KIND
 SPOKEN_FACTS: Final = ("wrong-way", "exercise", "report")
-MAX_OPEN_ALERTS: Final = 100  # alerts at most that wait to be seen
+MAX_LISTED_ALERTS: Final = 20  # that are over, of the order `alerts`
 UNSAFE_TEXT: Final = "should the power go, the last orders would be lost; they act and are recorded"
 SAFE_TEXT: Final = "what was ordered is safe should the power go"
 
@@ -48,12 +52,10 @@ class EventLog:
     news: deque[News] = field(default_factory=lambda: deque(maxlen=MAX_KEPT_EVENTS))
     heard: Station | None = None  # who is listened to
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
-    alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
-    ranks: dict[int, Rank] = field(default_factory=dict)  # of the alerts, by their numbers
+    alerts: AlertBook = field(default_factory=AlertBook)
     own_alerts: OwnAlerts = field(default_factory=OwnAlerts)  # of the pages
     unrecorded: str = ""  # why nothing more is recorded, once that has been announced
     unsafe: bool = False  # it was announced that the disk is behind
-    _alert: int = 0  # the number of the last
     _counts: dict[int, list[dict[str, list[float]]]] = field(default_factory=dict)  # by branch
     _branch: int = field(init=False)  # as it was when last looked at
     strangers: CrowdLog = field(init=False)  # of all who have not said for good who they are
@@ -89,40 +91,102 @@ class EventLog:
             hear(news)
         self._spread(news, by)
 
-    def alert(
-        self, kind: str, text: str, fact: Fact | None = None, rank: Rank = Rank.ALARM
-    ) -> None:
-        """Send news that somebody has to see, with a number by which it is acknowledged.
+    def alert(self, kind: str, call: MonitorCall, fact: Fact | None = None) -> None:
+        """Raise an alert: news with a number by which it is acknowledged.
 
-        A caution goes by itself: it is neither kept open nor acknowledged.
+        It is kept for as long as its condition holds, or somebody owes it a look.
         """
-        self._alert += 1
-        opens = rank is not Rank.CAUTION
-        branch = self.history.recording.branch
-        news = News(self.history.tick, self.history.boat.time, kind, text, fact, branch=branch)
-        self.history.recording.event(news.tick, kind, "", text)
-        if opens:
-            self.alerts[self._alert], self.ranks[self._alert] = news, rank
-        for kept in (self.alerts, self.ranks):
-            kept.pop(self._alert - MAX_OPEN_ALERTS, None)
+        for alert in [*self.alerts.supersede(call.key, self._now)]:
+            self._tell_state(alert)
+        alert = self.alerts.add(kind, call, self._now)
+        news = self._news_of(alert)._replace(fact=fact, branch=alert.raised.branch)
+        self.history.recording.event(news.tick, kind, "", news.text)
         for hear in self.hearers:  # they get it as it is recorded, without the alert's number
             hear(news)
-        self._spread(news._replace(text=f"{text} [{self._alert}]") if opens else news, None)
-        for each in self._numbered(self._alert, news, rank):
-            self._note(each)
+        number = "" if alert.rank is Rank.CAUTION else f" [{alert.number}]"
+        self._spread(news._replace(text=f"{news.text}{number}"), None)
+        for station in self.stations:
+            self._note_alert(station, alert)
+
+    def settle(self, holding: set[str]) -> None:
+        """Tell which alerts are over, by the keys of those that hold after a tick."""
+        remark_ticks = self.history.boat.ticks_in(REMARK_S)
+        for alert in [*self.alerts.end(holding, self._now, remark_ticks)]:
+            if alert.rank is not Rank.CAUTION:
+                self.tell(alert.settled_kind, f"alert {alert.number} over: {alert.words}")
+            self._tell_state(alert)
+
+    def take_up(self, holding: set[str]) -> None:
+        """Tell programs all alerts of a moment to which nobody has flown.
+
+        What holds there and is not known is raised without news: it has not happened just now.
+        """
+        for key in sorted(holding - self.alerts.keys):
+            row = alert_row(key)
+            call = MonitorCall(f"{row.title}: {row.begins}", row.rank, key)
+            self.alerts.add(row.kind, call, self._now)
+        for station in self.stations:
+            self.note_alerts(station)
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Mark one alert as seen, or all that ``by`` hears of. Tell the others."""
-        known = {n: news for n, news in self.alerts.items() if hears_kind(by.role, news.kind)}
-        wanted = list(known) if order.word == "all" else [int(order.value)]
-        if not set(wanted) <= set(known) or not wanted:
-            numbers = ", ".join(map(str, known)) or "none"
+        """Mark one alert as seen; an instructor may all that are his. Tell the others."""
+        heard = {a.number: a for a in self._heard_by(by) if a.owed}
+        if order.word == "all" and by.role is not INSTRUCTOR_ROLE and heard:
+            each = "; ".join(f"ack {number}" for number in heard)
+            return Refused(f"each alert is acknowledged by itself: {each}")
+        mine = [n for n, alert in heard.items() if not self._answerers(alert, by)]
+        wanted = mine if order.word == "all" else [int(order.value)]
+        found = self.alerts.open.get(wanted[0]) if wanted else None
+        if found is None or found not in self._heard_by(by) or not (found.owed or found.calls):
+            numbers = ", ".join(map(str, heard)) or "none"
             return Refused(f"no such alert is open here; there is {numbers}")
+        silence = f"ack silent {wanted[0]}"
+        if found.rank is Rank.EMERGENCY:
+            return Refused(f"an emergency takes no acknowledgement: {silence}")
+        if others := self._answerers(found, by):
+            return Refused(f"{' or '.join(others)} acknowledges it; here only {silence}")
         for number in wanted:
-            seen = self.alerts.pop(number)
-            saying = Saying(by.role.name, f"alert {number} seen")
-            self.tell(seen.kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
+            alert = self.alerts.see(heard[number], by.role.name, self._now)
+            saying = Saying(by.role.name, f"alert {number} seen: {alert.words}")
+            self.tell(alert.settled_kind, ": ".join(saying), by, Fact("ack", str(number)), saying)
+            self._tell_state(alert)
         return f"seen: {', '.join(map(str, wanted))}"
+
+    def _heard_by(self, station: Station) -> list[Alert]:
+        """Return the open alerts that a station hears of, in the order of the list."""
+        return [each for each in self.alerts.listed if hears_kind(station.role, each.kind)]
+
+    def _answerers(self, alert: Alert, station: Station) -> list[str]:
+        """Return the roles that acknowledge an alert in place of a station, none if it may."""
+        manned = [role for role in alert_row(alert.key).roles if self.attended(role)]
+        return [] if station.role.name in (TRAINEE, *manned) else manned
+
+    def account_alerts(self, station: Station) -> list[str]:
+        """Return the open alerts in words; to an instructor also the last that are over."""
+        role = station.role.name
+        lines = [
+            alert.account(silent=self.own_alerts.silent_for(str(alert.number), role) > 0.0)
+            for alert in self._heard_by(station)
+        ]
+        past = [*self.alerts.past] if station.role is INSTRUCTOR_ROLE else []
+        return lines + [
+            alert.account(silent=False) for alert in past[: -MAX_LISTED_ALERTS - 1 : -1]
+        ]
+
+    def tell_duties(self) -> None:
+        """Tell programs who acknowledges the alerts now, because a station has come or gone."""
+        for alert in self.alerts.open.values():
+            self._tell_state(alert)
+
+    def silence(self, order: Order, by: Station) -> Reply:
+        """Silence an alert, or one of a page's own, at a station for a while."""
+        number = int(order.value)
+        alert = self.alerts.open.get(number)
+        if alert is None or not alert.calls or not hears_kind(by.role, alert.kind):
+            return Refused(f"no alert {number} sounds here")
+        self.own_alerts.silence(str(number), by.role.name, self.history.tick)
+        self._tell_state(alert)
+        return f"alert {number} is silent here for {SILENCE_S:g} s"
 
     def note_own_alert(self, order: Order, by: Station) -> Reply:
         """Note what a page says of an alert of its own. Tell the other pages of its role."""
@@ -134,7 +198,14 @@ class EventLog:
 
     def follow(self, moment: Moment) -> None:
         """Forget alerts and counts later than a moment to which time has jumped."""
-        self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= moment.tick}
+        ends: dict[int, float] = {}
+        with contextlib.suppress(RecordingError):
+            ends = self.history.ends()
+        self.alerts.follow(
+            lambda when: (
+                when.tick <= min(moment.tick, ends.get(when.branch, -1 if ends else math.inf))
+            )
+        )
         self.own_alerts.follow(moment)
         left_branch, self._branch = self._branch, self.history.recording.branch
         self._counts[left_branch] = [each.times for each in self.counters]
@@ -168,26 +239,46 @@ class EventLog:
                 station.note(News(tick, tick * step, CREW_KIND, "", fact))
 
     def note_alerts(self, station: Station) -> None:
-        """Send a program the alerts not acknowledged yet, and what was seen of its own."""
+        """Send a program all alerts that are open, and what was seen of its own."""
         step = self.history.boat.method.step
         for tick, fact in self.own_alerts.standing(station.role.name):
             station.note(News(tick, tick * step, "exercise", "", fact))
-        for number, news in self.alerts.items():
-            if hears_kind(station.role, news.kind):
-                for each in self._numbered(number, news, self.ranks[number]):
-                    station.note(each)
+        heard = self._heard_by(station)
+        self.note(station, [Fact("alerts", str(len(heard)))])
+        for alert in heard:
+            self._note_alert(station, alert)
 
-    def _numbered(self, number: int, news: News, rank: Rank) -> tuple[News, News]:
-        """Return two news for programs: an alert's rank, and its number with its text."""
-        ranked = Fact("alert-rank", f"{number},{rank.value}")
-        alert = Fact("alert", f"{number},{news.kind},{news.text}")
-        return news._replace(fact=ranked), news._replace(fact=alert)
+    @property
+    def _now(self) -> Instant:
+        history = self.history
+        return Instant(history.recording.branch, history.tick, history.boat.time)
 
-    def _note(self, news: News) -> None:
-        """Send programs one more fact about news that they have."""
+    def _news_of(self, alert: Alert) -> News:
+        return News(alert.raised.tick, alert.raised.seconds, alert.kind, alert.text)
+
+    def _note_alert(self, station: Station, alert: Alert) -> None:
+        """Send a program an alert: its rank, its number with its text, and its state."""
+        if not hears_kind(station.role, alert.kind):
+            return
+        news, number = self._news_of(alert), alert.number
+        facts = [Fact("alert-rank", f"{number},{alert.rank.value}")]
+        facts += [Fact("alert", f"{number},{alert.kind},{alert.text}")]
+        facts += [Fact("ack", str(number))] * (alert.seen is not None)
+        for fact in (*facts, self._state_of(alert, station)):
+            station.note(news._replace(fact=fact))
+
+    def _tell_state(self, alert: Alert) -> None:
+        """Send programs what has become of an alert."""
         for station in self.stations:
-            if hears_kind(station.role, news.kind):
-                station.note(news)
+            if hears_kind(station.role, alert.kind):
+                self.note(station, [self._state_of(alert, station)])
+
+    def _state_of(self, alert: Alert, station: Station) -> Fact:
+        left = self.own_alerts.silent_for(str(alert.number), station.role.name)
+        state = alert.state(silent=left > 0.0)
+        duty = " ".join(self._answerers(alert, station)) or "you"
+        fields = str(alert.number), state.value, f"{left:.1f}", duty, alert.key.partition(":")[0]
+        return Fact("alert-state", ",".join(fields))
 
     def _spread(self, news: News, by: Station | None) -> None:
         """Keep news for latecomers, and send it to all; ``by`` gets only the fact.

@@ -49,6 +49,16 @@ class OwnAlerts:
             del kept[oldest]
         return said.fact(name)
 
+    def silence(self, name: str, role: str, tick: int) -> None:
+        """Keep that an alert of that name is silent for a while."""
+        silent = SeenAlert(SILENT, tick, time.monotonic() + SILENCE_S)
+        self.by_role.setdefault(role, {})[name] = silent
+
+    def silent_for(self, name: str, role: str) -> float:
+        """Return how long [s] an alert is silent still, 0 for one that is not."""
+        said = self.by_role.get(role, {}).get(name)
+        return max(said.due - time.monotonic(), 0.0) if said and said.word == SILENT else 0.0
+
     def standing(self, role: str) -> list[tuple[int, Fact]]:
         """Return what stands for a page that comes to a role, each with its tick."""
         now, kept = time.monotonic(), self.by_role.get(role, {})

@@ -42,6 +42,7 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
         "test depth near, passed and beyond; the hull's collapse; the ground",
         ALL_ROLES,
     ),
+    "alert": ("an alert acknowledged, or over", ALL_ROLES),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }

@@ -24,6 +24,8 @@ const RANK_WORDS = {
   warning: say("warning"),
   caution: say("caution"),
 };
+/** @type {Partial<Record<import("./model/alerts.js").State, string>>} beside the words of an alert; the key has the others */
+const STATE_WORDS = { silenced: say("silenced"), rectified: say("over") };
 const URGENT = 2; // of the four ranks, the first ones, which interrupt a screen reader
 
 export class AlertBar extends HTMLElement {
@@ -85,14 +87,15 @@ export class AlertBar extends HTMLElement {
     const { alerts, bell, count, hush, list, worst } = this;
     if (!alerts) return;
     const { shown } = alerts;
-    const fresh = shown.filter((each) => each.fresh);
-    write(count, String(fresh.length));
-    bell.setAttribute("aria-label", say("Alerts: {0} new of {1}", fresh.length, shown.length));
-    bell.toggleAttribute("data-new", fresh.length > 0);
-    hush.toggleAttribute("disabled", fresh.every((each) => each.rank === "caution"));
-    const urgent = fresh.some((each) => RANKS.indexOf(each.rank) < URGENT);
+    const owed = shown.filter((each) => each.owed);
+    const sounding = owed.filter((each) => each.state === "active");
+    write(count, String(owed.length));
+    bell.setAttribute("aria-label", say("Alerts: {0} new of {1}", owed.length, shown.length));
+    bell.toggleAttribute("data-new", owed.length > 0);
+    hush.toggleAttribute("disabled", !sounding.length);
+    const urgent = sounding.some((each) => RANKS.indexOf(each.rank) < URGENT);
     worst.setAttribute("aria-live", urgent ? "assertive" : "polite");
-    this.fill(worst, this.isOpen ? [] : shown.slice(0, 1), "span");
+    this.fill(worst, this.isOpen ? [] : [...sounding, ...shown].slice(0, 1), "span");
     this.fill(list, this.isOpen ? shown : [], "li");
     if (this.isOpen && !shown.length) list.replaceChildren(html("li", { class: "none" }, say("No alerts.")));
   }
@@ -104,7 +107,7 @@ export class AlertBar extends HTMLElement {
    * @param {string} name of an entry's element
    */
   fill(place, shown, name) {
-    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.fresh]));
+    const now = JSON.stringify(shown.map((each) => [each.key, each.words, each.state, each.by]));
     if (place.dataset.shown !== now) {
       const held = place.contains(document.activeElement) && document.activeElement?.closest(".alert");
       place.dataset.shown = now;
@@ -122,22 +125,29 @@ export class AlertBar extends HTMLElement {
 
   /** @param {Shown} alert @param {string} name of its element */
   entry(alert, name) {
+    const { by, owed, rank, state } = alert;
     const seen = () => this.alerts?.acknowledge(alert);
     const key = html("button", { type: "button", class: "seen", click: seen }, ...said(TICK, say("Acknowledge")));
     return html(
       name,
-      { class: "alert", "data-key": alert.key, "data-rank": alert.rank, "data-new": alert.fresh },
-      alert.fresh ? key : html("span", { class: "seen" }, alert.rank === "caution" ? "" : say("seen")),
+      { class: "alert", "data-key": alert.key, "data-rank": rank, "data-state": state, "data-new": owed && state !== "rectified" },
+      owed && !by && rank !== "emergency" ? key : html("span", { class: "seen" }, this.answer(alert)),
       svg(
         "svg",
         { viewBox: "0 0 24 24", class: "icon", "aria-hidden": "true" },
-        svg("path", { d: SHAPES[alert.rank] }),
+        svg("path", { d: SHAPES[rank] }),
         svg("path", { d: "M12 8v7M12 18.5v.1", class: "cut" }),
       ),
-      html("span", { class: "rank" }, RANK_WORDS[alert.rank]),
-      html("b", {}, alert.words),
+      html("span", { class: "rank" }, RANK_WORDS[rank]),
+      html("b", {}, ...(STATE_WORDS[state] ? [html("i", {}, STATE_WORDS[state]), " "] : []), alert.words),
       html("time"),
     );
+  }
+
+  /** What stands where an alert has no key: that it was seen, or who acknowledges it. @param {Shown} alert */
+  answer({ by, owed, rank }) {
+    if (!owed) return rank === "caution" ? "" : say("seen");
+    return by && rank !== "emergency" ? say("for {0}", by) : "";
   }
 
   /** How long ago an alert came. @param {Shown} alert */

@@ -53,7 +53,7 @@ export function furnish(session, alerts) {
   furnishAids(session);
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() !== "a" || isTyping(event)) return;
-    const first = alerts.shown.find((each) => each.fresh);
+    const first = alerts.shown.find((each) => each.owed && !each.by && each.rank !== "emergency");
     if (first) alerts.acknowledge(first);
   });
   showState(session);
@@ -71,6 +71,7 @@ export function furnishPalette() {
 
 /** Shows alerts, and sounds new ones until somebody has seen them. @param {Alerts} alerts @param {Sound} [sound] */
 export function showAlerts(alerts, sound) {
+  alerts.answers = Boolean(sound);
   const bar = /** @type {import("./alert-bar.js").AlertBar} */ (one("alert-bar"));
   bar.follow(alerts, sound && new AlertSounder(alerts, sound));
 }

@@ -18,7 +18,7 @@ function depth(session) {
   const greatest = session.ranges["test-depth"] ?? Infinity;
   const limit = Math.min(limitsOf(session).depth ?? Infinity, greatest);
   if (is === null || is > limit || limit - is > NEAR) return [];
-  return [{ key: "near", kind: "depth", rank: "warning", words: say("Depth within {0} of {1}", shortLength(NEAR), shortLength(limit)) }];
+  return [{ key: "near", rank: "warning", words: say("Depth within {0} of {1}", shortLength(NEAR), shortLength(limit)) }];
 }
 
 /** @param {Session} session @returns {Found[]} */

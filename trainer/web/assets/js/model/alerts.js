@@ -1,13 +1,16 @@
 // Alerts: what calls for eyes, how urgently, and whether it has been seen.
+import { TITLES } from "./alert-table.js";
 import { limitsOf } from "./limits.js";
 import { shortLength } from "../units.js";
-import { say } from "../words.js";
+import { say, spoken } from "../words.js";
 
 /**
  * @typedef {"emergency" | "alarm" | "warning" | "caution"} Rank
- * @typedef {{ key: string, kind: string, rank: Rank, words: string, seconds: number, fresh: boolean,
- *   number: string }} Shown one alert; `number` is the session's, "" for one of the page's own
- * @typedef {{ key: string, rank: Rank, words: string, kind?: string }} Found
+ * @typedef {"active" | "silenced" | "acknowledged" | "rectified"} State as trainer/session/stations/alerts.py has them
+ * @typedef {{ key: string, rank: Rank, words: string, seconds: number, number: string, state: State,
+ *   owed: boolean, by: string }} Shown one alert; `number` is the session's, "" for one of the page's own; `owed` a look
+ * @typedef {{ key: string, rank: Rank, words: string, seconds: number, holds: boolean }} Own
+ * @typedef {{ key: string, rank: Rank, words: string }} Found
  * @typedef {import("./session.js").Session} Session
  */
 
@@ -19,13 +22,11 @@ const STEEP = 30; // [deg] of pitch
 const MUTE_TOLD = 2; // of the four ranks, the first ones, whose muting is told
 const HELD = 10; // [s] after which an alert that was seen is over, where this page does not find it
 const NEAR_LIMIT = 0.8; // of a limit of the exercise, from which the crew is cautioned
-/** Kinds of alerts, those of one rank in this order: depth first; "" is most of a page's own. */
-const KINDS = ["depth", "watch", "", "pilot"];
+const SILENCE = 30_000; // [ms] that Silence lasts (MSC.302(87), 7.3)
 
 /**
  * Keeps the alerts of a page: those of the session, and what its own gauges show. Which of its own
- * were seen or silenced the session keeps for all pages of the station. Events: `change`, and
- * `silent` (detail: a key, for how many seconds).
+ * were seen or silenced the session keeps for all pages of the station. Event: `change`.
  */
 export class Alerts extends EventTarget {
   /** @param {Session} session @param {((session: Session) => Found[])[]} [watches] of this page */
@@ -34,8 +35,11 @@ export class Alerts extends EventTarget {
     this.session = session;
     const told = session.role === "instructor"; // by the session, which limits are passed
     this.watches = [link, steepness, ...(told ? [] : [nearLimits]), ...watches];
-    /** @type {Map<string, Shown>} */
+    this.answers = true; // somebody at this page can acknowledge
+    /** @type {Map<string, Own>} */
     this.own = new Map();
+    /** @type {Map<string, number>} until when each is silent, perhaps before this page has found it [ms] */
+    this.silent = new Map();
     /** @type {Map<string, { seconds: number, held: number | null }>} when each was seen, and when it held last [s] */
     this.seen = new Map();
     session.onFacts({
@@ -46,25 +50,32 @@ export class Alerts extends EventTarget {
     for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
   }
 
-  /** What is shown: by rank, new before seen, by kind, the newest first. */
+  /** What is shown: what is owed a look first, then by rank, then the newest. @returns {Shown[]} */
   get shown() {
-    const told = [...this.session.alerts.all.values()].map((alert) => ({
+    const now = performance.now();
+    const told = [...this.session.alerts.all.values()].map(({ silent, ...alert }) => ({
+      ...alert,
+      words: titled(alert),
       key: `session-${alert.number}`,
-      kind: alert.kind,
-      rank: alert.rank,
-      words: alert.words,
-      seconds: alert.seconds,
-      fresh: !alert.seen && alert.rank !== "caution",
-      number: alert.number,
+      state: alert.state === "silenced" && now >= silent ? "active" : alert.state,
     }));
-    const open = told.filter((alert) => alert.fresh || this.session.seconds - alert.seconds < 60);
-    return [...open, ...this.own.values()].sort(
-      (a, b) =>
-        RANKS.indexOf(a.rank) - RANKS.indexOf(b.rank) ||
-        Number(b.fresh) - Number(a.fresh) ||
-        KINDS.indexOf(a.kind) - KINDS.indexOf(b.kind) ||
-        b.seconds - a.seconds,
-    );
+    const own = [...this.own.values()].map((alert) => ({ ...alert, number: "", by: "", state: this.stateOf(alert, now) }));
+    return [...told, ...own]
+      .map((alert) => ({ ...alert, owed: alert.rank !== "caution" && alert.state !== "acknowledged" }))
+      .sort(
+        (a, b) =>
+          Number(b.owed) - Number(a.owed) ||
+          RANKS.indexOf(a.rank) - RANKS.indexOf(b.rank) ||
+          b.seconds - a.seconds ||
+          Number(b.number) - Number(a.number),
+      );
+  }
+
+  /** @param {Own} own @param {number} now [ms] @returns {State} */
+  stateOf({ key, holds }, now) {
+    if (this.seen.has(key)) return "acknowledged";
+    if (!holds) return "rectified";
+    return now < (this.silent.get(key) ?? 0) ? "silenced" : "active";
   }
 
   /** Looks at the gauges; tells what is new, and what holds no more. */
@@ -73,16 +84,15 @@ export class Alerts extends EventTarget {
     const keys = new Set(found.map((each) => each.key));
     for (const each of found) {
       const before = this.own.get(each.key);
-      if (before) before.words = each.words;
-      else {
-        const fresh = each.rank !== "caution" && !this.seen.has(each.key);
-        this.own.set(each.key, { kind: "", ...each, seconds: this.session.seconds, fresh, number: "" });
-      }
+      const worse = before && RANKS.indexOf(each.rank) < RANKS.indexOf(before.rank);
+      if (worse) this.end(each.key);
+      const again = worse || !before?.holds;
+      this.own.set(each.key, { ...each, seconds: again ? this.session.seconds : before.seconds, holds: true });
     }
     for (const [key, alert] of this.own) {
-      const ended = !keys.has(key) && (!alert.fresh || alert.seconds > this.session.seconds); // time has gone back
-      if (ended || (!keys.has(key) && alert.rank === "warning")) this.end(key);
-      else if (this.seen.has(key)) alert.fresh = false;
+      alert.holds = keys.has(key);
+      const owed = alert.rank !== "caution" && !this.seen.has(key) && this.answers;
+      if (!alert.holds && (!owed || alert.seconds > this.session.seconds)) this.end(key); // time may have gone back
     }
     if (this.session.tickAt) this.hold(keys);
     this.dispatchEvent(new Event("change"));
@@ -113,16 +123,16 @@ export class Alerts extends EventTarget {
     }
   }
 
-  /** Tells the station's other pages that an alert is silent for a while. @param {string} key */
-  tellSilent(key) {
-    void this.session.ask(`ack silent ${key}`);
+  /** Silences an alert for a while, at all pages of the station. @param {Shown} alert */
+  silence({ key, number }) {
+    if (!number) this.silent.set(key, performance.now() + SILENCE);
+    void this.session.ask(`ack silent ${number || key}`);
   }
 
   /** Forgets an alert of this page that is over: it is new when it comes again. @param {string} key */
   end(key) {
     const remark = this.own.get(key)?.rank === "caution"; // which nobody sees or silences
-    this.own.delete(key);
-    this.seen.delete(key);
+    for (const kept of [this.own, this.seen, this.silent]) kept.delete(key);
     if (!remark) void this.session.ask(`ack over ${key}`);
   }
 
@@ -136,9 +146,15 @@ export class Alerts extends EventTarget {
     const [key, state, left] = subject.split(",");
     if (state === "seen") this.see(key, seconds);
     else if (state === "over") this.seen.delete(key);
-    this.dispatchEvent(new CustomEvent("silent", { detail: { key, seconds: Number(left) } }));
+    this.silent.set(key, performance.now() + 1000 * Number(left));
     this.look();
   }
+}
+
+/** Returns an alert's words, after its title in a language that the session does not speak. @param {{ name: string, words: string }} alert */
+function titled({ name, words }) {
+  const title = TITLES[name]?.();
+  return title && spoken() !== "en" ? `${title}: ${words}` : words;
 }
 
 /** @param {Session} session @returns {Found[]} */
@@ -179,9 +195,8 @@ function nearLimits(session) {
  */
 function nearLimit(name, limit, shown, words) {
   if (limit === null || shown === null || Math.abs(shown) < NEAR_LIMIT * limit) return [];
-  const kind = KINDS.find((each) => each === name) ?? "";
-  if (Math.abs(shown) > limit) return [{ key: `past-${name}`, kind, rank: "alarm", words: words.past }];
-  return [{ key: `near-${name}`, kind, rank: "caution", words: words.near }];
+  if (Math.abs(shown) > limit) return [{ key: `past-${name}`, rank: "alarm", words: words.past }];
+  return [{ key: `near-${name}`, rank: "caution", words: words.near }];
 }
 
 /**
@@ -192,7 +207,7 @@ function nearLimit(name, limit, shown, words) {
 export function muteWatch(sound, shown) {
   /** @returns {Found[]} */
   return () => {
-    const alarmed = shown().some((each) => each.fresh && RANKS.indexOf(each.rank) < MUTE_TOLD);
+    const alarmed = shown().some((each) => each.state === "active" && RANKS.indexOf(each.rank) < MUTE_TOLD);
     if (sound.on || !alarmed) return [];
     return [{ key: "muted", rank: "caution", words: say("Sound is off: alarms are not heard") }];
   };
@@ -241,6 +256,6 @@ export function bankWatch(title, place) {
     const [share, rank] = AIR.find(([least]) => full !== null && full < least) ?? [];
     if (!share || !rank) return [];
     const words = share === EMPTY ? say("{0} empty", title) : say("{0} below {1} %", title, share);
-    return [{ key: `${place.replaceAll(/[\W_]/g, "-")}-${rank}`, rank, words }];
+    return [{ key: place.replaceAll(/[\W_]/g, "-"), rank, words }];
   };
 }

@@ -3,8 +3,9 @@ import { plainly } from "./told.js";
 
 /**
  * @typedef {import("./alerts.js").Rank} Rank
- * @typedef {{ number: string, kind: string, words: string, seconds: number, seen: boolean,
- *   rank: Rank }} Alert
+ * @typedef {import("./alerts.js").State} State
+ * @typedef {{ number: string, words: string, seconds: number, rank: Rank, state: State, silent: number, by: string,
+ *   name: string }} Alert `silent`: until when [ms]; `by` whom it is acknowledged, "" at this page; its `name` in the table
  */
 
 export class OpenAlerts {
@@ -23,19 +24,22 @@ export class OpenAlerts {
 
   /** @param {number} seconds @param {string} subject number, kind and words */
   raise(seconds, subject) {
-    const [number, kind, ...words] = subject.split(",");
+    const [number, , ...words] = subject.split(",");
     const rank = this.ranks.get(number) ?? "warning";
-    this.all.set(number, { number, kind, words: plainly(words.join(",")), seconds, seen: false, rank });
+    this.all.set(number, { number, words: plainly(words.join(",")), seconds, rank, state: "active", silent: 0, by: "", name: "" });
   }
 
-  /** @param {string} number of an alert that somebody has seen */
-  see(number) {
+  /** @param {string} subject number, state, how long it is silent [s], who acknowledges it, its name */
+  become(subject) {
+    const [number, state, left, answerer = "you", name = ""] = subject.split(",");
+    const by = answerer === "you" ? "" : answerer;
     const alert = this.all.get(number);
-    if (alert) alert.seen = true;
+    if (state === "normal") this.all.delete(number);
+    else if (alert) Object.assign(alert, { state, by, name, silent: performance.now() + 1000 * Number(left) });
   }
 
-  /** Forgets what came after a moment gone back to. @param {number} seconds */
-  goBack(seconds) {
-    for (const [number, alert] of this.all) if (alert.seconds > seconds) this.all.delete(number);
+  /** Forgets all, because the session tells what is open. */
+  forget() {
+    this.all.clear();
   }
 }

@@ -6,6 +6,7 @@
 export const ORDERS = {
   "ack": {"obeyer": "a question", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
   "again": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor", "trainee"]},
+  "alerts": {"obeyer": "a question", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
   "allow": {"obeyer": "the crew", "inReplay": false, "afterEnd": true, "roles": ["instructor"]},
   "autopilot": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "aye": {"obeyer": "the crew", "inReplay": false, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "scope", "trainee"]},

@@ -425,7 +425,6 @@ export class Session extends EventTarget {
     this.log = this.log.filter((each) => each.branch || each.seconds <= last);
     if (!this.present && wordOf(order) === "branch") this.forgetPast();
     this.crew.goBack(seconds);
-    this.alerts.goBack(seconds);
     this.outcome = "";
     this.judgement = new Judgement();
     this.furthest = seconds;
