@@ -44,8 +44,11 @@ def test_a_fit_writes_a_boat_that_is_checked_and_sails(folder: Path) -> None:
         folder / "two.csv",
         "--draws",
         5,
+        "--html",
+        folder / "fit.html",
     )
     assert done.exit_code == 0, done.output
+    assert "Foretold: two.csv" in (folder / "fit.html").read_text(encoding="utf-8")
     assert "HELD OUT" in done.output
     assert "next: trainer boat check" in done.output
     file = load_vessel(str(fitted))

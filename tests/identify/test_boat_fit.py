@@ -18,10 +18,10 @@ from trainer.analysis.estimate.uncertainty import (
 )
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.vessel import load_vessel, read_vessel
-from trainer.identify.boat import fit, page, search
+from trainer.identify.boat import fit, page, search, sheet
 from trainer.identify.boat.filter import CHANNELS
 from trainer.identify.boat.fitted_file import fitted_text
-from trainer.identify.boat.motion import CONTROL
+from trainer.identify.boat.motion import CONTROL, STATE, STATE_NAMES
 from trainer.identify.boat.prior import Knowledge, Prior, read_prior
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.report import VERDICTS, report_fit
@@ -186,6 +186,37 @@ def test_a_report_tells_figures_and_what_was_foretold(own: Path) -> None:
     assert max(map(len, text.splitlines())) <= 110
     for words in ("FIT:", "HELD OUT", "turn at 15 deg: diameter [m]", "from the record"):
         assert words in text
+
+
+@pytest.mark.long
+def test_a_page_shows_bands_tracks_and_what_was_foretold(own: Path) -> None:
+    found, truth = fitted(own)
+    other = replace(made_trial(found.prior.vessel, np.array(truth), seed=3), source="<b>.csv")
+    report = replace(report_fit(found, [other], draws=6), warnings=("wild: <look> here",))
+    shown = sheet.html_page(found, [other], report)
+    banded = [one for one in report.after if one.low is not None]
+    assert len(banded) > 10
+    assert shown.count(": bands before and after") == len(banded)
+    for one in report.coefficients:
+        assert one.name in shown
+    assert shown.count("north [m] against east [m]") == 3
+    assert "Foretold: &lt;b&gt;.csv" in shown
+    assert "wild: &lt;look&gt; here" in shown
+    assert "http" not in shown.partition("<svg")[0]
+    assert shown == sheet.html_page(found, [other], report)
+
+
+def test_a_track_leads_over_ground() -> None:
+    """Half a circle: as far as its diameter, and square to where it began."""
+    angle = np.linspace(0.0, np.pi, 2001)
+    states = np.zeros((len(angle), len(STATE_NAMES)))
+    states[:, STATE.U], states[:, STATE.PSI] = 2.0, angle
+    track = sheet.track_of("boat", states, 0.5)
+    diameter = 2.0 * 2.0 * 0.5 * len(angle) / np.pi
+    assert track.x[-1] == pytest.approx(diameter, rel=1e-3)
+    assert track.y[-1] == pytest.approx(0.0, abs=2e-3 * diameter)
+    states[:, STATE.PSI], states[:, STATE.V] = 0.0, 1.0
+    assert sheet.track_of("boat", states, 0.5).x[-1] == pytest.approx(0.5 * len(angle))
 
 
 def test_a_strangers_record_is_read_with_its_units(own: Path, tmp_path: Path) -> None:

@@ -238,6 +238,7 @@ class FitBoatOptions(TypedDict, total=False):
 
     hold_out: File | Sequence[File] | None
     output: File | None
+    html: File | None
     draws: int | None
 
 

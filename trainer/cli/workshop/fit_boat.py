@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli.answers import json_of, print_note, show_progress, show_step, write_text
-from trainer.cli.options import TOML_OUTPUT, VESSEL_NAME
+from trainer.cli.options import HTML_OUTPUT, TOML_OUTPUT, VESSEL_NAME
 from trainer.cli.types import File
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ TRIAL_FILE: Final = File(".trainer", ".csv")
 @click.option(
     "--draws", type=click.IntRange(0, 2000), default=100, help="Of the coefficients, for the bands."
 )
+@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def fit(**options: Any) -> None:
     """Fit a boat to records of its trials: coefficients, their deviations, gains.
@@ -77,6 +78,8 @@ def carry_out(options: dict[str, Any]) -> "BoatFound":
         result = judge_boat(trials, found, path, options["draws"], step)
     if output is not None:
         write_text(output, result.text)
+    if options["html"] is not None:
+        write_text(options["html"], result.html, "--html")
     if result.lacks:
         print_note(f"{path} has no gains: {result.lacks}")
     return result

@@ -9,6 +9,7 @@ from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import BoatFit, report_fit
 from trainer.identify.boat.search import MOST_STEPS, FitResult, fit_trials
+from trainer.identify.boat.sheet import html_page
 from trainer.identify.boat.trial import Trial, read_trial
 from trainer.identify.fitting.minimise import Progress, SearchOptions, ignore_news
 
@@ -28,6 +29,7 @@ class BoatFound:
 
     report: BoatFit
     text: str
+    html: str  # its page
     lacks: str  # why it has no gains; "" where it has them
 
 
@@ -55,4 +57,4 @@ def judge_boat(
     """Return report and file of a boat; ``heard`` is told of each boat sailed."""
     report = report_fit(found, trials.held_out, draws, heard)
     text, lacks = fitted_text(found, report, path)
-    return BoatFound(report, text, lacks)
+    return BoatFound(report, text, html_page(found, trials.held_out, report), lacks)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import Final
 
 from trainer.identify.boat.figures import FigureBand
 from trainer.identify.boat.report import VERDICTS, BoatFit, FittedCoefficient, RecordFit
@@ -12,6 +13,9 @@ BAND_NOTE = (
     "Bands hold 95 of 100 drawn boats; about 93 of 100 true figures lie inside. Clean innovations "
     "do not prove them: hold out a trial of another kind (--hold-out)."
 )
+
+FIGURE_HEADS: Final = ("", "before", "95 %", "after", "95 %")
+COEFFICIENT_HEADS: Final = ("", "before", "sd", "after", "sd", "left", "")
 
 
 def render(report: BoatFit) -> str:
@@ -30,13 +34,12 @@ def render(report: BoatFit) -> str:
     for one in report.held_out:
         lines += ["", ascii_text(f"HELD OUT {one.source}"), *_record_lines(one)]
         lines += _explained(one)
-    rows = map(_figure_row, report.before, report.after)
-    lines += titled_table("FIGURES", ("", "before", "95 %", "after", "95 %"), rows)
+    rows = map(figure_row, report.before, report.after)
+    lines += titled_table("FIGURES", FIGURE_HEADS, rows)
     lines += [*wrap(BAND_NOTE)]
     told_rows = [row for row in report.coefficients if row.verdict != VERDICTS[-1]]
-    heads = ("", "before", "sd", "after", "sd", "left", "")
     rows_told = map(coefficient_row, sorted(told_rows, key=lambda row: row.learned))
-    lines += titled_table("COEFFICIENTS THAT THE RECORDS TOLD", heads, rows_told)
+    lines += titled_table("COEFFICIENTS THAT THE RECORDS TOLD", COEFFICIENT_HEADS, rows_told)
     if report.warnings:
         lines += ["", "WARNINGS", *items(report.warnings)]
     return "\n".join(lines)
@@ -79,7 +82,7 @@ def _amount(value: float, unit: str) -> str:
     return f"{figure(value, unit)}{words}"
 
 
-def _figure_row(before: FigureBand, after: FigureBand) -> tuple[str, ...]:
+def figure_row(before: FigureBand, after: FigureBand) -> tuple[str, ...]:
     """Return a figure with its bands as cells."""
     unit = {"rad": "deg", "-": ""}.get(before.unit, before.unit)
     cells = [f"{before.name} [{unit}]"]

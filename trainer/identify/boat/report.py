@@ -7,7 +7,7 @@ the bands: only a held-out trial of another kind does, and it is therefore asked
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -218,32 +218,41 @@ def _channel(name: str, innovations: Numbers, variances: Numbers) -> ChannelFit:
     return ChannelFit(name, len(known), chi, lag)
 
 
-def _held_out(fit: FitResult, trial: Trial) -> RecordFit:
-    """Return how a record is followed that had no part in the fit, and foretold by its controls.
+class Foretold(NamedTuple):
+    """States (n, 17) of a held-out record from LEAD_IN_S on; NaN once lost."""
 
-    The simulation begins after LEAD_IN_S, with the weight and trim that the filter found in this
-    record: they are of the day, not of the boat.
+    t: Numbers  # (n,) [s] of the record
+    followed: Numbers  # with its readings
+    fit: Numbers  # by its controls alone
+    prior: Numbers  # likewise, of the boat before the fit
+
+
+def foretell(fit: FitResult, trial: Trial) -> Foretold:
+    """Return what a record's controls alone lead to.
+
+    Weight and trim are those that the filter found in this record: they are of the day, not of the
+    boat.
     """
-    vessel, explained = fit.prior.vessel, {}
-    found = run_pass(vessel, fit.posterior.values, trial, fit.noise, 0)
+    vessel, sailed = fit.prior.vessel, []
     begin = min(round(LEAD_IN_S / trial.interval), len(trial.readings) - 2)
-    flown = {}
-    for name, values in (("fit", fit.posterior.values), ("prior", fit.prior.values)):
+    rest = trial.numbers._replace(inputs=trial.inputs[begin:])
+    for values in (fit.prior.values, fit.posterior.values):
         own = run_pass(vessel, values, trial, fit.noise, 0)
-        if not math.isfinite(own.cost):
-            continue
         state = own.states[begin].copy()
         state[MOTION_COUNT:] = own.states[-1, MOTION_COUNT:]
-        rest = trial.numbers._replace(inputs=trial.inputs[begin:])
-        flown[name] = sail_controls(vessel.numbers(values), rest, state)
-    truth = found.states[begin:]
+        sailed.append(sail_controls(vessel.numbers(values), rest, state))
+    t = trial.interval * np.arange(begin, len(trial.readings))
+    return Foretold(t, own.states[begin:], sailed[1], sailed[0])
+
+
+def _held_out(fit: FitResult, trial: Trial) -> RecordFit:
+    """Return how a record is followed that had no part in the fit, and how far foretold."""
+    one, explained = foretell(fit, trial), {}
     for name, at in COMPARED_STATES.items():
-        shares = [
-            _explained(truth[:, at], flown[one][:, at]) if one in flown else math.nan
-            for one in ("fit", "prior")
-        ]
-        if math.isfinite(found.cost) and trial.has({"r": "heading"}.get(name, name)):
+        if trial.has({"r": "heading"}.get(name, name)):
+            shares = [_explained(one.followed[:, at], by[:, at]) for by in (one.fit, one.prior)]
             explained[name] = (shares[0], shares[1])
+    found = run_pass(fit.prior.vessel, fit.posterior.values, trial, fit.noise, 0)
     return _record_fit(fit, trial, found, explained)
 
 
