@@ -100,3 +100,22 @@ def test_a_boat_without_deviations_is_refused(folder: Path) -> None:
 def test_python_says_what_the_command_says() -> None:
     with pytest.raises(trainer.TrainerError, match="draws"):
         trainer.fit_boat("a.csv", prior="bb2", draw=3)  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--bias", "pich=1"), "nearest is pitch"),
+        (("--columns", "depth=Keel:m"), "Keel"),
+        (("--columns", "dept=depth"), "nearest is depth"),
+        (("--late", "soon"), "is not a valid float"),
+    ],
+)
+def test_a_wrong_word_on_instruments_is_one_line(
+    folder: Path, words: tuple[str, ...], told: str
+) -> None:
+    fitted = folder / "never.toml"
+    done = typed(folder / "one.csv", "--prior", folder / "own.toml", "-o", fitted, *words)
+    assert done.exit_code != 0
+    assert told in str(done.exception if done.exit_code == 1 else done.output)
+    assert not fitted.exists()

@@ -79,7 +79,7 @@ def fixed_start() -> FilterStart:
     sd = np.array([*motion, 1e-3, 0.01, 0.2 * DEGREE, 0.5 * DEGREE, 0.02, 0.0, 0.0])
     disturbance = np.array([3e-3, 3e-3, 3e-3, 1e-4, 5e-5, 3e-5])
     errors = np.append(ERRORS, np.zeros(CHANNEL_COUNT - len(ERRORS)))
-    return FilterStart(state, np.diag(sd**2), disturbance, np.zeros(7), errors)
+    return FilterStart(state, np.diag(sd**2), disturbance, np.zeros(7), errors, math.inf)
 
 
 def run_fixed(values: np.ndarray, count: int, noise: float = 1.0) -> FilterResult:

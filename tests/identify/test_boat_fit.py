@@ -1,6 +1,7 @@
 """A boat fitted to made trials: prior, records, search, file and report."""
 
 import csv
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -18,14 +19,22 @@ from trainer.analysis.estimate.uncertainty import (
 )
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.vessel import load_vessel, read_vessel
-from trainer.identify.boat import fit, page, search, sheet
+from trainer.identify.boat import figures, fit, page, search, sheet
 from trainer.identify.boat.filter import CHANNELS
 from trainer.identify.boat.fitted_file import fitted_text
+from trainer.identify.boat.instruments import instruments_of
 from trainer.identify.boat.motion import CONTROL, STATE, STATE_NAMES
+from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.prior import Knowledge, Prior, read_prior
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.report import VERDICTS, report_fit
-from trainer.identify.boat.trial import read_trial, trial_problems, without_unflown
+from trainer.identify.boat.trial import (
+    Instruments,
+    Trial,
+    read_trial,
+    trial_problems,
+    without_unflown,
+)
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.fitting.minimise import SearchOptions, SearchResult
 from trainer.units import DEGREE
@@ -201,7 +210,7 @@ def test_a_page_shows_bands_tracks_and_what_was_foretold(own: Path) -> None:
         assert one.name in shown
     assert shown.count("north [m] against east [m]") == 3
     assert "Foretold: &lt;b&gt;.csv" in shown
-    assert "wild: &lt;look&gt; here" in shown
+    assert '<p class="bad">wild: &lt;look&gt; here</p>' in shown
     assert "http" not in shown.partition("<svg")[0]
     assert shown == sheet.html_page(found, [other], report)
 
@@ -358,3 +367,141 @@ def test_a_sweep_draws_a_fitted_boat_by_its_fit(own: Path, tmp_path: Path) -> No
         j = PARAMETER_NAMES.index(name)
         spread = np.std([row[j] for row in drawn])
         assert spread == pytest.approx(found.posterior.sd[j], rel=0.4), name
+
+
+@pytest.mark.long
+def test_surfaces_logged_late_are_told_with_the_delay(own: Path) -> None:
+    found, _ = fitted(own)
+    assert search.find_delay(found) == 0.0
+    late = tuple(one.hastened(-1.0) for one in found.trials)
+    assert search.find_delay(search.fit_trials(found.prior, late)) == 1.0
+
+
+@pytest.mark.long
+def test_wild_readings_are_left_out(own: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=200)
+    readings, heading = made.readings.copy(), CHANNELS.index("heading")
+    readings[[60, 121, 180], heading] += [0.4, -0.3, 0.5]
+    spoilt = replace(made, readings=readings)
+    clean, found = (search.fit_trials(prior, [one]) for one in (made, spoilt))
+    lost = np.isfinite(readings) & np.isnan(found.passes[0].innovations)
+    assert np.argwhere(lost).tolist() == [[60, heading], [121, heading], [180, heading]]
+    moving = prior.sd > 0.0
+    off = (found.posterior.values - clean.posterior.values)[moving] / clean.posterior.sd[moving]
+    assert np.abs(off).max() < 0.3
+    report = report_fit(found, [], draws=0)
+    assert any("wild readings are left out, 3 of heading" in words for words in report.warnings)
+
+
+def test_an_ordered_angle_is_refused(own: Path) -> None:
+    prior = prior_of(own)
+    made = made_trial(prior.vessel, prior.values)
+    inputs = made.inputs.copy()
+    inputs[:, CONTROL.RUDDER] = 0.35 * np.sign(inputs[:, CONTROL.RUDDER])
+    (problem,) = trial_problems(replace(made, inputs=inputs), prior.vessel)
+    assert "rudder moves 40.1 deg in 0.5 s" in problem
+    assert "give angles that stood" in problem
+
+
+def trial_read(
+    folder: Path, own: Path, change: Callable[[list[str]], list[str]], said: Instruments
+) -> Trial:
+    """Return a trial as read from a file whose lines were changed."""
+    prior = prior_of(own)
+    turns = prior.vessel.file.propulsion.rps_per_mps
+    path = write_csv(folder / "trial.csv", made_trial(prior.vessel, prior.values), turns)
+    lines = change(path.read_text(encoding="utf-8").splitlines())
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return read_trial(path, prior.vessel, said)
+
+
+def test_repeated_times_are_left_out_and_told(own: Path, tmp_path: Path) -> None:
+    read = trial_read(
+        tmp_path, own, lambda lines: [*lines[:50], lines[49], *lines[50:]], Instruments()
+    )
+    assert len(read.readings) == 300
+    assert any("1 rows repeat the time before them" in words for words in read.told)
+
+
+def test_a_gauge_that_stands_still_is_told(own: Path, tmp_path: Path) -> None:
+    def clip(lines: list[str]) -> list[str]:
+        cut = [line.split(",") for line in lines]
+        for row in cut[100:140]:
+            row[7] = "2.00000"
+        return [",".join(row) for row in cut]
+
+    told = trial_read(tmp_path, own, clip, Instruments()).told
+    assert any("pitch stands still for 40 readings from 49.5 s on" in words for words in told)
+    told = trial_read(tmp_path, own, list, Instruments()).told
+    assert not any("stands still" in words for words in told)
+
+
+def test_columns_and_gauges_are_taken_as_said(own: Path, tmp_path: Path) -> None:
+    def rename(lines: list[str]) -> list[str]:
+        return [lines[0].replace("depth [m]", "Keel").replace("pitch", "lean"), *lines[1:]]
+
+    with pytest.raises(ConfigError, match="no column is taken for pitch"):
+        trial_read(tmp_path, own, rename, Instruments())
+    with pytest.raises(ConfigError, match="Keel for depth has no unit: say --columns depth=Keel:m"):
+        trial_read(tmp_path, own, rename, instruments_of(["depth=Keel"], []))
+    plain = trial_read(tmp_path, own, list, Instruments())
+    said = instruments_of(["depth=Keel:m", "pitch=lean"], ["pitch=1", "weight=0.01"], 20.0, 1.0)
+    read = trial_read(tmp_path, own, rename, said)
+    depth, pitch = CHANNELS.index("depth"), CHANNELS.index("pitch")
+    lower = read.readings[:, depth] - plain.readings[:, depth]
+    assert lower == pytest.approx(20.0 * np.sin(plain.readings[:, pitch]), abs=1e-6)
+    assert read.inputs[10] == pytest.approx(plain.inputs[12])
+    sizes = dict(zip(SLOW_KINDS, slow_deviations(prior_of(own).vessel, read), strict=True))
+    assert sizes["pitch_error"] == pytest.approx(DEGREE)
+    assert sizes["weight"] == 0.01
+    assert sizes["roll_error"] == SLOW_KINDS["roll_error"].usual
+
+
+@pytest.mark.parametrize(
+    ("columns", "biases", "words"),
+    [
+        (["dept=z:m"], [], "no 'dept'; nearest is depth"),
+        (["depth"], [], "say depth="),
+        ([], ["pich=1"], "no 'pich'"),
+        ([], ["pitch=one"], "is no number"),
+        ([], ["pitch=0"], "must be above 0"),
+    ],
+)
+def test_a_wrong_word_on_instruments_is_told(
+    columns: list[str], biases: list[str], words: str
+) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        instruments_of(columns, biases)
+    assert words in str(wrong.value).replace('"', "'")
+
+
+def test_figures_beyond_the_records_are_told(own: Path) -> None:
+    file = prior_of(own).vessel.file
+    everything = dict.fromkeys(("u", "v/u", "w/u", "r L/u"), (-9.0, 9.0))
+    assert list(figures.flown_outside(file, [everything])) == []
+    to_one_side = {**everything, "r L/u": (-2.0, 0.0), "v/u": (0.0, 2.0)}
+    assert list(figures.flown_outside(file, [to_one_side])) == []
+    straight = {**everything, "r L/u": (-0.1, 0.0)}
+    told = list(figures.flown_outside(file, [straight]))
+    assert "turn at 25 deg (turning)" in told
+    assert list(figures.flown_outside(file, [straight, everything])) == []
+
+
+@pytest.mark.long
+def test_planes_that_only_keep_the_depth_are_told(own: Path) -> None:
+    found, _ = fitted(own)
+    words = "no record flies the planes"
+    assert not any(words in each for each in report_fit(found, [], draws=0).warnings)
+    inputs = [one.inputs * [1.0, 0.1, 0.1, 1.0] for one in found.trials]
+    kept = [replace(one, inputs=each) for one, each in zip(found.trials, inputs, strict=True)]
+    report = report_fit(replace(found, trials=(*kept,)), [], draws=0)
+    assert any(words in each for each in report.warnings)
+
+
+def test_units_of_figures_are_those_of_their_measures(own: Path) -> None:
+    for sailed, manoeuvre, flight in figures.sail_figures(prior_of(own).vessel.file):
+        assert flight is not None
+        units = {one.name: one.unit for one in manoeuvre.measures(flight)}
+        for measure, (_, unit) in sailed.measures.items():
+            assert units[measure] == unit

@@ -239,6 +239,10 @@ class FitBoatOptions(TypedDict, total=False):
     hold_out: File | Sequence[File] | None
     output: File | None
     html: File | None
+    columns: str | Sequence[str] | None
+    bias: str | Sequence[str] | None
+    gauge_x: float | None
+    late: float | None
     draws: int | None
 
 
@@ -248,7 +252,8 @@ def fit_boat(
     """Fit a boat to records of its trials, as ``trainer boat fit`` does.
 
     ``records`` are paths of recordings or CSV files, ``prior`` the file of an estimated boat or of
-    an earlier fit, ``hold_out`` records to foretell. With ``output`` the boat is written there. The
+    an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``
+    and ``late`` say of instruments what the options do. With ``output`` the boat is written. The
     figures are those of turns and zig-zags by their names, each with its unit, value and band;
     ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
     words if something is wrong.

@@ -33,6 +33,20 @@ TRIAL_FILE: Final = File(".trainer", ".csv")
     help="A record to foretell, not to fit; may be repeated.",
 )
 @click.option(
+    "--columns",
+    multiple=True,
+    metavar="CHANNEL=HEADING[:UNIT]",
+    help="Where a channel is, such as --columns depth=Keel:m; may be repeated.",
+)
+@click.option(
+    "--bias",
+    multiple=True,
+    metavar="NAME=SD",
+    help="What may be off: weight [-], trim [m], pitch or roll [deg], log [-]; may be repeated.",
+)
+@click.option("--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m].")
+@click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s].")
+@click.option(
     "--draws", type=click.IntRange(0, 2000), default=100, help="Of the coefficients, for the bands."
 )
 @click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
@@ -67,10 +81,13 @@ def carry_out(options: dict[str, Any]) -> "BoatFound":
     """Fit a boat as the options say, and write it where they ask for that."""
     from trainer.boat.compilation import announce_compiling
     from trainer.identify.boat.fit import judge_boat, open_trials, search_boat
+    from trainer.identify.boat.instruments import instruments_of
     from trainer.identify.boat.report import figures_count
 
     output: Path | None = options["output"]
-    trials = open_trials(options["prior"], options["records"], options["hold_out"])
+    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
+    instruments = instruments_of(*words)
+    trials = open_trials(options["prior"], options["records"], options["hold_out"], instruments)
     with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):
         found = search_boat(trials, lambda step: show_step(step.steps, step.cost))
     path = output or Path("fitted.toml")

@@ -6,4 +6,4 @@ bands, ``fitted_file`` writes the boat, ``page`` shows it.
 """
 
 # The modules that other rooms may use.
-__all__ = ["figures", "fit", "page", "report"]
+__all__ = ["figures", "fit", "instruments", "page", "report"]

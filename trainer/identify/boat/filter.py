@@ -31,19 +31,10 @@ from trainer.identify.kernels.kernel import kernel, lean
 CHANNELS: Final = ("speed", "heading", "pitch", "roll", "depth", "p", "q", "r", "ground_speed")
 CHANNEL_COUNT: Final = len(CHANNELS)
 SPEED_CHANNEL, GROUND_CHANNEL = CHANNELS.index("speed"), CHANNELS.index("ground_speed")
-READ_STATES: Final = np.array(  # by channel, of those that read a state as it is
-    [
-        (-1, -1),
-        (STATE.PSI, -1),
-        (STATE.THETA, STATE.PITCH_ERROR),
-        (STATE.PHI, STATE.ROLL_ERROR),
-        (STATE.Z, -1),
-        (STATE.P, -1),
-        (STATE.Q, -1),
-        (STATE.R, -1),
-        (-1, -1),
-    ]
-)
+# by channel, of those that read a state as it is: that, and the error of its gauge
+ANGLES: Final = ((STATE.PSI, -1), (STATE.THETA, STATE.PITCH_ERROR), (STATE.PHI, STATE.ROLL_ERROR))
+RATES: Final = ((STATE.P, -1), (STATE.Q, -1), (STATE.R, -1))
+READ_STATES: Final = np.array([(-1, -1), *ANGLES, (STATE.Z, -1), *RATES, (-1, -1)])
 DRIVEN_COUNT: Final = 6  # accelerations that a disturbance drives
 # differences for the Jacobian: u v w p q r phi theta, then weight and trim
 SLOPE_STEPS: Final = 1e-5 * np.array([1.0, 0.1, 0.1, 0.01, 0.01, 0.01, 0.1, 0.1, 1e-3, 1e-2])
@@ -71,6 +62,7 @@ class FilterStart(NamedTuple):
     disturbance: Numbers  # (6,) [m/s2, rad/s2 per root of Hz] of the accelerations
     walk: Numbers  # (7,) densities by which the slow states walk
     errors: Numbers  # (CHANNEL_COUNT,) standard deviations of readings
+    gate: float  # [-] deviations of an innovation, beyond which a reading is wild
 
 
 class FilterResult(NamedTuple):
@@ -380,8 +372,11 @@ def _read_row(
             continue
         innovation = readings[channel] - predict_reading(x, channel, room.h)
         variance = _spread_reading(P, room.h, start.errors[channel], room.gain)
+        size = innovation * innovation / variance
+        cost += 0.5 * (math.log(2.0 * math.pi * variance) + min(size, start.gate * start.gate))
+        if size > start.gate * start.gate:  # a wild reading moves nothing
+            continue
         _slope_reading(S, room.h, room.J)
-        cost += 0.5 * (math.log(2.0 * math.pi * variance) + innovation * innovation / variance)
         row.innovations[channel], row.variances[channel] = innovation, variance
         _add_information(room.J, innovation, variance, row.gradient, row.information)
         _take_reading(x, P, S, innovation, variance, room)

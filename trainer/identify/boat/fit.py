@@ -1,16 +1,16 @@
 """A fit from its files to its report, for command and Python face."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from trainer.identify.boat.figures import BAND_DRAWS
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import BoatFit, report_fit
-from trainer.identify.boat.search import MOST_STEPS, FitResult, fit_trials
+from trainer.identify.boat.search import MOST_STEPS, STOPPED, FitResult, find_delay, fit_trials
 from trainer.identify.boat.sheet import html_page
-from trainer.identify.boat.trial import Trial, read_trial
+from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
 from trainer.identify.fitting.minimise import Progress, SearchOptions, ignore_news
 
 
@@ -33,18 +33,33 @@ class BoatFound:
     lacks: str  # why it has no gains; "" where it has them
 
 
-def open_trials(prior: str, records: Sequence[Path], held_out: Sequence[Path]) -> Trials:
+def open_trials(
+    prior: str,
+    records: Sequence[Path],
+    held_out: Sequence[Path],
+    instruments: Instruments = USUAL_INSTRUMENTS,
+) -> Trials:
     """Return what a fit needs; ConfigError with what is wrong with a file."""
     known = read_prior(prior)
     fitted, aside = (
-        tuple(read_trial(path, known.vessel) for path in paths) for paths in (records, held_out)
+        tuple(read_trial(path, known.vessel, instruments) for path in paths)
+        for paths in (records, held_out)
     )
     return Trials(known, fitted, aside)
 
 
 def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
-    """Return the likeliest boat; ConfigError where the prior's boat does not fly a record."""
-    return fit_trials(trials.prior, trials.fitted, SearchOptions(MOST_STEPS, progress))
+    """Return the likeliest boat, and whether its surfaces are logged late.
+
+    ConfigError where the prior's boat does not fly a record. A KeyboardInterrupt ends the search.
+    """
+    found = fit_trials(trials.prior, trials.fitted, SearchOptions(MOST_STEPS, progress))
+    if found.found.doubt == STOPPED:
+        return found
+    try:
+        return replace(found, delay=find_delay(found, progress))
+    except KeyboardInterrupt:
+        return found
 
 
 def judge_boat(

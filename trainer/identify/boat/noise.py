@@ -4,8 +4,9 @@ Sizes are for a boat of 70 m at 10 kn, scaled by length and speed as acceleratio
 the generous side: a fit that begins so keeps close to the readings, and then finds its own.
 """
 
+import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -28,10 +29,25 @@ from trainer.units import DEGREE
 USUAL_DISTURBANCE: Final = np.array([4e-3, 6e-3, 6e-3, 4e-4, 1.5e-4, 1.5e-4])
 DISTURBANCE_DEVIATION: Final = 2.0  # of the logarithm, before a fit
 ERROR_DEVIATION: Final = 0.5
-# standard deviations of slow states: weight [-], trim [m], pitch, roll [rad], log [-]
-USUAL_SLOW: Final = (1e-3, 0.01, 0.2 * DEGREE, 0.5 * DEGREE, 0.02)
-SMALL_CRAFT_SLOW: Final = (0.01, 0.002, 0.5 * DEGREE, 1.0 * DEGREE, 0.02)
-USUAL_CURRENT_M_S: Final = 0.3  # [m/s] where speed over ground is read; else it is not seen
+FLOWS: Final = ("north_flow", "east_flow")
+
+
+class SlowKind(NamedTuple):
+    """A slow state: its unit, and its usual deviation [SI], by size of boat."""
+
+    unit: str
+    usual: float
+    small: float
+
+
+SLOW_KINDS: Final = {
+    "weight": SlowKind("-", 1e-3, 0.01),
+    "trim": SlowKind("m", 0.01, 0.002),
+    "pitch_error": SlowKind("rad", 0.2 * DEGREE, 0.5 * DEGREE),
+    "roll_error": SlowKind("rad", 0.5 * DEGREE, 1.0 * DEGREE),
+    "log_error": SlowKind("-", 0.02, 0.02),
+    **dict.fromkeys(FLOWS, SlowKind("m/s", 0.3, 0.3)),  # seen where speed over ground is read
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +55,7 @@ class Noise:
     """Logarithms of disturbances (6,) and of errors of readings (9,)."""
 
     logarithms: Numbers
+    gate: float = math.inf  # [-] deviations, beyond which a reading is wild and moves nothing
 
     @property
     def disturbance(self) -> Numbers:
@@ -74,13 +91,13 @@ def noise_deviations() -> Numbers:
 
 def slow_deviations(vessel: FittedVessel, trial: Trial) -> Numbers:
     """Return the standard deviations of the slow states (7,) at a record's start."""
-    small = vessel.length < SMALL_CRAFT_LENGTH_M
-    sizes = np.array([*(SMALL_CRAFT_SLOW if small else USUAL_SLOW), 0.0, 0.0])
-    if not small:
-        sizes[STATE_NAMES.index("trim") - MOTION_COUNT] *= vessel.length / REFERENCE_LENGTH_M
-    if trial.has("ground_speed"):
-        sizes[-2:] = USUAL_CURRENT_M_S
-    return sizes
+    small, sizes = vessel.length < SMALL_CRAFT_LENGTH_M, dict[str, float]()
+    for name, kind in SLOW_KINDS.items():
+        long = vessel.length / REFERENCE_LENGTH_M if name == "trim" else 1.0
+        usual = kind.small if small else kind.usual * long
+        seen = name not in FLOWS or trial.has("ground_speed")
+        sizes[name] = trial.biases.get(name, usual) if seen else 0.0
+    return np.array([sizes[name] for name in STATE_NAMES[MOTION_COUNT:]])
 
 
 def start_of(trial: Trial, vessel: FittedVessel, noise: Noise) -> FilterStart:
@@ -95,4 +112,4 @@ def start_of(trial: Trial, vessel: FittedVessel, noise: Noise) -> FilterStart:
     motion = [0.3 * fast, 0.2 * fast, 0.2 * fast, *[0.005 * vessel.pace] * 3, *[DEGREE] * 3, 1.0]
     sd = np.array([*motion, *slow_deviations(vessel, trial)])
     walk = np.zeros(STATE_COUNT - MOTION_COUNT)
-    return FilterStart(state, np.diag(sd**2), noise.disturbance, walk, noise.errors)
+    return FilterStart(state, np.diag(sd**2), noise.disturbance, walk, noise.errors, noise.gate)

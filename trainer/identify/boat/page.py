@@ -52,10 +52,10 @@ def _record_lines(one: RecordFit) -> Iterator[str]:
         yield from wrap(f"columns: {', '.join(one.columns)}")
     yield from items(one.told)
     rows = [
-        (row.channel, f"{row.readings}", f"{row.chi:.3f}", f"{row.lag:+.2f}")
+        (row.channel, f"{row.readings}", f"{row.wild}", f"{row.chi:.3f}", f"{row.lag:+.2f}")
         for row in one.channels
     ]
-    yield from table(("", "readings", "chi", "lag"), rows)
+    yield from table(("", "readings", "wild", "chi", "lag"), rows)
     slow = [
         (row.name.replace("_", " "), _amount(row.value, row.unit), _amount(row.sd, row.unit))
         for row in one.slow

@@ -12,13 +12,20 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.figures import BAND_DRAWS, FigureBand, figure_bands
+from trainer.identify.boat.figures import (
+    BAND_DRAWS,
+    FigureBand,
+    figure_bands,
+    flown_outside,
+    ranges_of,
+)
 from trainer.identify.boat.filter import CHANNELS, FilterResult, sail_controls
 from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_NAMES
-from trainer.identify.boat.noise import slow_deviations
+from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.search import FitResult, run_pass
-from trainer.identify.boat.trial import USUAL_ERRORS, Trial
+from trainer.identify.boat.trial import FLOWN_PLANES_RAD, USUAL_ERRORS, Trial
+from trainer.units import DEGREE
 
 LEARNED_SHARES: Final = (0.5, 0.9)  # of the prior deviation that is left: learned, partly
 VERDICTS: Final = ("from the record", "partly", "not learned")
@@ -26,18 +33,10 @@ CHI_RANGE: Final = (0.9, 1.1)  # of the mean of squared innovations over their v
 MAX_LAG: Final = 0.15  # [-] correlation of an innovation with the one before
 MAX_ERROR_RATIO: Final = 2.0  # [-] of an error of readings over what it usually is
 MAX_SLOW_DEVIATIONS: Final = 2.5
+MAX_WILD_SHARE: Final = 0.005  # [-] of a record's rows
 MAX_CONFLICT: Final = 1.6  # [-] of z'z over what it should be
 LEAD_IN_S: Final = 10.0  # [s] of a held-out record, from whose end it is simulated
 COMPARED_STATES: Final = {"r": STATE.R, "pitch": STATE.THETA, "roll": STATE.PHI, "speed": STATE.U}
-SLOW_UNITS: Final = {
-    "weight": "-",
-    "trim": "m",
-    "pitch_error": "rad",
-    "roll_error": "rad",
-    "log_error": "-",
-    "north_flow": "m/s",
-    "east_flow": "m/s",
-}
 
 
 @dataclass(frozen=True)
@@ -61,6 +60,7 @@ class ChannelFit:
     readings: int
     chi: float
     lag: float
+    wild: int  # readings that are too far off, and move nothing
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class RecordFit:
     told: tuple[str, ...]
     channels: tuple[ChannelFit, ...]
     slow: tuple[SlowState, ...]
-    seen: Mapping[str, tuple[float, float]]  # least and greatest, of u [m/s], v/u, w/u, r L/u
+    seen: Mapping[str, tuple[float, float]]  # least and greatest, of u [m/s], v/u, angles [rad]
     explained: Mapping[str, tuple[float, float]]  # [%] by the fit and by the prior; held out
 
 
@@ -123,10 +123,8 @@ def report_fit(
         _record_fit(fit, one, found, {}) for one, found in zip(trials, fit.passes, strict=True)
     )
     aside = tuple(_held_out(fit, one) for one in held_out)
-    z_size, expected = fit.conflict
     used = [name for name in CHANNELS if any(one.has(name) for one in trials)]
     errors = dict(zip(CHANNELS, map(float, fit.noise.errors), strict=True))
-    conflict = z_size / max(expected, 1e-9)
     before = figure_bands(vessel, prior, draws, heard)
     after = figure_bands(vessel, fit.posterior, draws, heard)
     return BoatFit(
@@ -136,7 +134,7 @@ def report_fit(
         doubt=fit.found.doubt,
         steps=fit.found.steps,
         cost=fit.found.cost,
-        conflict=conflict,
+        conflict=fit.conflict,
         records=whole,
         held_out=aside,
         coefficients=tuple(_coefficients(fit)),
@@ -144,7 +142,7 @@ def report_fit(
         errors={name: errors[name] for name in used},
         before=before,
         after=after,
-        warnings=tuple(_warnings(fit, whole, {name: errors[name] for name in used}, conflict)),
+        warnings=tuple(_warnings(fit, whole, {name: errors[name] for name in used})),
     )
 
 
@@ -177,21 +175,22 @@ def _record_fit(
     vessel, channels, slow = fit.prior.vessel, [], []
     for i, name in enumerate(CHANNELS):
         if trial.has(name):
-            channels.append(_channel(name, found.innovations[:, i], found.variances[:, i]))
+            wild = np.isfinite(trial.readings[:, i]) & np.isnan(found.innovations[:, i])
+            scaled = found.innovations[:, i] / np.sqrt(found.variances[:, i])
+            channels.append(_channel(name, scaled, int(wild.sum())))
     before = slow_deviations(vessel, trial)
     sd = np.sqrt(np.maximum(np.diag(found.covariance), 0.0))
     for i, name in enumerate(STATE_NAMES[MOTION_COUNT:]):
         at = MOTION_COUNT + i
         if before[i] > 0.0:
             value = float(found.states[-1, at])
-            slow.append(SlowState(name, SLOW_UNITS[name], value, float(sd[at]), float(before[i])))
-    u = found.states[:, STATE.U]
-    ahead = np.where(u > 0.0, u, np.nan)
-    seen = {
-        "u": u,
-        "v/u": found.states[:, STATE.V] / ahead,
-        "w/u": found.states[:, STATE.W] / ahead,
-        "r L/u": found.states[:, STATE.R] * vessel.length / ahead,
+            slow.append(
+                SlowState(name, SLOW_KINDS[name].unit, value, float(sd[at]), float(before[i]))
+            )
+    motion = (found.states[:, at] for at in (STATE.U, STATE.V, STATE.W, STATE.R))
+    moved = {
+        name: (float(one.min()), float(one.max()))
+        for name, one in zip(("rudder", "stern", "bow"), trial.inputs.T, strict=False)
     }
     return RecordFit(
         source=trial.source,
@@ -202,20 +201,19 @@ def _record_fit(
         told=trial.told,
         channels=tuple(channels),
         slow=tuple(slow),
-        seen={name: (float(np.nanmin(one)), float(np.nanmax(one))) for name, one in seen.items()},
+        seen={**ranges_of(motion, vessel.length), **moved},
         explained=explained,
     )
 
 
-def _channel(name: str, innovations: Numbers, variances: Numbers) -> ChannelFit:
-    """Return how the innovations of a channel lie."""
-    scaled = innovations / np.sqrt(variances)
+def _channel(name: str, scaled: Numbers, wild: int) -> ChannelFit:
+    """Return how the innovations of a channel lie, in their deviations."""
     known = scaled[np.isfinite(scaled)]
     pairs = scaled[1:] * scaled[:-1]
     pairs = pairs[np.isfinite(pairs)]
     chi = float(np.mean(known**2))
     lag = float(np.mean(pairs)) / chi if pairs.size else 0.0
-    return ChannelFit(name, len(known), chi, lag)
+    return ChannelFit(name, len(known), chi, lag, wild)
 
 
 class Foretold(NamedTuple):
@@ -241,7 +239,7 @@ def foretell(fit: FitResult, trial: Trial) -> Foretold:
         state = own.states[begin].copy()
         state[MOTION_COUNT:] = own.states[-1, MOTION_COUNT:]
         sailed.append(sail_controls(vessel.numbers(values), rest, state))
-    t = trial.interval * np.arange(begin, len(trial.readings))
+    t = np.arange(begin, len(trial.readings), dtype=float) * trial.interval
     return Foretold(t, own.states[begin:], sailed[1], sailed[0])
 
 
@@ -264,7 +262,7 @@ def _explained(truth: Numbers, foretold: Numbers) -> float:
 
 
 def _warnings(
-    fit: FitResult, records: Sequence[RecordFit], errors: Mapping[str, float], conflict: float
+    fit: FitResult, records: Sequence[RecordFit], errors: Mapping[str, float]
 ) -> Iterator[str]:
     """Yield what should make one doubt, each with what to do."""
     if not fit.found.converged:
@@ -272,11 +270,22 @@ def _warnings(
             f"the search did not settle ({fit.found.doubt}): all bands are doubled; fit fewer "
             "records, or give a longer one"
         )
-    if conflict > MAX_CONFLICT:
+    if fit.conflict > MAX_CONFLICT:
         yield (
-            f"the coefficients lie {conflict:.2g} times as far from the prior as they should: the "
-            "boat is not like those of which the method was made, or a log is late, has a wrong "
-            "sign or is biased: hold out a trial of another kind"
+            f"the coefficients lie {fit.conflict:.2g} times as far from the prior as they should: "
+            "the boat is not like those of which the method was made, or a log is late, has a "
+            "wrong sign or is biased: hold out a trial of another kind"
+        )
+    if fit.delay:
+        way = "late" if fit.delay > 0.0 else "early"
+        yield (
+            f"surfaces are logged {abs(fit.delay):.3g} s {way}, as the motion tells, and this fit "
+            f"takes them as logged: fit again with --late {fit.delay:.3g}"
+        )
+    if all(np.std(one.inputs[:, 1:3], axis=0).max() < FLOWN_PLANES_RAD for one in fit.trials):
+        yield (
+            "no record flies the planes, they only keep the depth: figures of diving may be off by "
+            "more than their bands; sail and fit a vertical zig-zag"
         )
     for one in records:
         yield from _record_warnings(one)
@@ -284,8 +293,18 @@ def _warnings(
         if error > MAX_ERROR_RATIO * USUAL_ERRORS[name]:
             yield (
                 f"{name} is read {error / USUAL_ERRORS[name]:.1f} times worse than usual: look for "
-                "wild readings"
+                "wild readings, or for waves"
             )
+    further = "; ".join(
+        flown_outside(
+            fit.prior.vessel.with_values(fit.posterior.values), [one.seen for one in records]
+        )
+    )
+    if further:
+        yield (
+            f"figures beyond what the records saw: {further}: they rest on the prior there; sail "
+            "and fit such a trial"
+        )
 
 
 def _record_warnings(one: RecordFit) -> Iterator[str]:
@@ -293,15 +312,27 @@ def _record_warnings(one: RecordFit) -> Iterator[str]:
     for channel in one.channels:
         name = f"{one.source}: {channel.channel}"
         if not CHI_RANGE[0] <= channel.chi <= CHI_RANGE[1]:
-            yield f"{name}: chi is {channel.chi:.2f}, 0.9 to 1.1 is clean"
+            yield (
+                f"{name}: chi is {channel.chi:.2f}, 0.9 to 1.1 is clean: its errors are of another "
+                "size in this record: fit it alone, or leave the column out"
+            )
         if abs(channel.lag) > MAX_LAG:
             yield (
                 f"{name}: errors follow each other ({channel.lag:+.2f}): readings are too rare, or "
                 "a gauge is slow: record more often"
             )
+    wild = [f"{each.wild} of {each.channel}" for each in one.channels if each.wild]
+    if sum(each.wild for each in one.channels) > MAX_WILD_SHARE * one.rows:
+        yield (
+            f"{one.source}: wild readings are left out, {', '.join(wild)}: look at these gauges, "
+            "and leave cells empty where they do not work"
+        )
     for slow in one.slow:
         if abs(slow.value) > MAX_SLOW_DEVIATIONS * slow.prior_sd:
+            factor, unit = (1.0 / DEGREE, "deg") if slow.unit == "rad" else (1.0, slow.unit)
+            name, size = slow.name.removesuffix("_error"), abs(factor * slow.value)
             yield (
-                f"{one.source}: {slow.name.replace('_', ' ')} is {slow.value:.3g} "
-                f"{slow.unit.strip('-')}, usual is {slow.prior_sd:.2g}: look at ballast and gauges"
+                f"{one.source}: {slow.name.replace('_', ' ')} is {factor * slow.value:.3g} "
+                f"{unit.strip('-')}, usual is {factor * slow.prior_sd:.2g}: look at ballast and "
+                f"gauges; if it is so, fit with --bias {name}={size:.1g}"
             )

@@ -7,8 +7,8 @@ gives the same bits at any number of processors.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 
@@ -20,7 +20,12 @@ from trainer.identify.boat.noise import Noise, noise_deviations, start_of, usual
 from trainer.identify.boat.prior import Knowledge, Prior
 from trainer.identify.boat.trial import Trial
 from trainer.identify.boat.vessel import FittedVessel
-from trainer.identify.fitting.minimise import SearchOptions, SearchResult
+from trainer.identify.fitting.minimise import (
+    Progress,
+    SearchOptions,
+    SearchResult,
+    ignore_news,
+)
 
 MOST_STEPS: Final = 25
 USUAL_SEARCH: Final = SearchOptions(MOST_STEPS)
@@ -35,16 +40,13 @@ SETTLED_MOVE: Final = 0.05  # [-] posterior standard deviations
 SETTLED_PROMISE: Final = 0.1  # [-] of the noise's step: below, it is left alone
 NOISE_NUDGE: Final = 0.05  # of a logarithm
 FREQUENT_STEPS: Final = 4  # after these the noise moves every second step ...
+STOPPED: Final = "stopped; the best so far"
+UNGATED_STEPS: Final = 3  # before a boat follows its records, no reading can be told wild
+WILD_DEVIATIONS: Final = 5.0  # standard deviations of an innovation
+MAX_DELAYS: Final = 4  # [readings] by which surfaces are tried late or early
+CLEAR_FALL: Final = 10.0  # [-] of the value, to tell that they are
 SMALL_MOVE: Final = 0.5  # [-] posterior standard deviations: near the end, and it moves each step
 UNSETTLED_FACTOR: Final = 2.0  # of the bands of a search that did not settle
-
-
-class PassSums(NamedTuple):
-    """What passes over all records add up to."""
-
-    cost: float
-    gradient: Numbers  # (m,)
-    information: Numbers  # (m, m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,7 @@ class FitResult:
     covariance: Numbers  # of z
     noise: Noise
     passes: tuple[FilterResult, ...]  # by record, at the end
+    delay: float = 0.0  # [s] by which surfaces seem to be logged late
 
     @property
     def learned(self) -> Numbers:
@@ -66,10 +69,10 @@ class FitResult:
         return np.divide(self.posterior.sd, before, out=np.ones_like(before), where=before > 0.0)
 
     @property
-    def conflict(self) -> tuple[float, float]:
-        """Return z'z, and what it should be of a boat like those of the prior."""
+    def conflict(self) -> float:
+        """Return z'z over what it should be of a boat of the prior [-]."""
         z, wide = self.found.theta, 1.0 if self.found.converged else UNSETTLED_FACTOR**2
-        return float(z @ z), float(len(z) - np.trace(self.covariance) / wide)
+        return float(z @ z / max(len(z) - np.trace(self.covariance) / wide, 1e-9))
 
 
 def run_pass(
@@ -162,8 +165,7 @@ class _Search:
 
     def move_noise(self) -> None:
         """Take a step of scoring of the noise, by differences of innovations and variances."""
-        here = self.passes(self.z, self.noise)
-        e, s = _joined(here)
+        e, s = _joined(self.passes(self.z, self.noise))
         slopes = []
         for index in self.used:
             nudged = self.noise.moved(self.used[self.used == index], NOISE_NUDGE)
@@ -173,6 +175,8 @@ class _Search:
             e_there, s_there = _joined(there)
             slopes.append(((e_there - e) / NOISE_NUDGE, (s_there - s) / NOISE_NUDGE))
         de, ds = (np.array([pair[i] for pair in slopes]) for i in (0, 1))
+        known = np.isfinite(e) & np.isfinite(de).all(axis=0)  # neither missing nor wild
+        e, s, de, ds = e[known], s[known], de[:, known], ds[:, known]
         deviation = noise_deviations()[self.used]
         off = (self.noise.logarithms - self.start.logarithms)[self.used]
         share = ds / s
@@ -198,7 +202,9 @@ class _Search:
         """Search on to the end; return whether it settled."""
         for step in range(1, self.options.most + 1):
             self.steps = step
-            if self.move():
+            if step > UNGATED_STEPS:
+                self.noise = replace(self.noise, gate=WILD_DEVIATIONS)
+            if self.move() and step > UNGATED_STEPS:
                 return True
             often = self.steps <= FREQUENT_STEPS or self.moved < SMALL_MOVE
             if often or self.steps % 2 == 0:
@@ -210,11 +216,10 @@ class _Search:
 
 
 def _joined(passes: Sequence[FilterResult]) -> tuple[Numbers, Numbers]:
-    """Return innovations and variances of all readings, one after the other."""
+    """Return innovations and variances of all readings, one after the other; NaN of none."""
     e = np.concatenate([one.innovations.ravel() for one in passes])
     s = np.concatenate([one.variances.ravel() for one in passes])
-    known = np.isfinite(e)
-    return e[known], s[known]
+    return e, s
 
 
 def fit_trials(
@@ -235,10 +240,39 @@ def fit_trials(
     try:
         settled = search.run()
     except KeyboardInterrupt:
-        settled, search.doubt = False, "stopped; the best so far"
+        settled, search.doubt = False, STOPPED
     V = search.covariance * (1.0 if settled else UNSETTLED_FACTOR**2)
     values = search.values(search.z)
     root = np.einsum("ij,jk->ik", prior.root, root_of_covariance(V))
     found = SearchResult(search.z, search.cost, search.steps, settled, search.doubt)
     ends = tuple(search.passes(search.z, search.noise))
     return FitResult(prior, tuple(trials), found, Knowledge(values, root), V, search.noise, ends)
+
+
+def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:
+    """Return how late [s] surfaces are logged; below 0 early, 0 if neither.
+
+    The boat is fitted on with its controls moved by a reading or more. Innovations of a late log
+    are white, and only the value tells.
+    """
+    step = max(one.interval for one in fit.trials)
+    best = fit.found.cost if fit.found.converged else _cost_with(fit, 0.0, progress)
+    for way in (step, -step):
+        found = 0
+        while found < MAX_DELAYS:
+            cost = _cost_with(fit, (found + 1) * way, progress)
+            if not cost < best - CLEAR_FALL:
+                break
+            best, found = cost, found + 1
+        if found:
+            return found * way
+    return 0.0
+
+
+def _cost_with(fit: FitResult, delay: float, progress: Progress) -> float:
+    """Return the value after a few further steps, inputs moved by a ``delay`` [s]."""
+    moved = [one.hastened(delay) for one in fit.trials]
+    search = _Search(fit.prior, moved, SearchOptions(UNGATED_STEPS, progress))
+    search.z, search.noise = fit.found.theta, fit.noise
+    search.run()
+    return search.cost

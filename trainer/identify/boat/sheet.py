@@ -1,4 +1,4 @@
-"""A fit of a boat as one HTML page: what became known, where the boat went, what was foretold.
+"""A fit of a boat as one HTML page, with bands, tracks and curves.
 
 It needs no other file and no network. ``page`` has the same numbers as text.
 """
@@ -92,7 +92,7 @@ def _figures(report: BoatFit) -> Iterator[Markup]:
 
 
 def draw_pair(before: FigureBand, after: FigureBand) -> Markup:
-    """Return both bands of a figure as bars on one scale; nothing where it has none."""
+    """Return both bands of a figure as bars on one scale."""
     bands = [(one.low, one.high) for one in (before, after)]
     ends = [x for band in bands for x in band if x is not None]
     if not ends or min(ends) == max(ends):
@@ -122,7 +122,7 @@ def _coefficients(report: BoatFit) -> Iterator[Markup]:
 
 def _record_panels(trial: Trial, states: Numbers, scaled: Numbers) -> Iterator[Panel]:
     """Yield where a boat went by the filter, what moved it, and how far each reading was off."""
-    t = trial.interval * np.arange(len(states))
+    t = np.arange(len(states), dtype=float) * trial.interval
     yield Panel(TRACK_TITLE, "east [m]", "north [m]", (track_of("boat", states, trial.interval),))
     moved = (Curve(name, t, trial.inputs[:, at] / DEGREE) for name, at in SURFACES.items())
     yield Panel("surfaces", "time [s]", "[deg]", tuple(moved))
@@ -149,7 +149,7 @@ def _foretold_panels(fit: FitResult, trial: Trial) -> Iterator[Panel]:
 
 
 def track_of(name: str, states: Numbers, interval: float) -> Curve:
-    """Return where states (n, 17) lead over ground, the water at rest and roll left out."""
+    """Return where states (n, 17) lead, in water at rest and without roll."""
     sine, cosine = np.sin(states[:, STATE.PSI]), np.cos(states[:, STATE.PSI])
     pitch, v = states[:, STATE.THETA], states[:, STATE.V]
     ahead = states[:, STATE.U] * np.cos(pitch) + states[:, STATE.W] * np.sin(pitch)

@@ -8,8 +8,9 @@ more than its own reading is off, and a fit takes such a rudder for weak.
 
 import hashlib
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -25,7 +26,15 @@ from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
 from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import Record
-from trainer.identify.record.sources import BOAT_COLUMNS, Column, load_record, own_columns
+from trainer.identify.record.sources import (
+    BOAT_COLUMNS,
+    Column,
+    check_times,
+    own_columns,
+    read_record,
+    units_of,
+    without_jumps,
+)
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.units import DEGREE
 
@@ -56,6 +65,8 @@ MIN_READINGS: Final = 100
 MIN_MOVE_RAD: Final = math.radians(2.0)  # [rad] some surface must move by this
 SLOWEST_M_S: Final = 0.3  # [m/s] slower, the ahead row does not hold
 MAX_SLOW_SHARE: Final = 0.05  # [-] of a record
+STANDING_COUNT: Final = 20  # [readings] of one value
+ABLE_FACTOR, ABLE_SLACK_DEG = 1.2, 1.0  # of a surface's rate, and of its readings
 MIN_DEPTH_DIAMETERS: Final = 2.5  # above, the free surface acts
 FLOWN_RUDDER_RAD: Final = math.radians(2.0)  # [rad] rms: less keeps a course
 FLOWN_PLANES_RAD: Final = math.radians(1.5)  # [rad] likewise, a depth
@@ -64,6 +75,19 @@ UPRIGHT_CHANNELS: Final = ("pitch", "depth", "q")
 SIGN_SPAN_LENGTHS: Final = 0.3  # [L/U] over which a turning is differenced, to tell a sign
 WRONG_SIGN_CORRELATION: Final = -0.3  # [-] beyond, a sign is plainly wrong
 STEPS_PER_INTERVAL: Final = 2.0  # of Runge and Kutta in a second of BB2 at 10 kn
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """What a user says of what wrote a record, beyond its headings."""
+
+    columns: Mapping[str, Column] = field(default_factory=dict)  # by channel; unit None: as headed
+    biases: Mapping[str, float] = field(default_factory=dict)  # [SI] deviations of slow states
+    gauge_x: float = 0.0  # [m] of the depth gauge ahead of the origin
+    late: float = 0.0  # [s] by which surfaces and revolutions are logged late
+
+
+USUAL_INSTRUMENTS: Final = Instruments()
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +102,13 @@ class Trial:
     inputs: Numbers  # (n, 4) rudder, stern, bow [rad], command speed [m/s]
     columns: tuple[str, ...]  # which column was taken for what, in words
     told: tuple[str, ...]
+    biases: Mapping[str, float] = field(default_factory=dict)  # of Instruments
+
+    def hastened(self, seconds: float) -> "Trial":
+        """Return the trial with inputs that stand earlier; the last one stands to the end."""
+        t = self.interval * np.arange(len(self.inputs))
+        moved = [np.interp(t + seconds, t, one) for one in self.inputs.T]
+        return replace(self, inputs=np.column_stack(moved))
 
     @property
     def numbers(self) -> RecordNumbers:
@@ -100,34 +131,77 @@ class Trial:
         return float(known[0]) if known.size else otherwise
 
 
-def read_trial(path: Path, vessel: FittedVessel) -> Trial:
+def read_trial(
+    path: Path, vessel: FittedVessel, instruments: Instruments = USUAL_INSTRUMENTS
+) -> Trial:
     """Return a record of a boat. ConfigError with all that forbids its use."""
-    columns = _columns(path)
-    record = unwrap_heading(load_record(path, columns))
+    columns = _columns(path, instruments.columns)
+    record = _without_repeats(read_record(path, columns))
+    check_times(record)
+    record = unwrap_heading(without_jumps(record))
     problems = [f"{record.source}: {text}" for text in _lacking(record)]
     raise_problems(problems)
     if path.suffix == RECORDING_SUFFIX:
         record = _thinned(record, vessel)
-    trial = lay_out(record, vessel)
+    if instruments.gauge_x:
+        leaning = instruments.gauge_x * np.sin(record.column("pitch"))
+        record = replace(record, depth=record.column("depth") + leaning)
+    trial = lay_out(record, vessel).hastened(instruments.late)
     if path.suffix == RECORDING_SUFFIX:
         trial = read_by_instruments(trial)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     words = tuple(f"{one.name} as {key} [{one.unit}]" for key, one in columns.items())
-    trial = replace(trial, digest=digest, columns=words)
+    told = (*trial.told, *_standing(trial))
+    trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
     raise_problems([f"{record.source}: {text}" for text in trial_problems(trial, vessel)])
     return without_unflown(trial)
 
 
-def _columns(path: Path) -> dict[str, Column]:
-    """Return where each channel is: as the trainer writes them, or guessed by their names."""
+def _columns(path: Path, said: Mapping[str, Column]) -> dict[str, Column]:
+    """Return where each channel is: as said, as the trainer writes them, or guessed by names."""
     own = own_columns(BOAT_COLUMNS)
     del own["sway"]
     if path.suffix == RECORDING_SUFFIX:
         return own
     table = read_table(path)
+    for channel, one in said.items():
+        index = table.index(one.name, channel)
+        unit, known = one.unit or table.units[index], units_of(channel)
+        if unit not in known and not (channel == "t" and table.is_clock(index)):
+            raise ConfigError(
+                f"{path}: {one.name} for {channel} has no unit: say --columns "
+                f"{channel}={shlex.quote(one.name)}:{' or :'.join(known)}"
+            )
     if all(table.has(own[name].name) for name in ("t", *NEEDED_FIELDS)):
-        return {key: one for key, one in own.items() if table.has(one.name)}
-    return dict(guess_columns(table, BOAT_WORDS).columns)
+        found = {key: one for key, one in own.items() if table.has(one.name)}
+    else:
+        found = dict(guess_columns(table, BOAT_WORDS).columns)
+    taken = [one.name for one in said.values()]
+    return {**{key: one for key, one in found.items() if one.name not in taken}, **said}
+
+
+def _without_repeats(record: Record) -> Record:
+    """Return the record without rows at the time of the row before."""
+    same = np.append(False, np.diff(record.t) == 0.0)
+    if not same.any():
+        return record
+    text = f"{np.count_nonzero(same)} rows repeat the time before them and are left out"
+    told = (*record.findings, record.finding("t", text, np.argmax(same)))
+    return replace(record.part(~same), findings=told)
+
+
+def _standing(trial: Trial) -> Iterator[str]:
+    """Yield which gauges stand still for long while surfaces move."""
+    for name, values in zip(CHANNELS, trial.readings.T, strict=True):
+        begins = np.append(0, np.flatnonzero(np.diff(values) != 0.0) + 1)
+        counts = np.diff(begins, append=len(values))
+        at, count = int(begins[np.argmax(counts)]), int(counts.max())
+        moved = np.ptp(trial.inputs[at : at + count, :3], axis=0).max()
+        if count > STANDING_COUNT and moved > MIN_MOVE_RAD:
+            yield (
+                f"{name} stands still for {count} readings from {at * trial.interval:g} s on: is "
+                "its gauge at its end? then leave these cells empty"
+            )
 
 
 def _lacking(record: Record) -> Iterator[str]:
@@ -208,6 +282,15 @@ def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
     moves = np.ptp(trial.inputs[:, :3], axis=0)
     if moves.max() < MIN_MOVE_RAD:
         yield "no surface moves by 2 deg: are these radians? only what moves is learned"
+    fastest = np.abs(np.diff(trial.inputs[:, :3], axis=0)).max(axis=0, initial=0.0) / DEGREE
+    able = vessel.file.surfaces.rate_deg_s
+    for name, change in zip(("rudder", "stern", "bow"), fastest, strict=True):
+        if change > ABLE_FACTOR * able * trial.interval + ABLE_SLACK_DEG:
+            yield (
+                f"{name} moves {change:.3g} deg in {trial.interval:.3g} s, and rate_deg_s of the "
+                f"prior is {able:g}: an order, or a wild reading? give angles that stood, empty "
+                "where none was read"
+            )
     speed = trial.readings[:, 0] if trial.has("speed") else trial.inputs[:, 3]
     slow = float(np.mean(speed[np.isfinite(speed)] < SLOWEST_M_S))
     if slow > MAX_SLOW_SHARE:

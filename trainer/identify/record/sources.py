@@ -203,13 +203,20 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
+    record = read_record(path, columns)
+    check_times(record)
+    return without_jumps(record)
+
+
+def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
+    """Return a record as ``load_record`` does, its times and its heading as they stand."""
     read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
     rows, taken, remarks = read(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
     plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == NO_UNIT}
-    record = Record(
+    return Record(
         source=str(path),
         t=times,
         rows=np.array(rows),
@@ -218,8 +225,6 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         plain=plain,
         **taken,
     )
-    check_times(record)
-    return without_jumps(record)
 
 
 class NoColumnError(ConfigError):
