@@ -217,9 +217,13 @@ class Estimate:
         shared = min(1.0, sd / common) if common > 0.0 else 0.0
         rest = OWN_SHARE * sd if key in LINEAR_TERMS else math.sqrt(max(sd**2 - common**2, 0.0))
         drawn = value + shared * (changed - self.estimated[key]) + rest * deviate
-        if key in FIXED_SIGN_COEFFICIENTS and drawn * value < MIN_REMAINING_SHARE * value * value:
-            return MIN_REMAINING_SHARE * value
-        return drawn
+        return keep_sign(key, value, drawn)
+
+
+def keep_sign(key: str, value: float, drawn: float) -> float:
+    """Return a drawn coefficient; a tenth of its value where its sign may not change."""
+    least = MIN_REMAINING_SHARE * value
+    return least if key in FIXED_SIGN_COEFFICIENTS and drawn * value < least * value else drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,11 +336,8 @@ def drawn_fit(known: JointCoefficients, table: Mapping[str, Any], number: int) -
 
     ``table`` has its coefficients flat. Damping, added mass and controls keep their sign.
     """
-    drawn = known.draw(number)
-    for key, value in known.values.items():
-        least = MIN_REMAINING_SHARE * value
-        if key in FIXED_SIGN_COEFFICIENTS and drawn[key] * value < least * value:
-            drawn[key] = least
+    pairs = known.draw(number).items()
+    drawn = {key: keep_sign(key, known.values[key], value) for key, value in pairs}
     thrust, vessel = dict(table["propulsion"]), dict(table["vessel"])
     ahead = [row for row in thrust["sets"] if row.get("going") != "astern"]
     first = max(ahead, key=lambda row: float(row["eta_min"]))

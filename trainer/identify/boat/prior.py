@@ -15,9 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.estimate.uncertainty import (
-    FIXED_SIGN_COEFFICIENTS,
     LINEAR_TERMS,
-    MIN_REMAINING_SHARE,
     OWN_SHARE,
     TWIN_COEFFICIENTS,
     Estimate,
@@ -25,6 +23,7 @@ from trainer.analysis.estimate.uncertainty import (
     deviates,
     filed_estimate,
     filed_fit,
+    keep_sign,
 )
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.vessel import load_vessel
@@ -57,12 +56,7 @@ class Knowledge:
         if number == 0:
             return self.values
         drawn = self.values + self.root @ deviates(number, self.root.shape[1])
-        least = MIN_REMAINING_SHARE * self.values
-        turned = _KEEPS_SIGN & (drawn * self.values < least * self.values)
-        return np.where(turned, least, drawn)
-
-
-_KEEPS_SIGN: Final = np.array([name in FIXED_SIGN_COEFFICIENTS for name in PARAMETER_NAMES])
+        return np.array([*map(keep_sign, PARAMETER_NAMES, self.values, drawn)])
 
 
 @dataclass(frozen=True, eq=False)

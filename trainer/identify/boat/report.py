@@ -36,7 +36,13 @@ MAX_SLOW_DEVIATIONS: Final = 2.5
 MAX_WILD_SHARE: Final = 0.005  # [-] of a record's rows
 MAX_CONFLICT: Final = 1.6  # [-] of z'z over what it should be
 LEAD_IN_S: Final = 10.0  # [s] of a held-out record, from whose end it is simulated
-COMPARED_STATES: Final = {"r": STATE.R, "pitch": STATE.THETA, "roll": STATE.PHI, "speed": STATE.U}
+COMPARED: Final = {  # what is foretold: unit, the state, and the channel that must be read
+    "yaw rate": ("rad/s", STATE.R, "heading"),
+    "pitch": ("rad", STATE.THETA, "pitch"),
+    "roll": ("rad", STATE.PHI, "roll"),
+    "speed": ("m/s", STATE.U, "speed"),
+    "depth": ("m", STATE.Z, "depth"),
+}
 
 
 @dataclass(frozen=True)
@@ -246,8 +252,8 @@ def foretell(fit: FitResult, trial: Trial) -> Foretold:
 def _held_out(fit: FitResult, trial: Trial) -> RecordFit:
     """Return how a record is followed that had no part in the fit, and how far foretold."""
     one, explained = foretell(fit, trial), {}
-    for name, at in COMPARED_STATES.items():
-        if trial.has({"r": "heading"}.get(name, name)):
+    for name, (_, at, channel) in COMPARED.items():
+        if trial.has(channel):
             shares = [_explained(one.followed[:, at], by[:, at]) for by in (one.fit, one.prior)]
             explained[name] = (shares[0], shares[1])
     found = run_pass(fit.prior.vessel, fit.posterior.values, trial, fit.noise, 0)

@@ -24,7 +24,7 @@ from trainer.identify.boat.page import (
     figure_row,
     render,
 )
-from trainer.identify.boat.report import VERDICTS, BoatFit, foretell
+from trainer.identify.boat.report import COMPARED, VERDICTS, BoatFit, foretell
 from trainer.identify.boat.search import FitResult
 from trainer.identify.boat.trial import Trial
 from trainer.identify.sheet import draw_screen, listing, screens_of
@@ -34,17 +34,7 @@ from trainer.report.svg import Axis, rect, rule, svg_element
 from trainer.units import DEGREE
 
 BAND_SIZE_PX: Final = (150.0, 16.0)
-BAND_WORDS: Final = (
-    "Wide and light: 95 % before the records. Narrow and dark: after them. Each line has a scale "
-    "of its own."
-)
-FORETOLD_STATES: Final = (  # title, unit, state and its factor
-    ("yaw rate", "deg/s", STATE.R, 1.0 / DEGREE),
-    ("pitch", "deg", STATE.THETA, 1.0 / DEGREE),
-    ("roll", "deg", STATE.PHI, 1.0 / DEGREE),
-    ("speed", "m/s", STATE.U, 1.0),
-    ("depth", "m", STATE.Z, 1.0),
-)
+BAND_WORDS: Final = "Light: 95 % before the records. Dark: after. Each line has its own scale."
 SURFACES: Final = {
     "rudder": CONTROL.RUDDER,
     "stern planes": CONTROL.STERN,
@@ -143,9 +133,10 @@ def _foretold_panels(fit: FitResult, trial: Trial) -> Iterator[Panel]:
     names = {"the boat": one.followed, "fit": one.fit, "prior": one.prior}
     track = (track_of(name, states, trial.interval) for name, states in names.items())
     yield Panel(TRACK_TITLE, "east [m]", "north [m]", tuple(track))
-    for title, unit, at, factor in FORETOLD_STATES:
+    for title, (unit, at, _) in COMPARED.items():
+        factor, y = 1.0 / DEGREE if "rad" in unit else 1.0, f"[{unit.replace('rad', 'deg')}]"
         curves = (Curve(name, one.t, factor * states[:, at]) for name, states in names.items())
-        yield Panel(title, "time [s]", f"[{unit}]", tuple(curves), downwards=title == "depth")
+        yield Panel(title, "time [s]", y, tuple(curves), downwards=title == "depth")
 
 
 def track_of(name: str, states: Numbers, interval: float) -> Curve:
