@@ -15,6 +15,7 @@ __version__ = "0.2.0"
 __all__ = [
     "Answer",
     "Boat",
+    "Fleet",
     "Recording",
     "Snapshot",
     "TrainerError",
@@ -41,12 +42,14 @@ if TYPE_CHECKING:
         sweep,
         vessels,
     )
+    from trainer.api.fleet import Fleet
     from trainer.config.files import ConfigError as TrainerError
     from trainer.debrief.recording_export import Recording, read_recording
 else:
     _MODULE_BY_NAME = {  # the module of each name, and what it is called there
         **dict.fromkeys(("Recording", "read_recording"), "trainer.debrief.recording_export"),
         **dict.fromkeys(("Boat", "Snapshot"), "trainer.api.boat"),
+        "Fleet": "trainer.api.fleet",
         "TrainerError": "trainer.config.files",
     }
     _SOURCE_NAMES = {"TrainerError": "ConfigError"}

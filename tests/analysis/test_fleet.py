@@ -20,7 +20,7 @@ from trainer.analysis.fleet import tick as tick_module
 from trainer.analysis.fleet.block import supports_boat, supports_scheme, tanks_rest
 from trainer.analysis.fleet.ensemble import (
     NO_ORDERS,
-    Fleet,
+    Ensemble,
     FleetFlight,
     Schedule,
     fly_members,
@@ -54,13 +54,15 @@ def boat(make_boat: MakeBoat) -> Boat:
     return boat
 
 
-def fleet_of(boat: Boat, members: int) -> Fleet:
+def fleet_of(boat: Boat, members: int) -> Ensemble:
     """Return so many of a boat."""
     records = boat.records
-    return Fleet(records.vessel, records.compact, records.scheme, np.repeat(records.state, members))
+    return Ensemble(
+        records.vessel, records.compact, records.scheme, np.repeat(records.state, members)
+    )
 
 
-def random_fleet(boat: Boat, seed: int) -> Fleet:
+def random_fleet(boat: Boat, seed: int) -> Ensemble:
     """Return members that differ in constants, gear, state and orders, some by hand."""
     random = np.random.default_rng(seed)
     vessels, compacts, states = (
@@ -94,11 +96,14 @@ def random_fleet(boat: Boat, seed: int) -> Fleet:
         states[name] = random.uniform(low, high, MEMBERS)
     for name in ("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"):
         states[name] = random.choice([0.0, 1.0], MEMBERS)
-    return Fleet(vessels, compacts, boat.records.scheme, states)
+    return Ensemble(vessels, compacts, boat.records.scheme, states)
 
 
 def flown_alone(
-    fleet: Fleet, schedule: Schedule, ticks: int, columns: tuple[str, ...] = ("u", "z", "delta_s")
+    fleet: Ensemble,
+    schedule: Schedule,
+    ticks: int,
+    columns: tuple[str, ...] = ("u", "z", "delta_s"),
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the states, and a row a tick, of members advanced by ``update`` one by one."""
     states = fleet.states.copy()
@@ -130,7 +135,9 @@ def names_at(difference: np.ndarray) -> set[str]:
     return {name for name in STATE.names or () if STATE_OFFSETS[name] in places}
 
 
-def fly_as_alone(fleet: Fleet, schedule: Schedule = NO_ORDERS, ticks: int = TICKS) -> FleetFlight:
+def fly_as_alone(
+    fleet: Ensemble, schedule: Schedule = NO_ORDERS, ticks: int = TICKS
+) -> FleetFlight:
     """See that members flown at once end in all as those flown one by one; return the flight."""
     alone, rows = flown_alone(fleet, schedule, ticks)
 

@@ -18,7 +18,7 @@ from helpers.places import tests_environment
 
 from trainer.analysis.bench.standard_hour import TickRunner, for_level, levels_here
 from trainer.analysis.bench.tick import STANDARD_METHOD, in_a_loop, ready_boat
-from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
+from trainer.analysis.fleet.ensemble import NO_ORDERS, Ensemble, fly_members
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
 from trainer.config.files import ConfigError
@@ -57,12 +57,12 @@ class SideBySide:
     threads_of_one: float
 
 
-def fleet_of(boat: Boat, members: int) -> Fleet:
+def fleet_of(boat: Boat, members: int) -> Ensemble:
     """Return so many of a boat as it is. Each has a depth and a course to keep."""
     states = np.repeat(boat.records.state, members)
     states["ordered_depth"] += np.linspace(-10.0, 10.0, members)
     states["ordered_psi"] += np.linspace(-1.0, 1.0, members)
-    return Fleet(boat.records.vessel, boat.records.compact, boat.records.scheme, states)
+    return Ensemble(boat.records.vessel, boat.records.compact, boat.records.scheme, states)
 
 
 def flight_of(boat: Boat, members: int) -> Callable[[], None]:

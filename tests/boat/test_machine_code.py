@@ -43,11 +43,11 @@ from trainer.core.state import new_sea, new_state
 FOLDER = machine_code.SHIPPED_FOLDER
 HERE = platforms.fitting_name(binding.get_host_cpu_features()) or ""
 MAKE = "trainer boat export-core trainer/boat/shipped --cpu shipped"
-CALLERS = ("analysis", "boat", "config", "debrief", "report", "session", "cli")
+CALLERS = ("analysis", "api", "boat", "config", "debrief", "report", "session", "cli")
 # what goes on compiling: fleets, ships, and what is lowered
 COMPILING = ("analysis/fleet", "analysis/sweep", "boat/ship", "boat/export", "identify")
 MAX_BYTES = 1_020_000  # of all objects, a quarter of it for units
-MANY_PER_CALL = {entry.fly, entry.sail}
+MANY_PER_CALL = {entry.fly, entry.sail, entry.steer}
 jitted = pytest.mark.skipif(
     machine_code.way_name() != "shipped", reason="settings of numba ask for other code"
 )
@@ -145,7 +145,8 @@ def test_the_shipped_objects_are_of_this_core_and_whole() -> None:
 @pytest.mark.parametrize("name", platforms.SHIPPED_OBJECTS)
 def test_an_object_has_its_entries_and_asks_for_nothing(name: str) -> None:
     found = [(symbol.removeprefix("_"), known) for symbol, known in symbols(unpacked(name))]
-    all_entries = {entries.TICK_NAME, *(each.name for each in entries.KERNEL_ENTRIES)}
+    all_entries = {each.name for each in entries.KERNEL_ENTRIES}
+    all_entries |= {each.bound_name for each in entries.KERNEL_ENTRIES if each.bound}
     unit = (SOURCE_FOLDER / "unit.c").read_text("utf-8")
     called = {each for each in all_entries if re.search(rf"^int {each}\(", unit, re.MULTILINE)}
 

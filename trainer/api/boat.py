@@ -8,6 +8,7 @@ import contextlib
 import math
 import threading
 from array import array
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from numbers import Real
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypedDi
 
 import numpy as np
 
+from trainer.api.by_number import BoatByNumber
 from trainer.api.keywords import parse_options
 from trainer.boat.limits import LimitMonitor
 from trainer.cli.options import run_options
@@ -83,6 +85,21 @@ class Snapshot:
     time: float
     _moment: Moment = field(repr=False)
     _of: object = field(repr=False)
+    _plan: Plan = field(repr=False)
+
+    def is_of(self, boat: object) -> bool:
+        """Return whether it is a moment of that very boat."""
+        return self._of is boat
+
+    def is_foreign(self, boat: object) -> bool:
+        """Return whether it is a moment of another ``Boat``, with a journal of its own."""
+        return isinstance(self._of, Boat) and not self.is_of(boat)
+
+    def moment_for(self, plan: Plan) -> Moment:
+        """Return the moment for a boat of that plan; TrainerError for another kind."""
+        if (plan.file, plan.method) != (self._plan.file, self._plan.method):
+            raise ConfigError("restore: this snapshot is of another vessel file, or another method")
+        return self._moment
 
 
 class Flown(NamedTuple):
@@ -121,17 +138,15 @@ class Boat:
     """
 
     def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
-        keywords: dict[str, Any] = {"vessel": vessel, **options}
-        begin = {name: keywords.pop(name, None) for name in INITIAL_KEYS}
-        chosen = _options_of(keywords)
+        self._asked = {"vessel": vessel, **options}
         with remembering() as texts:
-            self._plan = _begun_at(plan_run(chosen), begin)
-        if chosen.record and any(value is not None for value in begin.values()):
+            chosen, self._plan = plan_boat(self._asked)
+        if chosen.record and any(self._asked.get(name) is not None for name in INITIAL_KEYS):
             raise ConfigError(
                 "record=: a recorded run begins as its exercise or vessel file says, so that it "
                 "can be replayed; leave out speed, depth and course, or write an exercise"
             )
-        self._given = {"vessel": vessel, **options, "record": None}
+        self._given = self._asked | {"record": None}  # to a copy
         self._boat = ready_boat(self._plan, chosen)
         state = self._boat.records.state.tobytes()
         keeper: Recording | OrderMemory = OrderMemory()
@@ -226,6 +241,22 @@ class Boat:
             raise ConfigError(f"run({quote(seconds)}): {longest}")
         return self._boat.ticks + max(round(seconds / step), 1)
 
+    def by_number(
+        self, orders: Sequence[str], reads: Sequence[str], ticks: int = 1
+    ) -> BoatByNumber:
+        """Return what orders this boat by numbers, and reads numbers, at each step.
+
+        ``orders`` are such as ``rudder``, ``stern``, ``bow``, ``depth`` or ``turns``; ``reads``
+        are names of ``state``; a step goes on by so many ``ticks``. TrainerError for a boat that
+        is recorded, in an exercise or with a schedule: what happens there comes by ``run``.
+        """
+        with self._alone():
+            self._refuse_closed()
+            for name in ("record", "exercise", "orders"):
+                if self._asked.get(name) is not None:
+                    raise ConfigError(f"by_number: not with {name}=, which is for run()")
+            return BoatByNumber(self._boat, self._lock, orders, reads, ticks)
+
     @property
     def time(self) -> float:
         """Return the simulated time [s] since the start."""
@@ -292,18 +323,23 @@ class Boat:
     def snapshot(self) -> Snapshot:
         """Return this moment, whole: state, sea, tanks, casualties, and what is still scheduled."""
         with self._alone():
-            return Snapshot(self.time, self._session.history.now(), self)
+            return Snapshot(self.time, self._session.history.now(), self, self._plan)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a moment of this boat, to the bit. What came after it is forgotten.
 
-        A recording keeps it, on the branch that is left. TrainerError for another boat's moment.
+        A recording keeps it, on the branch that is left. A moment from a ``Fleet`` of the same
+        vessel file does, too. TrainerError for another boat's.
         """
-        if not isinstance(snapshot, Snapshot) or snapshot._of is not self:  # noqa: SLF001  its own kind
+        if not isinstance(snapshot, Snapshot) or snapshot.is_foreign(self):
             raise ConfigError("restore: this is no snapshot, or one of another boat")
         with self._alone(), np.errstate(all="ignore"):
             self._refuse_closed()
-            jump_to(self._session, snapshot._moment, f"restore, by {ORDER_GIVER}")  # noqa: SLF001
+            moment = snapshot.moment_for(self._plan)
+            if not snapshot.is_of(self):
+                now = self._session.history.now()
+                moment = replace(now, tick=moment.tick, state=moment.state)
+            jump_to(self._session, moment, f"restore, by {ORDER_GIVER}")
             self._rows.cut(self._boat.ticks)
             self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 
@@ -373,7 +409,7 @@ def _another_boat(given: BoatOptions, flown: Flown) -> Boat:
 
 
 class _TickRows:
-    """The columns of each tick, in memory; the place of a row is its tick."""
+    """The columns of each tick that was run, in memory."""
 
     trouble = ""
 
@@ -382,17 +418,24 @@ class _TickRows:
 
     def row(self, values: Sequence[float]) -> None:
         """Take the columns of one tick, unless they are here."""
-        if len(self.numbers) == int(values[0]) * ROW_WIDTH:
+        if not self.numbers or values[0] > self.numbers[-ROW_WIDTH]:
             self.numbers.extend(values)
 
     def cut(self, tick: int) -> None:
         """Drop the rows after a tick."""
-        del self.numbers[(tick + 1) * ROW_WIDTH :]
+        del self.numbers[bisect_right(self.numbers[::ROW_WIDTH], tick) * ROW_WIDTH :]
 
     def columns(self) -> dict[str, Numbers]:
         """Return copies of the columns, by name."""
         table = np.array(self.numbers).reshape(-1, ROW_WIDTH)
         return {name: table[:, i].copy() for i, name in enumerate(MOTION_COLUMNS)}
+
+
+def plan_boat(keywords: Mapping[str, Any]) -> tuple[RunOptions, Plan]:
+    """Return options and plan of a boat by its keywords; ConfigError on what is wrong."""
+    begin = {name: keywords.get(name) for name in INITIAL_KEYS}
+    chosen = _options_of({name: keywords[name] for name in keywords if name not in INITIAL_KEYS})
+    return chosen, _begun_at(plan_run(chosen), begin)
 
 
 def _options_of(given: Mapping[str, Any]) -> RunOptions:

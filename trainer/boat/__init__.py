@@ -17,8 +17,8 @@ from outside the core, stays here.
 # fmt: off
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
-    "crew_orders", "depths", "due_orders", "envelope", "export", "flown_ticks", "grounding",
-    "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms", "quantities",
-    "readings", "reference_crew", "sea_orders", "ship", "stability", "world",
+    "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
+    "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms",
+    "quantities", "readings", "reference_crew", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -121,6 +121,45 @@ def effects_of_boat(boat: Boat) -> list[Effect]:
     return [effect for name in WORD_EFFECTS for effect in effects_of_word(boat, name)]
 
 
+class NumberedOrder(NamedTuple):
+    """An order by a number [SI]: right, rise, ahead, in and forward are positive."""
+
+    low: float
+    high: float
+    writes: tuple[Write, ...]
+
+
+def numbered_orders(boat: Boat) -> dict[str, NumberedOrder]:
+    """Return the orders by a number that this boat takes, by name.
+
+    Two orders that write the same places, to one side and to the other, are one. It has the name of
+    its surface, or the words of the side that is positive.
+    """
+    surfaces = {said: name for name, said in SURFACE_NAMES.items()}
+    found: dict[tuple[tuple[int, str], ...], str] = {}
+    orders: dict[str, NumberedOrder] = {}
+    for effect in effects_of_boat(boat):
+        if effect.number is None:
+            continue
+        places = tuple((write.place, write.rule) for write in effect.writes)
+        said = effect.words.rpartition(" ")[0]
+        name = found.setdefault(places, surfaces.get(said, effect.words))
+        low, high, *_ = effect.number
+        known = orders.get(name, NumberedOrder(low, high, effect.writes))
+        if _sign(known.writes) != _sign(effect.writes):
+            low, high = -high, -low
+        ends = known.low, known.high, low, high
+        orders[name] = NumberedOrder(min(ends) + 0.0, max(ends), known.writes)
+    return orders
+
+
+def _sign(writes: Iterable[Write]) -> float:
+    """Return the sign with which the number of an order is written."""
+    return next(
+        (math.copysign(1.0, each.argument) for each in writes if each.rule == "number"), 1.0
+    )
+
+
 def effects_of_word(boat: Boat, name: str) -> Iterable[Effect]:
     """Return the effects of an order word, none where the boat lacks what it needs."""
     needs = ORDER_WORDS[name].needs

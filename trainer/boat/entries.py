@@ -7,6 +7,7 @@ kinds written here, because numba would compile it anew for others, while a user
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from trainer.core.ballast.buoyancy import segment
 from trainer.core.ballast.hover import is_hovering, wanted_pump
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.current import north_and_east
-from trainer.core.entry import LOOKOUT, fly, sail, tick
+from trainer.core.entry import LOOKOUT, RULE_COLUMNS, fly, sail, steer, tick
 from trainer.core.envelope import substeps
 from trainer.core.integrators import advance
 from trainer.core.noise import gaussian_pair
@@ -43,20 +44,27 @@ from trainer.core.trim import trim
 from trainer.core.update import lost, outside, update
 from trainer.core.vessel import COMPACT, VESSEL
 
-Kind = np.dtype | type | tuple[int, ...]
+Kind = Any  # as ``Entry`` says
 GIVEN_SIZE: Final = 0  # a size that each call gives, after all other arguments
 GIVEN_ROW: Final = (GIVEN_SIZE,)
 GIVEN_ROWS: Final = (GIVEN_SIZE, GIVEN_SIZE)
 SIX_NUMBERS: Final = (6,)
 BOAT_RECORDS: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 NUMBER_PAIR: Final = tuple[float, float]
-TICK_NAME: Final = "trainer_tick_of"  # the tick with all its arguments in one block of words
+
+
+@dataclass(frozen=True)
+class RecordRow:
+    """The kind of many records at an address; each call gives how many."""
+
+    dtype: np.dtype
 
 
 class Entry(NamedTuple):
     """A kernel, and the kinds of its arguments and of its answer.
 
-    A kind is the record at an address, ``float``, ``int``, or the shape of numbers at an address.
+    A kind is the record at an address, a row of records, ``float``, ``int``, or the shape of
+    numbers at an address.
     """
 
     kernel: Any
@@ -64,6 +72,7 @@ class Entry(NamedTuple):
     answer: Any = None  # int, bool, float, NUMBER_PAIR, or None
     bundle: int = 0  # so many first arguments are one tuple to the kernel
     many_ticks: bool = False  # in one call, which lets other threads go on
+    bound: bool = False  # has a second function, with all arguments in one block of words
 
     @property
     def name(self) -> str:
@@ -71,10 +80,17 @@ class Entry(NamedTuple):
         return f"trainer_{self.kernel.__name__}"
 
     @property
+    def bound_name(self) -> str:
+        """Return the name of the function that takes all arguments in one block of words."""
+        return f"{self.name}_of"
+
+    @property
     def sizes(self) -> Iterator[tuple[int, int]]:
         """Yield where each size that a call gives belongs: argument, and index in its shape."""
         for index, kind in enumerate(self.kinds):
-            if isinstance(kind, tuple):
+            if isinstance(kind, RecordRow):
+                yield index, 0
+            elif isinstance(kind, tuple):
                 yield from ((index, i) for i, size in enumerate(kind) if size == GIVEN_SIZE)
 
     @property
@@ -84,8 +100,19 @@ class Entry(NamedTuple):
 
 
 KERNEL_ENTRIES: Final = (
-    Entry(tick, (*BOAT_RECORDS, GIVEN_ROW), int, bundle=5),
+    Entry(tick, (*BOAT_RECORDS, GIVEN_ROW), int, bundle=5, bound=True),
     Entry(fly, (*BOAT_RECORDS, GIVEN_ROW, GIVEN_ROW, GIVEN_ROWS), int, bundle=5, many_ticks=True),
+    Entry(
+        steer,
+        (
+            *(VESSEL, COMPACT, SCHEME, RecordRow(STATE), RecordRow(SCRATCH), GIVEN_ROW),
+            *((GIVEN_SIZE, RULE_COLUMNS), GIVEN_ROWS, GIVEN_ROW, int, GIVEN_ROWS),
+        ),
+        int,
+        bundle=6,
+        many_ticks=True,
+        bound=True,
+    ),
     Entry(sail, (*BOAT_RECORDS, LOOKOUT, GIVEN_ROWS), int, bundle=5, many_ticks=True),
     Entry(update, BOAT_RECORDS, int),
     Entry(rates, BOAT_RECORDS),

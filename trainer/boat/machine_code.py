@@ -26,7 +26,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import Records
-from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, TICK_NAME, Entry, entry_of
+from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, Entry, RecordRow, entry_of
 from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, fitting_name, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
@@ -187,6 +187,8 @@ def _fits(kind: Any, given: Any) -> bool:
     """Return whether an argument is of the kind that the object takes, else numba takes it."""
     if not isinstance(given, np.ndarray) or not given.flags.c_contiguous:
         return False
+    if isinstance(kind, RecordRow):
+        return bool(given.dtype == kind.dtype) and given.ndim == 1
     if not isinstance(kind, tuple):
         return bool(given.dtype == kind) and given.shape == (1,)
     shape = given.shape
@@ -253,17 +255,36 @@ def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], in
     The caller keeps the records, and does not move them, because only addresses are bound: taking
     them apart at every call would cost more than the tick does.
     """
-    ground = EMPTY_CHART if chart is None else chart
+    return bind(tick, records, EMPTY_CHART if chart is None else chart)
+
+
+def bind(kernel: Callable[..., Any], *arguments: Any) -> Callable[[], int]:
+    """Return the call of a kernel with these arguments.
+
+    They stay where they are. Its entry is one that can be bound. TypeError if an argument is of
+    another kind than is said there.
+    """
     library = _find_way().library
     if library is None:
-        return functools.partial(tick, records, ground)
-    words = [_address(each) for each in (*records, ground)]
-    block: Any = np.array([*words, 0], np.int64)
-    block.view(np.float64)[-1] = ground.size
+        return functools.partial(kernel, *arguments)
+    entry = entry_of(kernel)
+    given = (*arguments[0], *arguments[1:]) if entry.bundle else arguments
+    sizes = [given[index].shape[i] for index, i in entry.sizes]
+    block: Any = np.zeros(len(given) + len(sizes), np.int64)
+    numbers = block.view(np.float64)
+    numbers[len(given) :] = sizes
+    for index, (kind, each) in enumerate(zip(entry.kinds, given, strict=True)):
+        if kind is int or kind is float:
+            numbers[index] = each
+        elif _fits(kind, each):
+            block[index] = _address(each)
+        else:
+            raise TypeError(f"{entry.name}: argument {index} is of another kind")
     words_there = (ctypes.c_int64 * block.size).from_buffer(block)
-    function = ctypes.PYFUNCTYPE(ctypes.c_int)(library.address_of(TICK_NAME))
+    prototype = ctypes.CFUNCTYPE if entry.many_ticks else ctypes.PYFUNCTYPE
+    function = prototype(ctypes.c_int)(library.address_of(entry.bound_name))
     bound: Any = functools.partial(function, ctypes.byref(words_there))  # the least of all calls
-    bound.kept = (*records, ground)  # as long as the tick is
+    bound.kept = given  # as long as the call is
     return bound  # type: ignore[no-any-return]
 
 

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import part
+from trainer.core.kernel import kernel, part
 
 # Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53, so
 # that each coefficient is rounded once, and alike on every machine.
@@ -100,6 +100,26 @@ def _remainder(x: float, turns: int) -> float:
     # pi/2 in parts of at most 32 bits and a rest: products are exact up to 2^21 quarter turns
     r = x - k * 1.5707963267341256
     return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
+
+
+@kernel
+def nearest_turn(x: float) -> float:
+    """Return the angle ``x`` [rad] less whole turns, from -pi to pi, exactly.
+
+    As the remainder of IEEE 754: of two turns that are as near, the even one is taken.
+    """
+    r, part_of_turn = abs(x), math.tau
+    while part_of_turn * 2.0 <= r:
+        part_of_turn *= 2.0
+    odd = False
+    while part_of_turn >= math.tau:
+        if r >= part_of_turn:  # and less than twice of it, so that the difference is exact
+            r -= part_of_turn
+            odd = part_of_turn == math.tau
+        part_of_turn *= 0.5
+    if r > math.pi or (r == math.pi and odd):
+        r -= math.tau
+    return r if x >= 0.0 else -r
 
 
 @part

@@ -2,18 +2,22 @@
 
 ``Boat`` takes one tick with ``tick`` and many with ``fly``. A manoeuvre waits for a heading, a
 pitch or a speed, then gives its next order: ``analysis/manoeuvres/submarine`` writes that mark to a
-lookout and calls ``sail``, so that the interpreter is not asked between ticks.
+lookout and calls ``sail``, so that the interpreter is not asked between ticks. Whoever learns or
+plans orders one boat or many by numbers, and calls ``steer``.
 """
 
 from typing import Final
 
 from trainer.core.casualties import instruments
-from trainer.core.elementary import cosine, sine
+from trainer.core.elementary import cosine, nearest_turn, sine
 from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.soundings import sound
 from trainer.core.update import update
 
 ROW_COLUMNS: Final = 17  # numbers of a row
+# how an order by number writes to the state, as ``boat/effects`` explains
+CONST, NUMBER, OVER, PLACE, SHORT, SHORTER = 0, 1, 2, 3, 4, 5
+RULE_COLUMNS: Final = 6  # of a write: its order, the place, how, the argument, lowest, highest
 NO_QUANTITY, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
 
 LOOKOUT: Final = record_dtype(
@@ -58,6 +62,86 @@ def fly(records: tuple[Record, ...], chart: Numbers, offsets: Numbers, out: Numb
             for k in range(scratch[0].reading.size):
                 out[i, count + k] = scratch[0].reading[k]
     return 0
+
+
+@part
+def find_refused(rules: Numbers, values: Numbers) -> int:
+    """Return 1 + the first order whose value is out of bounds, else 0."""
+    for k in range(rules.shape[0]):
+        order = int(rules[k, 0])
+        if not rules[k, 4] <= values[order] <= rules[k, 5]:  # which NaN is not, either
+            return order + 1
+    return 0
+
+
+@part
+def obey_numbers(rules: Numbers, values: Numbers, state: Record) -> None:
+    """Write to the state what orders by numbers ask for, rule by rule."""
+    s = state[0]
+    for k in range(rules.shape[0]):
+        x, place, how, argument = (
+            values[int(rules[k, 0])],
+            int(rules[k, 1]),
+            rules[k, 2],
+            rules[k, 3],
+        )
+        if how == CONST:
+            s.whole[place] = argument
+        elif how == NUMBER:
+            s.whole[place] = argument * x
+        elif how == OVER:
+            s.whole[place] = x / argument
+        elif how == PLACE:
+            s.whole[place] = s.whole[int(argument)]
+        else:
+            near = s.whole[int(argument)]
+            angle = x if how == SHORT else s.whole[place]
+            s.whole[place] = near + nearest_turn(angle - near)
+
+
+@kernel
+def steer(
+    boats: tuple[Record, ...],
+    rules: Numbers,
+    values: Numbers,
+    offsets: Numbers,
+    ticks: int,
+    out: Numbers,
+) -> int:
+    """Have each boat obey its row of ``values`` [boats, orders], then advance.
+
+    Return how many boats rest. ``boats`` are the records of ``update``, but a state for each boat
+    and a scratch for each or one for all, and then the chart of ``tick``. A row of ``rules`` [n,
+    RULE_COLUMNS] is a write: its order, the place, how, the argument, and the order's bounds.
+
+    The first number of a row of ``out`` is the boat's status: 0 as long as it goes on; -k where
+    value k was refused, with the state as it was; else what ``update`` returned. A boat whose
+    status is not 0 rests. The others are the numbers at ``offsets`` of the state, at the end, or
+    after each tick if there is room for so many.
+    """
+    vessel, compact, scheme, states, scratches, chart = boats
+    count, resting = offsets.size, 0
+    for i in range(states.size):
+        state = states[i : i + 1]
+        j = i if scratches.size > 1 else 0
+        own = vessel, compact, scheme, state, scratches[j : j + 1]
+        if out[i, 0] == 0.0:
+            out[i, 0] = -float(find_refused(rules, values[i]))
+        going = out[i, 0] == 0.0
+        if going:
+            obey_numbers(rules, values[i], state)
+        at = 1
+        for k in range(ticks):
+            if going:
+                out[i, 0] = float(tick(own, chart))
+                going = out[i, 0] == 0.0
+            if out.shape[1] > 1 + count or k == ticks - 1:
+                for m in range(count):
+                    out[i, at + m] = state[0].whole[int(offsets[m])]
+                at += count
+        if not going:
+            resting += 1
+    return resting
 
 
 @kernel

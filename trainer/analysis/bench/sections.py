@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from trainer.analysis.bench import end_to_end, on_time, standard_hour, start_up, web
+from trainer.analysis.bench import end_to_end, numbers, on_time, standard_hour, start_up, web
 from trainer.config.vessel import VesselFile
 
 
@@ -75,6 +75,7 @@ SECTIONS: Final = {
     "latency": Section(
         lambda wanted: end_to_end.time_helm(wanted.file, wanted.seconds), end_to_end.lines
     ),
+    "numbers": Section(lambda wanted: numbers.time_numbers(wanted.file), numbers.lines),
     "starting": Section(lambda _wanted: start_up.time_starts(), start_up.lines),
     "web": or_left_out(
         web.NoBrowserError,

@@ -20,7 +20,7 @@ import click
 import numpy as np
 
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, fly_members
+from trainer.analysis.fleet.ensemble import NO_ORDERS, Ensemble, fly_members
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
@@ -135,7 +135,7 @@ def in_a_fleet(records: Records, count: int) -> int:
     covers that too.
     """
     vessel, compact, scheme, state, _ = records
-    fleet = Fleet(vessel, compact, scheme, np.repeat(state, FLEET_MEMBERS))
+    fleet = Ensemble(vessel, compact, scheme, np.repeat(state, FLEET_MEMBERS))
     lost = fly_members(fleet, NO_ORDERS, count, max(count, 1), ()).lost
     state[:] = fleet.states[-1:]
     return int((lost >= 0).any())

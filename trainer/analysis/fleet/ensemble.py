@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from trainer.analysis.fleet.member import Fleet, FlightTrack, Schedule, fly_one_by_one
+from trainer.analysis.fleet.member import Ensemble, FlightTrack, Schedule, fly_one_by_one
 from trainer.analysis.fleet.shipped import new_solo
 from trainer.boat.boat import STATE_OFFSETS
 from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
 
-__all__ = ["NO_ORDERS", "Fleet", "FleetFlight", "Schedule", "fly_members", "orders"]
+__all__ = ["NO_ORDERS", "Ensemble", "FleetFlight", "Schedule", "fly_members", "orders"]
 
 
 class FleetFlight(NamedTuple):
@@ -50,7 +50,7 @@ NO_ORDERS = orders([], [], [])
 
 
 def fly_members(
-    fleet: Fleet, schedule: Schedule, ticks: int, every: int, columns: tuple[str, ...]
+    fleet: Ensemble, schedule: Schedule, ticks: int, every: int, columns: tuple[str, ...]
 ) -> FleetFlight:
     """Advance all members by ``ticks``, their states in place, and return the rows.
 

@@ -16,7 +16,7 @@ from trainer.core.kernel import Record, kernel, unlocked
 Integers = NDArray[np.int64]
 
 
-class Fleet(NamedTuple):
+class Ensemble(NamedTuple):
     """The members: one record for all or one for each, but states for each."""
 
     vessels: Record
@@ -72,7 +72,7 @@ def clear_track_rows(out: FlightTrack, member: int, start: int, end: int) -> Non
 
 @kernel
 def fly_alone(
-    fleet: Fleet, member: int, start: int, end: int, solo: SoloWork, out: FlightTrack
+    fleet: Ensemble, member: int, start: int, end: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance a member from tick ``start`` to ``end``, or to where its numbers are lost."""
     vessel = fleet.vessels[record_span(fleet.vessels, member)]
@@ -115,7 +115,7 @@ def next_order_tick(schedule: Schedule, member: int, next_order: int, end: int) 
 
 @kernel
 def fly_member(
-    fleet: Fleet, schedule: Schedule, ticks: int, member: int, solo: SoloWork, out: FlightTrack
+    fleet: Ensemble, schedule: Schedule, ticks: int, member: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance a member by ``ticks``, and obey its orders."""
     state = fleet.states[record_span(fleet.states, member)]
@@ -130,7 +130,7 @@ def fly_member(
 
 @unlocked
 def fly_one_by_one(
-    fleet: Fleet, schedule: Schedule, ticks: int, solo: SoloWork, out: FlightTrack
+    fleet: Ensemble, schedule: Schedule, ticks: int, solo: SoloWork, out: FlightTrack
 ) -> None:
     """Advance every member by ``ticks``; the interpreter is free meanwhile."""
     for member in range(fleet.states.size):

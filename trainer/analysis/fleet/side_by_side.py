@@ -23,7 +23,7 @@ from trainer.analysis.fleet.block import (
 )
 from trainer.analysis.fleet.lanes import LANE_COUNT
 from trainer.analysis.fleet.member import (
-    Fleet,
+    Ensemble,
     FlightTrack,
     Integers,
     Schedule,
@@ -55,7 +55,9 @@ def new_work() -> ThreadWork:
 
 
 @kernel
-def choose_members(fleet: Fleet, first: int, count: int, work: ThreadWork, out: FlightTrack) -> int:
+def choose_members(
+    fleet: Ensemble, first: int, count: int, work: ThreadWork, out: FlightTrack
+) -> int:
     """Return how many of ``count`` members fly side by side.
 
     Write which do not, and make the others ready.
@@ -77,7 +79,7 @@ def choose_members(fleet: Fleet, first: int, count: int, work: ThreadWork, out: 
 
 @kernel
 def fly_abreast(
-    fleet: Fleet, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
+    fleet: Ensemble, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
 ) -> None:
     """Advance the lanes of the block from tick ``start`` to ``end``, and note their rows."""
     count = min(LANE_COUNT, fleet.states.size - first)
@@ -95,7 +97,7 @@ def fly_abreast(
 
 
 @kernel
-def any_without_past(fleet: Fleet, first: int, count: int) -> bool:
+def any_without_past(fleet: Ensemble, first: int, count: int) -> bool:
     """Return whether any of ``count`` members has no past from which to integrate."""
     for member in range(first, first + count):
         if not under_way(fleet.states[record_span(fleet.states, member)]):
@@ -105,7 +107,7 @@ def any_without_past(fleet: Fleet, first: int, count: int) -> bool:
 
 @kernel
 def fly_stretch(
-    fleet: Fleet, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
+    fleet: Ensemble, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
 ) -> None:
     """Advance a block, the members from ``first`` on, from tick ``start`` to ``end``."""
     count = min(LANE_COUNT, fleet.states.size - first)
@@ -128,7 +130,7 @@ def fly_stretch(
 
 
 @kernel
-def begin_block(fleet: Fleet, first: int, work: ThreadWork, out: FlightTrack) -> None:
+def begin_block(fleet: Ensemble, first: int, work: ThreadWork, out: FlightTrack) -> None:
     """Write the first rows of a block's members, and their constants to the block."""
     for lane in range(LANE_COUNT):
         member = first + lane
@@ -143,7 +145,7 @@ def begin_block(fleet: Fleet, first: int, work: ThreadWork, out: FlightTrack) ->
 
 @kernel
 def fly_block(
-    fleet: Fleet, schedule: Schedule, ticks: int, first: int, work: ThreadWork, out: FlightTrack
+    fleet: Ensemble, schedule: Schedule, ticks: int, first: int, work: ThreadWork, out: FlightTrack
 ) -> None:
     """Advance the members from ``first`` on by ``ticks``, as many as fly side by side."""
     begin_block(fleet, first, work, out)
@@ -166,7 +168,7 @@ def fly_block(
 
 @unlocked
 def fly_members_by_block(
-    fleet: Fleet, schedule: Schedule, ticks: int, work: ThreadWork, out: FlightTrack
+    fleet: Ensemble, schedule: Schedule, ticks: int, work: ThreadWork, out: FlightTrack
 ) -> None:
     """Advance every member by ``ticks``; the interpreter is free meanwhile."""
     for first in range(0, fleet.states.size, LANE_COUNT):

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.fleet.ensemble import NO_ORDERS, Fleet, Schedule, orders
+from trainer.analysis.fleet.ensemble import NO_ORDERS, Ensemble, Schedule, orders
 from trainer.analysis.fleet.shipped import (
     Codes,
     find_codes,
@@ -133,7 +133,7 @@ class FleetStart(NamedTuple):
 
 @kernel
 def start_fleet(
-    codes: Codes, fleet: Fleet, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
+    codes: Codes, fleet: Ensemble, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
 ) -> None:
     """Start every boat of a fleet at depth in a calm.
 
@@ -227,7 +227,7 @@ def carries_surface(made: VesselBatch, surface: str) -> NDArray[np.bool_]:
 
 def start_members(
     made: VesselBatch, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
-) -> tuple[Fleet, NDArray[np.bool_]]:
+) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each.
 
     Return also which members can fly straight and have the controls.
@@ -242,7 +242,7 @@ def start_members(
     if len(gravities) > 1:
         gravities = made.vessels["g"]
     settings = np.array([sea_settings(calm, float(g)) for g in gravities])
-    fleet = Fleet(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
+    fleet = Ensemble(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
     fit, how = np.zeros(count), FleetStart(speeds, DEEP_WATER_M, law, settings)
     with np.errstate(all="ignore"):
         start_fleet(find_codes(), fleet, exact, how, new_scratch(), fit)

@@ -5,12 +5,15 @@ process flies. The missing chunks are flown, each is kept when it is done, so th
 sweep goes on where it was, and all are joined to one file; a manifest says of which study they are.
 The facts of the study lie in the file itself, so that a result can be flown again and is never
 taken for another study's.
+
+Machines without a scheduler of ours fly a share of the chunks each (``fly_share``), into one
+folder; ``join_chunks`` makes the file of it that one process would have made.
 """
 
 import contextlib
 import json
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -29,11 +32,13 @@ from trainer.workers import worker_pool
 ROW_GROUP_ROWS: Final = 65_536  # of a row group of the result
 MEMBER_COLUMN, SEED_COLUMN, TROUBLE_COLUMN = "member", "seed", "trouble"
 FACTS_KEY: Final = b"trainer.sweep"
+DIGEST_KEY: Final = b"trainer.sweep.job"  # of a chunk
 MANIFEST_NAME: Final = "manifest.json"
 LOCK_NAME: Final = "lock"  # held by the process that writes there
 
 BatchChunks = Iterator[tuple[int, Batch]]
 ChunkCrew = Callable[[Job, list[int]], BatchChunks]
+MAX_NAMED_CHUNKS: Final = 8
 SCHEDULER_TIMEOUT: Final = "10s"  # for a scheduler to answer
 RESUME_NOTE: Final = "what is finished is kept: run the same command again"
 
@@ -119,6 +124,7 @@ class ChunkStore:
     folder: Path
     schema: Any
     chunks: int
+    digest: str  # of the job
 
     def file(self, index: int) -> Path:
         """Return the path of a chunk's file."""
@@ -130,16 +136,23 @@ class ChunkStore:
 
     def keep(self, index: int, batch: Batch) -> None:
         """Write a chunk; OSError if it cannot be."""
-        write_table(table_of(batch, self.schema), self.file(index))
+        table = table_of(batch, self.schema)
+        signed = table.replace_schema_metadata({DIGEST_KEY: self.digest.encode()})
+        write_table(signed, self.file(index))
 
     def tables(self) -> Iterator[Any]:
-        """Yield the chunks in their order; ConfigError naming one that cannot be read."""
+        """Yield the chunks in their order; ConfigError naming one that is not to be had."""
         for index in range(self.chunks):
             try:
-                yield read_table(self.file(index))
+                table = read_table(self.file(index))
             except OSError as wrong:
                 text = f"{self.file(index)}: cannot be read ({wrong}): delete it, and run again"
                 raise ConfigError(text) from None
+            if (table.schema.metadata or {}).get(DIGEST_KEY) != self.digest.encode():
+                raise ConfigError(
+                    f"{self.file(index)}: is of another study: delete it, and run again"
+                )
+            yield table
 
     def clear(self) -> None:
         """Remove the folder, the result being there."""
@@ -166,9 +179,9 @@ def writing_alone(out: Path) -> Iterator[None]:
         raise ConfigError(f"{out}: cannot be written: {error.strerror or error}") from None
 
 
-def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
+def take_up(job: Job, folder: Path) -> ChunkStore:
     """Return a job's folder, new or as it was left; ConfigError if another job's."""
-    folder = folder_of(out)
+    ready = open_job(job)
     manifest = folder / MANIFEST_NAME
     try:
         folder.mkdir(exist_ok=True)
@@ -176,13 +189,11 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> ChunkStore:
             _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
         else:
             renew_whole(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
-        for stray in (*folder.glob("*.part"), *folder.glob(".*/*")):  # of a writer that was killed
-            stray.unlink(missing_ok=True)
     except OSError as error:
         raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
     except (json.JSONDecodeError, UnicodeDecodeError):
         raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
-    return ChunkStore(folder, schema, chunks)
+    return ChunkStore(folder, schema_of(ready), ready.chunks, job.digest)
 
 
 def result_of(job: Job, out: Path) -> Any:
@@ -281,29 +292,89 @@ def carry_out(job: Job, crew: ChunkCrew, out: Path, progress: ProgressCall) -> A
         with writing_alone(out):
             result = result_of(job, out)  # who wrote there before may have finished
             if result is None:
-                return _fly_missing(job, ready, crew, out, progress)
+                return _fly_and_join(job, crew, out, progress)
     progress(ready.members)
     return result
 
 
-def _fly_missing(
-    job: Job, ready: OpenJob, crew: ChunkCrew, out: Path, progress: ProgressCall
-) -> Any:
+def _fly_and_join(job: Job, crew: ChunkCrew, out: Path, progress: ProgressCall) -> Any:
     """Return the result of a study, flying the chunks that are missing; ConfigError."""
-    schema = schema_of(ready)
-    parts = take_up(job, schema, ready.chunks, out)
-    done = parts.finished()
-    size = ready.subject.chunk
-    progress(sum(min(size, ready.members - index * size) for index in done))
-    missing = [index for index in range(ready.chunks) if index not in done]
+    parts = take_up(job, folder_of(out))
+    for stray in (*parts.folder.glob("*.part"), *parts.folder.glob(".*/*")):  # a writer was killed
+        stray.unlink(missing_ok=True)
+    _fly_missing(job, crew, parts, range(parts.chunks), progress)
+    result = _join(job, parts, out)
+    parts.clear()
+    return result
+
+
+def _fly_missing(
+    job: Job, crew: ChunkCrew, parts: ChunkStore, wanted: Sequence[int], progress: ProgressCall
+) -> None:
+    """Fly those of the chunks wanted that are not on disk, and keep them; ConfigError."""
+    done = parts.finished() & set(wanted)
+    progress(sum(members_in(job, index) for index in done))
+    missing = [index for index in wanted if index not in done]
     try:
         for index, batch in crew(job, missing):
             parts.keep(index, batch)
             progress(len(batch.members))
-        result = join_parts(parts.tables(), job, schema)
+    except OSError as error:
+        text = f"{parts.folder}: cannot be written: {error.strerror or error}"
+        raise ConfigError(text) from None
+
+
+def members_in(job: Job, chunk: int) -> int:
+    """Return how many members a chunk has."""
+    ready = open_job(job)
+    return min(ready.subject.chunk, ready.members - chunk * ready.subject.chunk)
+
+
+def _join(job: Job, parts: ChunkStore, out: Path) -> Any:
+    """Write the result of chunks that are all on disk, and return it; ConfigError."""
+    result = join_parts(parts.tables(), job, parts.schema)
+    try:
         write_table(result, out)
     except OSError as error:
-        text = f"{folder_of(out)}: cannot be written: {error.strerror or error}"
-        raise ConfigError(text) from None
-    parts.clear()
+        raise ConfigError(f"{out}: cannot be written: {error.strerror or error}") from None
     return result
+
+
+@dataclass(frozen=True)
+class Share:
+    """One of so many shares of a study's chunks, counted from 1."""
+
+    number: int
+    count: int
+
+    def __str__(self) -> str:
+        return f"{self.number}/{self.count}"
+
+    def chunks(self, job: Job) -> range:
+        """Return the chunks of the share."""
+        return range(self.number - 1, open_job(job).chunks, self.count)
+
+
+def fly_share(
+    job: Job, crew: ChunkCrew, share: Share, folder: Path, progress: ProgressCall
+) -> None:
+    """Fly a share of a study's chunks into a folder that others share.
+
+    What is there is not flown again. ConfigError if the folder is another study's.
+    """
+    _fly_missing(job, crew, take_up(job, folder), share.chunks(job), progress)
+
+
+def join_chunks(job: Job, folder: Path, out: Path) -> Any:
+    """Write the result of the chunks in a folder; ConfigError naming what lacks."""
+    if not (folder / MANIFEST_NAME).exists():
+        raise ConfigError(f"{folder}: has no parts of a study: fly them with --part and --parts")
+    parts = take_up(job, folder)
+    if lacking := sorted(set(range(parts.chunks)) - parts.finished()):
+        names = ", ".join(f"{index:06d}" for index in lacking[:MAX_NAMED_CHUNKS])
+        more = f" and {len(lacking) - MAX_NAMED_CHUNKS} more" * (len(lacking) > MAX_NAMED_CHUNKS)
+        raise ConfigError(
+            f"{folder}: {len(lacking)} of {parts.chunks} chunks are missing: {names}{more}; run "
+            "the parts again that were interrupted, they fly what is missing"
+        )
+    return _join(job, parts, out)

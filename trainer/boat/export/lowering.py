@@ -20,7 +20,7 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
 
-from trainer.boat.entries import NUMBER_PAIR, Entry
+from trainer.boat.entries import NUMBER_PAIR, Entry, RecordRow
 from trainer.boat.export.targets import Effort, optimise_module
 from trainer.boat.platforms import Platform
 from trainer.config.files import ConfigError
@@ -56,6 +56,8 @@ def argument_types(entry: Entry) -> tuple[Any, ...]:
     for kind in entry.kinds:
         if isinstance(kind, np.dtype):
             taken.append(types.Array(numba.from_dtype(kind), 1, "C"))
+        elif isinstance(kind, RecordRow):
+            taken.append(types.Array(numba.from_dtype(kind.dtype), 1, "C"))
         elif isinstance(kind, tuple):
             taken.append(types.Array(types.float64, len(kind), "C"))
         else:
@@ -114,6 +116,8 @@ def handed_over(entry: Entry) -> tuple[list[str], list[str]]:
     for index, kind in enumerate(entry.kinds):
         if isinstance(kind, np.dtype):
             words += array_words(f"%x{index}", ["1"], kind.itemsize)
+        elif isinstance(kind, RecordRow):
+            words += array_words(f"%x{index}", [sizes[index, 0]], kind.dtype.itemsize)
         elif isinstance(kind, tuple):
             shape = [sizes.get((index, i), str(size)) for i, size in enumerate(kind)]
             if len(shape) == 2:

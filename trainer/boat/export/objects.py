@@ -14,7 +14,7 @@ import hashlib
 import json
 import platform
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final
@@ -24,7 +24,7 @@ import numba
 import numpy as np
 from llvmlite import binding
 
-from trainer.boat.entries import KERNEL_ENTRIES, TICK_NAME, entry_of
+from trainer.boat.entries import KERNEL_ENTRIES, Entry, entry_of
 from trainer.boat.export.lowering import (
     BOAT_TICK,
     compile_for,
@@ -43,7 +43,6 @@ from trainer.boat.platforms import (
 )
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.digest import core_digest
-from trainer.core.entry import tick
 from trainer.core.kernel import Record
 from trainer.core.sea.sea import order_sea
 from trainer.core.update import update
@@ -61,39 +60,42 @@ OBJECT_FILE: Final = "boat.o"
 BLOCK_TEXT: Final = """
 define i32 @{name}(ptr %block) {{
 {loads}
-  %status = call i32 @{tick}({words})
+  %status = call i32 @{entry}({words})
   ret i32 %status
 }}
 """
 
 
-def block_text(tick_name: str, kinds: Iterable[str]) -> str:
-    """Return the LLVM text of the tick whose arguments are in one block of words."""
+def block_text(entry: Entry) -> str:
+    """Return the LLVM text of an entry whose arguments are in one block of words."""
     loads, words = [], []
+    kinds = ["double" if kind in (int, float) else "ptr" for kind in entry.kinds]
+    kinds += ["double" for _ in entry.sizes]
     for i, kind in enumerate(kinds):
         loads.append(f"  %p{i} = getelementptr i64, ptr %block, i64 {i}")
         loads.append(f"  %x{i} = load {kind}, ptr %p{i}")
         words.append(f"{kind} %x{i}")
     return BLOCK_TEXT.format(
-        name=TICK_NAME, loads="\n".join(loads), tick=tick_name, words=", ".join(words)
+        name=entry.bound_name, loads="\n".join(loads), entry=entry.name, words=", ".join(words)
     )
 
 
 def lower(folder: str, *names: str) -> None:
     """Write the objects of the platforms named into a folder; "host" is this machine's."""
     texts: dict[str, tuple[str, str]] = {}
+    bound: set[str] = set()
     for entry in KERNEL_ENTRIES:
         text, kernel = kernel_text(entry)
         own = entry_text(entry, kernel, entry.name)
-        if entry.kernel is tick:
-            kinds = [*(["ptr"] * len(entry.kinds)), *("double" for _ in entry.sizes)]
-            own += block_text(entry.name, kinds)
+        if entry.bound:
+            own += block_text(entry)
+            bound.add(entry.bound_name)
         texts[entry.name] = text, own
     called = {entry_of(kernel).name for kernel in UNIT_KERNELS}
     for name in names:
         target = SHIPPED_OBJECTS.get(name) or Platform(binding.get_process_triple(), "generic")
         of_unit = name in UNIT_OBJECTS.values()
-        shown = called if of_unit else {*texts, TICK_NAME}
+        shown = called if of_unit else {*texts, *bound}
         needed = chain.from_iterable(text for entry, text in texts.items() if entry in shown)
         code = compile_for(target, needed, shown, UNIT_EFFORT if of_unit else SHIPPED_EFFORT)
         Path(folder, f"{name}.o").write_bytes(code)

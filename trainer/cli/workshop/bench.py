@@ -26,6 +26,7 @@ from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
     help="Of --on-time, for a session among all that could hold it up.",
 )
 @click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
+@click.option("--numbers", is_flag=True, help="Only what a step of a boat by numbers costs.")
 @click.option("--starting", is_flag=True, help="Only how soon commands answer.")
 @click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")

@@ -4,6 +4,8 @@
 shown.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,17 @@ from trainer.cli.types import Output
     metavar="ADDRESS",
     help="Fly on the workers of this Dask scheduler, such as tcp://10.0.0.1:8786.",
 )
+@click.option(
+    "--part",
+    metavar="I/N",
+    help="Fly this share of the members into the folder --parts, and make no result.",
+)
+@click.option(
+    "--parts", type=Path, metavar="FOLDER", help="Of --part; all parts may share it at once."
+)
+@click.option(
+    "--join", type=Path, metavar="FOLDER", help="Make the result of the parts in this folder."
+)
 @click.option("--measure", metavar="NAME", help="What to plot. [default: the first]")
 @outputs
 def sweep(study: str, member: int | None, **options: Any) -> None:
@@ -47,6 +60,8 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
     Example:  trainer boat sweep turn-uncertainty --plot turn.svg
               trainer boat sweep turn-uncertainty --member 17
               trainer boat sweep ./study.toml --scheduler tcp://127.0.0.1:8786
+              trainer boat sweep ./study.toml --part 3/64 --parts ./parts
+              trainer boat sweep ./study.toml --join ./parts --out result.parquet
     """
     from trainer.analysis.sweep.job import job_of, open_job
     from trainer.cli.workshop.subjects import subject_of
@@ -56,11 +71,17 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
         _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
     from trainer.analysis.sweep.report import panels, render, report_of
-    from trainer.analysis.sweep.sweep import check_pyarrow
+    from trainer.analysis.sweep.sweep import check_pyarrow, join_chunks
 
     check_pyarrow()
+    if options["part"] is not None or options["parts"] is not None:
+        fly_part(job, options)
+        return
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
-    result = fly(job, out, options)
+    if options["join"] is None:
+        result = fly(job, out, options)
+    else:
+        result = join_chunks(job, options["join"], out)
     report = report_of(open_job(job), result, str(out))
     show_report(report, render, lambda: panels(report, result, options["measure"]), options)
 
@@ -68,19 +89,50 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Fly the members and return a table of pyarrow; show progress on a terminal."""
     from trainer.analysis.sweep.job import open_job
-    from trainer.analysis.sweep.sweep import RESUME_NOTE, carry_out, cluster_crew, process_crew
+    from trainer.analysis.sweep.sweep import carry_out, cluster_crew, process_crew
     from trainer.workers import processor_count
 
     crew = process_crew(options["jobs"] or processor_count())
     if options["scheduler"] is not None:
         crew = cluster_crew(options["scheduler"])
-    length = open_job(job).members
+    with show_members(open_job(job).members) as step:
+        return carry_out(job, crew, out, step)
+
+
+@contextmanager
+def show_members(count: int) -> Iterator[Any]:
+    """Show the progress of members; say how to go on after an interrupt."""
+    from trainer.analysis.sweep.sweep import RESUME_NOTE
+
     try:
-        with show_progress(length, "flying") as step:
-            return carry_out(job, crew, out, step)
+        with show_progress(count, "flying") as step:
+            yield step
     except KeyboardInterrupt:
         click.echo(f"trainer: {RESUME_NOTE}", err=True)
         raise
+
+
+def fly_part(job: Any, options: dict[str, Any]) -> None:
+    """Fly one share of a study into the folder of its parts; ConfigError."""
+    from trainer.analysis.sweep.sweep import Share, fly_share, members_in, process_crew
+    from trainer.config.files import ConfigError, quote
+    from trainer.workers import processor_count
+
+    part, folder = options["part"], options["parts"]
+    if part is None or folder is None:
+        raise ConfigError("--part I/N and --parts FOLDER go together, such as --part 3/64")
+    for name in ("out", "join", "scheduler", "plot"):
+        if options[name] is not None:
+            raise ConfigError(f"--part: makes no result, so --{name} is for --join")
+    number, _, count = part.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise ConfigError(f"--part {quote(part)}: must be such as 3/64, from 1/64 to 64/64")
+    share = Share(int(number), int(count))
+    chunks = share.chunks(job)
+    with show_members(sum(members_in(job, index) for index in chunks)) as step:
+        fly_share(job, process_crew(options["jobs"] or processor_count()), share, folder, step)
+    members = sum(members_in(job, index) for index in chunks)
+    click.echo(f"part {share}: {members} members in {len(chunks)} chunks are in {folder}")
 
 
 def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:

@@ -1,0 +1,159 @@
+"""A boat ordered by numbers and read as numbers, by programs that learn.
+
+One call obeys a row of numbers, advances, and reads a row of the state, in machine code
+(``core.entry.steer``). What an order by number writes is what its words write, to the bit.
+"""
+
+import threading
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from trainer.boat.boat import Boat
+from trainer.boat.effects import NumberedOrder, numbered_orders
+from trainer.boat.machine_code import EMPTY_CHART, bind
+from trainer.config.files import ConfigError, nearest, quote
+from trainer.core.entry import CONST, NUMBER, OVER, PLACE, RULE_COLUMNS, SHORT, SHORTER, steer
+from trainer.core.kernel import Numbers
+from trainer.session.past.layout import LAYOUT
+
+WRITE_CODES: Final = {
+    "const": CONST,
+    "number": NUMBER,
+    "over": OVER,
+    "place": PLACE,
+    "short": SHORT,
+    "shorter": SHORTER,
+}
+MAX_TICKS: Final = 1_000_000  # of a step
+
+
+class BoatByNumber:
+    """A boat whose orders and readings are rows of numbers, in SI and radians.
+
+    ``Boat.by_number`` gives one. ``orders`` and ``reads`` are the names of its columns, and
+    ``ticks`` says how far a step goes. ``low`` and ``high`` are the limits of the orders, those of
+    their words; right, rise, ahead, in and forward are positive. It is the same boat: ``order``,
+    ``state``, ``snapshot`` and ``restore`` go on, but ``columns`` has no rows of its steps.
+    """
+
+    def __init__(
+        self,
+        boat: Boat,
+        lock: threading.Lock,
+        orders: Sequence[str],
+        reads: Sequence[str],
+        ticks: int,
+    ) -> None:
+        chosen, offsets = choose_orders(boat, orders), choose_reads(reads)
+        refuse_ticks(ticks)
+        self.orders, self.reads, self.ticks = tuple(orders), tuple(reads), ticks
+        self.low = np.array([order.low for order in chosen])
+        self.high = np.array([order.high for order in chosen])
+        self._boat = boat
+        self._values = np.zeros((1, len(chosen)))
+        self._out = np.zeros((1, 1 + len(reads)))
+        self._shape, self._row = self.low.shape, self._values[0]
+        # a step takes little more than its tick: so what it calls is found once
+        self._copy, self._acquire, self._release = self._out[0, 1:].copy, lock.acquire, lock.release
+        chart = EMPTY_CHART if boat.chart is None else boat.chart
+        arguments = (
+            (*boat.records, chart),
+            rules_of(chosen),
+            self._values,
+            offsets,
+            ticks,
+            self._out,
+        )
+        self._steer = bind(steer, *arguments)
+
+    def step(self, values: ArrayLike) -> Numbers:
+        """Obey a row of numbers, advance by ``ticks``, and return a row of ``reads``.
+
+        TrainerError if a number is beyond its limits or none, with the boat as it was, and if the
+        boat is lost on the way, which stays as it was then.
+        """
+        if not (isinstance(values, np.ndarray) and values.shape == self._shape):
+            values = self._row_of(values)
+        if not self._acquire(False):  # noqa: FBT003  by its name it takes twice as long
+            raise ConfigError(
+                "another thread is at this boat: one call at a time; give each thread its own boat"
+            )
+        try:
+            if self._boat.tick is not self._boat.advance:
+                raise ConfigError(
+                    "step(): a current, ships or a raised periscope are moved by run()"
+                )
+            self._row[...] = values
+            if self._steer():
+                raise ConfigError(self._reason())
+            return self._copy()
+        finally:
+            self._release()
+
+    def _row_of(self, values: ArrayLike) -> Numbers:
+        """Return values as a row of the orders; ConfigError if they are none."""
+        given: Numbers = np.asarray(values, float)
+        if given.shape != self._shape:
+            raise ConfigError(f"step(): give {len(self.orders)} numbers, not {_shape_text(given)}")
+        return given
+
+    def clip(self, values: ArrayLike) -> Numbers:
+        """Return numbers brought within the limits of their orders; what is none stays none."""
+        given: Numbers = np.clip(np.asarray(values, float), self.low, self.high)
+        return given
+
+    def _reason(self) -> str:
+        """Return why the last step was not done; the next one may be."""
+        status, self._out[0, 0] = int(self._out[0, 0]), 0.0
+        if status > 0:
+            return self._boat.failure(status)
+        k = -status - 1
+        limits = f"{self.low[k]:.6g} to {self.high[k]:.6g}"
+        return f"step(): {self.orders[k]} must be {limits}, not {self._row[k]:.6g}"
+
+
+def rules_of(orders: Sequence[NumberedOrder]) -> Numbers:
+    """Return the rules of ``core.entry.steer`` [n, RULE_COLUMNS] by which orders are obeyed."""
+    rows = [
+        (index, write.place, WRITE_CODES[write.rule], write.argument, order.low, order.high)
+        for index, order in enumerate(orders)
+        for write in order.writes
+    ]
+    return np.array(rows, float).reshape(-1, RULE_COLUMNS)
+
+
+def choose_orders(boat: Boat, names: Sequence[str]) -> list[NumberedOrder]:
+    """Return orders by a number; ConfigError if the boat takes none of such a name."""
+    known = numbered_orders(boat)
+    if not names or isinstance(names, str):
+        raise ConfigError('orders: give a list of names, such as ["stern", "bow"]')
+    for name in names:
+        if name not in known:
+            raise ConfigError(
+                f"orders: no order {name!r} takes a number{nearest(str(name), known)}; there are "
+                f"{', '.join(known)}"
+            )
+    return [known[name] for name in names]
+
+
+def choose_reads(names: Sequence[str]) -> Numbers:
+    """Return where numbers stand in the state; ConfigError if there are none of such names."""
+    if isinstance(names, str):
+        raise ConfigError('reads: give a list of names, such as ["z", "theta"]')
+    for name in names:
+        if name not in LAYOUT:
+            raise ConfigError(f"reads: the state has no {name!r}{nearest(str(name), LAYOUT)}")
+    return np.array([LAYOUT.index(name) for name in names], float)
+
+
+def refuse_ticks(ticks: int) -> None:
+    """Raise ConfigError if a step cannot have so many ticks."""
+    if not (isinstance(ticks, int) and 0 < ticks <= MAX_TICKS):
+        raise ConfigError(f"ticks must be 1 to {MAX_TICKS}, not {quote(ticks)}")
+
+
+def _shape_text(given: Numbers) -> str:
+    return " by ".join(map(str, given.shape)) if given.ndim else "one"

@@ -1,0 +1,194 @@
+"""Many of one boat, each ordered by numbers of its own.
+
+A plain loop of the shipped tick (``core.entry.steer``), so that every boat has the bits that it has
+alone, whatever it does.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from trainer.api.boat import Snapshot, plan_boat
+from trainer.api.by_number import choose_orders, choose_reads, refuse_ticks, rules_of
+from trainer.boat.machine_code import EMPTY_CHART, bind
+from trainer.config.files import ConfigError, quote
+from trainer.core.entry import steer
+from trainer.core.kernel import Numbers
+from trainer.core.state import SCRATCH, STATE
+from trainer.io.recording.recording import Moment
+from trainer.session.run import ready_boat
+
+MAX_BOATS: Final = 1_000_000
+STATE_SIZE: Final = STATE.itemsize // 8
+Mask = NDArray[np.bool_]
+
+
+class FleetOptions(TypedDict, total=False):
+    """The keywords of ``Fleet``; its docstring explains each."""
+
+    ticks: int
+    each_tick: bool
+    seeds: Sequence[int] | None
+    threads: int
+    speed: float | None
+    depth: float | None
+    course: float | None
+    sea: str | Path | None
+    step: float | None
+
+
+START_NAMES: Final = ("speed", "depth", "course", "sea", "step")  # of ``Boat``, too
+
+
+class Fleet:
+    """Many of one boat in one call, each with its own orders, sea and end.
+
+    ``orders``, ``reads`` and ``ticks`` are as for ``Boat.by_number``; with ``each_tick`` a step
+    reads after every tick. ``seeds`` are those of everything random, one for each boat; without
+    them boat i has the seed 1 + i. The other keywords are those of ``Boat``. So many ``threads``
+    share the boats.
+
+    TrainerError in the words of the command line, and for a sea with a current or ships.
+    """
+
+    def __init__(
+        self,
+        vessel: str | Path,
+        count: int,
+        *,
+        orders: Sequence[str],
+        reads: Sequence[str],
+        **options: Unpack[FleetOptions],
+    ) -> None:
+        ticks, threads = options.get("ticks", 1), options.get("threads", 1)
+        rows = ticks if options.get("each_tick") else 1
+        start = {name: given for name, given in options.items() if name in START_NAMES}
+        for name, given, most in (("count", count, MAX_BOATS), ("threads", threads, 1024)):
+            if not (isinstance(given, int) and 0 < given <= most):
+                raise ConfigError(f"Fleet: {name} must be 1 to {most}, not {quote(given)}")
+        refuse_ticks(ticks)
+        chosen_options, self.plan = plan_boat({"vessel": vessel, **start})
+        self._boat = ready_boat(self.plan, chosen_options)
+        if self._boat.world.acts:
+            raise ConfigError("Fleet: a current and ships are moved by run() of one Boat alone")
+        chosen = choose_orders(self._boat, orders)
+        self.orders, self.reads, self.ticks, self.count = tuple(orders), tuple(reads), ticks, count
+        self.low = np.array([order.low for order in chosen])
+        self.high = np.array([order.high for order in chosen])
+        self._states = np.zeros(count, STATE)
+        self._starts = np.zeros((count, STATE_SIZE))
+        self._values = np.zeros((count, len(chosen)))
+        self._out = np.zeros((count, 1 + rows * len(reads)))
+        self._offsets = choose_reads(reads)
+        self._whole = self._states.view(float).reshape(count, STATE_SIZE)
+        self._calls = [*self._bound(rules_of(chosen), threads)]
+        self._crew = ThreadPoolExecutor(threads) if threads > 1 else None
+        self.reset(seeds=options.get("seeds") or range(1, count + 1))
+
+    def _bound(self, rules: Numbers, threads: int) -> Sequence[Callable[[], int]]:
+        """Return the call of each thread, for boats in a row."""
+        records, calls = self._boat.records, []
+        own = self.plan.sea.sea.generator == "cosines"  # which keeps in it what a seed has drawn
+        ends = np.linspace(0, self.count, min(threads, self.count) + 1).astype(int).tolist()
+        for begin, end in pairwise(ends):
+            scratch = np.zeros(end - begin if own else 1, SCRATCH)
+            scratch[:] = records.scratch
+            boats = (
+                records.vessel,
+                records.compact,
+                records.scheme,
+                self._states[begin:end],
+                scratch,
+            )
+            rows = self._values[begin:end], self._offsets, self.ticks, self._out[begin:end]
+            calls.append(bind(steer, (*boats, EMPTY_CHART), rules, *rows))
+        return calls
+
+    @property
+    def status(self) -> NDArray[np.int64]:
+        """Return 0 for each boat that goes on. A lost one rests until it is reset."""
+        return self._out[:, 0].astype(np.int64)
+
+    def column(self, name: str) -> Numbers:
+        """Return a copy of one number of the state of all boats."""
+        return self._whole[:, int(choose_reads([name])[0])].copy()
+
+    def step(self, values: ArrayLike) -> Numbers:
+        """Obey a row of numbers for each boat, advance, and return what is read.
+
+        They are [count, reads], or [count, ticks, reads] with ``each_tick``. TrainerError, with
+        nothing moved, if a number of a boat that goes on is beyond its limits or none.
+        """
+        given = np.asarray(values, float)
+        if given.shape != self._values.shape:
+            raise ConfigError(f"step(): give {self._values.shape} numbers, not {given.shape}")
+        wrong = ~((self.low <= given) & (given <= self.high))
+        wrong[self._out[:, 0] != 0.0] = False
+        if wrong.any():
+            boat, order = np.argwhere(wrong)[0].tolist()
+            limits = f"{self.low[order]:.6g} to {self.high[order]:.6g}"
+            raise ConfigError(
+                f"step(): boat {boat}: {self.orders[order]} must be {limits}, not "
+                f"{given[boat, order]:.6g}"
+            )
+        self._values[:] = given
+        if self._crew:
+            list(self._crew.map(lambda call: call(), self._calls))
+        else:
+            self._calls[0]()
+        return self._seen()
+
+    def clip(self, values: ArrayLike) -> Numbers:
+        """Return numbers brought within the limits of their orders; what is none stays none."""
+        given: Numbers = np.clip(np.asarray(values, float), self.low, self.high)
+        return given
+
+    def reset(self, which: Mask | None = None, seeds: Sequence[int] | None = None) -> Numbers:
+        """Bring boats to their start, all or those of a mask; return what is read.
+
+        With ``seeds``, one for each of them, they begin with these; else with those they had.
+        """
+        chosen = np.arange(self.count) if which is None else np.flatnonzero(self._mask(which))
+        if seeds is not None:
+            if len(seeds) != chosen.size:
+                raise ConfigError(f"reset(): give {chosen.size} seeds, not {len(seeds)}")
+            for index, seed in zip(chosen.tolist(), seeds, strict=True):
+                replace(self.plan, seed=int(seed)).start(self._boat)
+                self._starts[index] = self._boat.plain
+        self._whole[chosen] = self._starts[chosen]
+        self._out[chosen, 0] = 0.0
+        rows = self._whole[:, self._offsets.astype(int)]
+        return rows.copy()
+
+    def snapshot(self, index: int) -> Snapshot:
+        """Return the moment of one boat, also for a ``Boat`` of the same file."""
+        state = self._whole[index].tobytes()
+        tick = int(self._states["tick"][index])
+        moment = Moment(1, tick, state, 0, 0)
+        return Snapshot(tick * self.plan.method.step, moment, self, self.plan)
+
+    def restore(self, index: int, snapshot: Snapshot) -> None:
+        """Bring one boat to a moment of any boat of the same file."""
+        self._whole[index] = np.frombuffer(snapshot.moment_for(self.plan).state, float)
+        self._out[index, 0] = 0.0
+
+    def _mask(self, which: Any) -> Mask:
+        mask = np.asarray(which)
+        if mask.shape != (self.count,) or mask.dtype != bool:
+            raise ConfigError(f"reset(): give a mask of {self.count} booleans")
+        return mask
+
+    def _seen(self) -> Numbers:
+        """Return copies of what was read."""
+        rows = self._out[:, 1:].copy()
+        ticks = rows.shape[1] // max(len(self.reads), 1)
+        return rows if ticks == 1 else rows.reshape(self.count, -1, len(self.reads))
+
+    def __len__(self) -> int:
+        return self.count
