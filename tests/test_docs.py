@@ -38,7 +38,10 @@ def shown(page: Path) -> dict[str, str]:
 
 SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 # what a reader types one after the other in one folder, since each needs what the first wrote
-FIRST_IN_FOLDER = {"exported-core.md": "trainer boat export-core "}
+FIRST_IN_FOLDER = {
+    "exported-core.md": "trainer boat export-core ",
+    "fitted-boat.md": "trainer boat estimate ",
+}
 
 
 def cases(page: Path) -> list[str]:

@@ -20,6 +20,7 @@ __all__ = [
     "Snapshot",
     "TrainerError",
     "exercises",
+    "fit_boat",
     "identify_ship",
     "manoeuvre",
     "read_recording",
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from trainer.api.calls import (
         Answer,
         exercises,
+        fit_boat,
         identify_ship,
         manoeuvre,
         seas,

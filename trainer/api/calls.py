@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unp
 
 from trainer.api.keywords import parse_options
 from trainer.cli.options import record_of
+from trainer.cli.workshop import fit_boat as fit_boat_command
 from trainer.cli.workshop import guide, identify
 from trainer.cli.workshop import sweep as sweep_command
 from trainer.config.extras import require_library
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from trainer.analysis.manoeuvres.page import ManoeuvreReport
     from trainer.analysis.manoeuvres.vehicle import Measure
     from trainer.analysis.sweep.report import Spread, SweepReport
+    from trainer.identify.boat.figures import FigureBand
+    from trainer.identify.boat.report import BoatFit
     from trainer.identify.pages.record import ChannelSummary, RecordReport
     from trainer.identify.pages.results import Estimate, ShipNumber
     from trainer.identify.pages.results import IdentifyReport as FitReport
@@ -228,6 +231,41 @@ def identify_ship(
     figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))
+
+
+class FitBoatOptions(TypedDict, total=False):
+    """The keywords of ``fit_boat``: the options of ``trainer boat fit``."""
+
+    hold_out: File | Sequence[File] | None
+    output: File | None
+    html: File | None
+    columns: str | Sequence[str] | None
+    bias: str | Sequence[str] | None
+    gauge_x: float | None
+    late: float | None
+    draws: int | None
+
+
+def fit_boat(
+    records: File | Sequence[File], prior: File, **options: Unpack[FitBoatOptions]
+) -> "Answer[BoatFit, FigureBand]":
+    """Fit a boat to records of its trials, as ``trainer boat fit`` does.
+
+    ``records`` are paths of recordings or CSV files, ``prior`` the file of an estimated boat or of
+    an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``
+    and ``late`` say of instruments what the options do. With ``output`` the boat is written. The
+    figures are those of turns and zig-zags by their names, each with its unit, value and band;
+    ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
+    words if something is wrong.
+    """
+    from trainer.identify.boat.page import render
+
+    several = [records] if isinstance(records, str | Path) else records
+    keywords = {"prior": prior, **options}
+    known = ("prior", *FitBoatOptions.__annotations__)
+    with parse_options(fit_boat_command.fit, several, keywords, known) as words:
+        report = fit_boat_command.carry_out(words).report
+    return Answer(report, {each.name: each for each in report.after}, {}, render(report))
 
 
 def vessels() -> dict[str, str]:

@@ -62,7 +62,7 @@ HEADING_FIELDS: Mapping[str, Kind] = {
 # fmt: off
 DOCUMENTARY_TABLES = (
     "source", "nondimensional", "calibration", "derived", "reduction", "estimate", "terms",
-    "validity", "errata", "extra", "equivalent_2510_nonlinear", "notes",
+    "validity", "errata", "extra", "equivalent_2510_nonlinear", "notes", "covariance", "fit",
 )
 # fmt: on
 DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {

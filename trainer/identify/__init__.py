@@ -9,16 +9,17 @@
 Nothing is imported before one of the names is used. docs/python.md has more.
 
 The rooms in here each know those before them: ``kernels`` (numbers only), ``model``, ``record``,
-``fitting``, ``judge``, then ``ships`` (those that are not linear) and ``pages``. Begin with
+``fitting``, ``judge``, then ``ships`` (those that are not linear), ``boat`` (those that dive) and
+``pages``. Begin with
 ``record.study``, what is asked, and ``judge.fitted``, which carries it out. ``options`` are the
 command's, ``experiment`` flies a record, ``monte_carlo`` many, ``fitted_ship`` is the face above.
-How a fit is found and judged stays here; other rooms use records, ships and pages.
+How a fit is found and judged stays here; other rooms use records, ships, boats and pages.
 """
 
 __all__ = ["FittedShip", "ManoeuvringShip", "fit"]
 PYTHON_FACE = tuple(__all__)  # the names for users' programs; those below are modules
 # The modules that other rooms may use.
-__all__ += ["monte_carlo", "options", "pages", "record", "sheet", "ships"]
+__all__ += ["boat", "monte_carlo", "options", "pages", "record", "sheet", "ships"]
 
 TYPE_CHECKING = False  # type checkers take it for true
 if TYPE_CHECKING:

@@ -46,13 +46,13 @@ def sheet(
         "guide.css",
         title=title,
         heading=heading,
-        screens=[("Numbers", listing(rest)), *map(_drawn, screens), *further],
+        screens=[("Numbers", listing(rest)), *map(draw_screen, screens), *further],
         data=html.embed_json(asdict(report)),
     )
 
 
-def _drawn(screen: Screen) -> Part:
-    """Return a screen with its figures in rows of two, each with what its curves mean."""
+def draw_screen(screen: Screen) -> Part:
+    """Return a screen: its figures in rows of two, and what curves mean."""
     figure = Markup("<figure><figcaption>{}</figcaption>{}{}</figure>")
     figures = html.charts(
         figure.format(panel.title, draw_panel(panel), legend(panel.curves))

@@ -370,7 +370,7 @@ def _waves(made: Estimate) -> dict[str, Any]:
     }
 
 
-def _lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+def table_lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
     """Yield a table, its values first, then the tables in it."""
     inner = []
     yield from ("", f"[{name}]")
@@ -386,7 +386,7 @@ def _lines(name: str, table: Mapping[str, Any]) -> Iterator[str]:
             yield f"{format_key(key)} = {toml_value(value)}"
     for where, value in inner:
         if isinstance(value, Mapping):
-            yield from _lines(where, value)
+            yield from table_lines(where, value)
             continue
         for row in value:
             yield from ("", f"[[{where}]]")
@@ -411,7 +411,7 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
         if key == "coefficients":
             lines += _coefficient_lines(made, value)
         elif isinstance(value, Mapping):
-            lines += _lines(key, value)
+            lines += table_lines(key, value)
         else:
             lines.append(f"{key} = {toml_value(value)}")
     documentation = {  # what draws need, and what the reader should know
@@ -423,7 +423,7 @@ def boat_text(made: Estimate, tables: Mapping[str, Any]) -> str:
         "sd": {term.key: float(f"{made.sd[term.key]:.3g}") for term in TERM_TABLE},
         "hull": dict(made.hull.file.tables),
     }
-    return "\n".join([*lines, *_lines("estimate", documentation)]) + "\n"
+    return "\n".join([*lines, *table_lines("estimate", documentation)]) + "\n"
 
 
 @dataclass(frozen=True)

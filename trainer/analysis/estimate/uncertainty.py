@@ -169,13 +169,18 @@ class Estimate:
         return root_of(whole)
 
     @cached_property
-    def by_constants(self) -> CoefficientValues:
-        """Return the part [-] of each coefficient's deviation that comes from the constants."""
+    def common_parts(self) -> Numbers:
+        """Return what a deviate of each constant adds to coefficients (16, 131) as in estimated."""
         change = np.array(
             [list(self._changed(row).values()) for row in CONSTANT_NUDGE * np.eye(len(self.names))]
         )
         slopes = (change - np.array(list(self.estimated.values()))) / CONSTANT_NUDGE
-        spread = np.sqrt(np.sum((self.root @ slopes) ** 2, axis=0))
+        return np.asarray(self.root @ slopes)
+
+    @cached_property
+    def by_constants(self) -> CoefficientValues:
+        """Return the part [-] of each coefficient's deviation that comes from the constants."""
+        spread = np.sqrt(np.sum(self.common_parts**2, axis=0))
         return dict(zip(self.estimated, map(float, spread), strict=True))
 
     def _changed(self, logarithms: Numbers) -> CoefficientValues:
@@ -212,9 +217,13 @@ class Estimate:
         shared = min(1.0, sd / common) if common > 0.0 else 0.0
         rest = OWN_SHARE * sd if key in LINEAR_TERMS else math.sqrt(max(sd**2 - common**2, 0.0))
         drawn = value + shared * (changed - self.estimated[key]) + rest * deviate
-        if key in FIXED_SIGN_COEFFICIENTS and drawn * value < MIN_REMAINING_SHARE * value * value:
-            return MIN_REMAINING_SHARE * value
-        return drawn
+        return keep_sign(key, value, drawn)
+
+
+def keep_sign(key: str, value: float, drawn: float) -> float:
+    """Return a drawn coefficient; a tenth of its value where its sign may not change."""
+    least = MIN_REMAINING_SHARE * value
+    return least if key in FIXED_SIGN_COEFFICIENTS and drawn * value < least * value else drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,6 +314,40 @@ def filed_joint(table: Mapping[str, Any], position: Position) -> JointCoefficien
     return JointCoefficients(values, _rows(list(rows.values()), len(rows), position))
 
 
+def filed_fit(file: VesselFile, table: Mapping[str, Any]) -> JointCoefficients:
+    """Return the coefficients of a boat that was fitted to its trials, with their covariance.
+
+    ``table`` holds the tables of its file. Thrust is a1, b1, c1 of the ahead row, and z_b [m] the
+    height of buoyancy. ConfigError if the covariance is damaged.
+    """
+    position, first = Position(file.path.name, "covariance"), file.thrust.ahead[0]
+    known = {**file.coefficients, "a1": first.a, "b1": first.b, "c1": first.c}
+    known["z_b"] = file.hull.cb[2]
+    rows = as_table(table["covariance"], position)
+    for name in rows:
+        if name not in known:
+            raise ConfigError(position.problem(f"{name}: is no coefficient of this boat"))
+    covariance = _rows(list(rows.values()), len(rows), position)
+    return JointCoefficients({name: known[name] for name in rows}, covariance)
+
+
+def drawn_fit(known: JointCoefficients, table: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """Return the tables of a fitted boat with a draw of its coefficients in them.
+
+    ``table`` has its coefficients flat. Damping, added mass and controls keep their sign.
+    """
+    pairs = known.draw(number).items()
+    drawn = {key: keep_sign(key, known.values[key], value) for key, value in pairs}
+    thrust, vessel = dict(table["propulsion"]), dict(table["vessel"])
+    ahead = [row for row in thrust["sets"] if row.get("going") != "astern"]
+    first = max(ahead, key=lambda row: float(row["eta_min"]))
+    changed = {name: drawn.get(f"{name}1", first[name]) for name in "abc"}
+    thrust["sets"] = [{**row, **changed} if row is first else row for row in thrust["sets"]]
+    vessel["cb"] = [*vessel["cb"][:2], drawn.get("z_b", vessel["cb"][2])]
+    coefficients = {key: drawn.get(key, value) for key, value in table["coefficients"].items()}
+    return {**table, "coefficients": coefficients, "propulsion": thrust, "vessel": vessel}
+
+
 def _numbers(table: object, names: tuple[str, ...], position: Position) -> dict[str, float]:
     """Return numbers by name; ConfigError if one is lacking, none, or negative."""
     given_values = as_table(table, position)
@@ -321,7 +364,7 @@ def _rows(rows: object, count: int, position: Position) -> Numbers:
         matrix = np.array(rows, float)
     except (TypeError, ValueError):
         matrix = np.zeros(0)
-    if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T):
+    if matrix.shape != (count, count) or not np.allclose(matrix, matrix.T, rtol=1e-5, atol=0.0):
         problem = f"must be {count} rows of {count} numbers, symmetric"
         raise ConfigError(position.problem(f"covariance: {problem}"))
     return matrix

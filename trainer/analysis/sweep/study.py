@@ -13,7 +13,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.estimate.uncertainty import drawn_tables, filed_estimate, filed_joint
+from trainer.analysis.estimate.uncertainty import (
+    drawn_fit,
+    drawn_tables,
+    filed_estimate,
+    filed_fit,
+    filed_joint,
+)
 from trainer.analysis.sweep.draws import GRID_SAMPLE, Draws
 from trainer.analysis.sweep.records import (
     ESTIMATE_DISTRIBUTION,
@@ -326,11 +332,13 @@ def _variable(row: VaryRow, parts: Mapping[str, Any], position: Position) -> Var
         if row.relative:
             raise ConfigError(position.wrong("relative", row.relative, "an estimate has no factor"))
         whole = tables[WHOLE_VESSEL]
-        draw: DrawTables = (
-            filed_joint(whole, position).drawn_tables
-            if file is None
-            else partial(drawn_tables, filed_estimate(file, whole))
-        )
+        draw: DrawTables
+        if file is None:
+            draw = filed_joint(whole, position).drawn_tables
+        elif "covariance" in whole:  # fitted to its trials, which tell more than its hull
+            draw = partial(drawn_fit, filed_fit(file, whole))
+        else:
+            draw = partial(drawn_tables, filed_estimate(file, whole))
         return Variable(row, (WHOLE_VESSEL,), None, draw)
     try:
         steps = steps_of(row.key)

@@ -59,6 +59,21 @@ SHIP_WORDS: Final[Words] = {  # of records for ships that are not linear
     "roll": ("roll", "phi", "heel", "roll angle"),
     "roll_rate": ("roll rate", "p"),
 }
+BOAT_WORDS: Final[Words] = {  # of records of boats that dive
+    **{key: CHANNEL_WORDS[key] for key in ("t", "heading", "yaw_rate", "speed")},
+    **{key: SHIP_WORDS[key] for key in ("revolutions", "roll", "roll_rate")},
+    "rudder": (*CHANNEL_WORDS["rudder"], "rudders", "dr"),
+    "stern": ("stern planes", "stern plane", "stern", "delta s", "ds", "elevator", "aft planes"),
+    "bow": (
+        "bow planes", "bow plane", "bow", "delta b", "db", "fairwater planes", "sail planes",
+        "fore planes",
+    ),
+    "command_speed": ("command speed", "u c", "uc"),
+    "pitch": ("pitch", "theta", "pitch angle"),
+    "pitch_rate": ("pitch rate", "q"),
+    "depth": ("depth", "z", "keel depth"),
+    "ground_speed": ("speed over ground", "sog", "ground speed"),
+}
 # fmt: on
 EARTH_WORD: Final = "true"  # wind over ground is called so
 CHANNEL_PAIRS: Final = (  # channels that tell nothing alone
@@ -94,8 +109,19 @@ UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "wind_ahead": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
     "wind_starboard": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
     "roll": (MAX_RUDDER_RAD, "rad", "deg"),
+    "pitch": (MAX_RUDDER_RAD, "rad", "deg"),
+    "stern": (MAX_RUDDER_RAD, "rad", "deg"),
+    "bow": (MAX_RUDDER_RAD, "rad", "deg"),
+    "depth": (math.inf, "m", "m"),
 }
-SAME_INSTRUMENT: Final = {"roll": "heading", "roll_rate": "yaw_rate"}  # of one instrument
+SAME_INSTRUMENT: Final = {  # of one instrument
+    "roll": "heading",
+    "roll_rate": "yaw_rate",
+    "pitch": "heading",
+    "pitch_rate": "yaw_rate",
+    "stern": "rudder",
+    "bow": "rudder",
+}
 UNCODED_CHANNELS: Final = ("t", *POSITION_CHANNELS)  # any number may be a reading of them
 NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is degrees and minutes
 

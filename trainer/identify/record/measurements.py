@@ -34,6 +34,12 @@ SHIP_CHANNEL_UNITS: Final = {  # likewise, of ships that are not linear
     "roll": "rad",
     "roll_rate": "rad/s",
 }
+BOAT_CHANNEL_UNITS: Final = {  # likewise, of boats that dive
+    **dict.fromkeys(("stern", "bow", "pitch"), "rad"),
+    "pitch_rate": "rad/s",
+    "depth": "m",
+    **dict.fromkeys(("command_speed", "ground_speed"), "m/s"),
+}
 POSITION_CHANNELS: Final = ("latitude", "longitude")  # that sway is made of
 MIN_SAMPLES_EACH: Final = 5  # to a coefficient, at least
 STANDING_SHARE: Final = 0.1  # [-] of the rate of a rudder under way: one that is slower stands
@@ -83,6 +89,13 @@ class Record:
     wind_starboard: Numbers | None = None  # [m/s] likewise
     roll: Numbers | None = None  # [rad] positive to starboard
     roll_rate: Numbers | None = None  # [rad/s]
+    stern: Numbers | None = None  # [rad] planes, positive puts the bow down
+    bow: Numbers | None = None  # [rad] planes, positive puts the bow up
+    pitch: Numbers | None = None  # [rad] bow up
+    pitch_rate: Numbers | None = None  # [rad/s]
+    depth: Numbers | None = None  # [m] of the boat's origin
+    command_speed: Numbers | None = None  # [m/s] that the revolutions stand for
+    ground_speed: Numbers | None = None  # [m/s] ahead, over ground
     rows: NDArray[np.int64]
     names: Mapping[str, str]
     findings: tuple[Finding, ...] = ()

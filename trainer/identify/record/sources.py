@@ -23,6 +23,7 @@ from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.core.kernel import Numbers
 from trainer.debrief.recording_export import table_layout
 from trainer.identify.record.measurements import (
+    BOAT_CHANNEL_UNITS,
     CHANNEL_UNITS,
     POSITION_CHANNELS,
     SHIP_CHANNEL_UNITS,
@@ -32,7 +33,7 @@ from trainer.identify.record.measurements import (
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.past.header import open_whole_recording
-from trainer.units import DEGREE, KNOT
+from trainer.units import DEGREE, FOOT, KNOT
 
 USUAL_CODES: Final = (
     *(511.0, 655.35, 999.0, 999.9, 9999.0, 32767.0, 65535.0, 99999.0),
@@ -41,6 +42,9 @@ USUAL_CODES: Final = (
 CODES_TEXT: Final = "usual are 511, 999, -9999, 32767, 65535, of AIS 91 and 102.3"
 MAX_SIZES: Final = {  # of what a ship does, SI: beyond is no reading
     **dict.fromkeys(("rudder", "yaw_rate", "latitude"), 0.5 * math.pi),
+    **dict.fromkeys(("stern", "bow", "pitch", "pitch_rate"), 0.5 * math.pi),
+    **dict.fromkeys(("command_speed", "ground_speed"), 50.0),
+    "depth": 12000.0,
     **dict.fromkeys(("sway", "bow_sway", "stern_sway", "speed"), 50.0),
     **dict.fromkeys(("north_velocity", "east_velocity"), 50.0),
     **dict.fromkeys(("wind_speed", "wind_ahead", "wind_starboard", "revolutions"), 110.0),
@@ -61,6 +65,7 @@ UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
     "m/s": {"m/s": 1.0, "kn": KNOT},
     "1/s": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
+    "m": {"m": 1.0, "ft": FOOT},
     "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
 }
 TRAINER_COLUMNS: Final = {  # columns of the trainer, SI and radians
@@ -77,6 +82,17 @@ SHIP_COLUMNS: Final = {  # likewise, of SHIP_CHANNEL_UNITS
     "roll": "phi",
     "roll_rate": "p",
 }
+BOAT_COLUMNS: Final = {  # likewise, of BOAT_CHANNEL_UNITS
+    "stern": "delta_s",
+    "bow": "delta_b",
+    "command_speed": "u_c",
+    "pitch": "theta",
+    "pitch_rate": "q",
+    "depth": "z",
+    "roll": "phi",
+    "roll_rate": "p",
+}
+ALL_UNITS: Final = {**CHANNEL_UNITS, **SHIP_CHANNEL_UNITS, **BOAT_CHANNEL_UNITS}
 NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 NOISE_STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
@@ -158,14 +174,15 @@ class Column:
 
 def own_columns(further: Mapping[str, str] = MappingProxyType({})) -> dict[str, Column]:
     """Return the columns of the trainer's own files, times among them, and ``further`` ones."""
-    units, names = CHANNEL_UNITS | SHIP_CHANNEL_UNITS, {**TRAINER_COLUMNS, **further}
-    return {"t": Column("t", "s"), **{key: Column(one, units[key]) for key, one in names.items()}}
+    names = {**TRAINER_COLUMNS, **further}
+    columns = {key: Column(one, ALL_UNITS[key]) for key, one in names.items()}
+    return {"t": Column("t", "s"), **columns}
 
 
 def units_of(channel: str) -> Mapping[str, float]:
     """Return the units that a channel can have, and what each is in SI."""
     special = {"t": "s", **dict.fromkeys(POSITION_CHANNELS, "place")}
-    return UNIT_FACTORS[{**CHANNEL_UNITS, **SHIP_CHANNEL_UNITS, **special}[channel]]
+    return UNIT_FACTORS[{**ALL_UNITS, **special}[channel]]
 
 
 def factor(channel: str, unit: str | None) -> float:
@@ -186,13 +203,20 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
+    record = read_record(path, columns)
+    check_times(record)
+    return without_jumps(record)
+
+
+def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
+    """Return a record as ``load_record`` does, its times and its heading as they stand."""
     read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
     rows, taken, remarks = read(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
     plain = {name: taken.pop(name) for name, one in columns.items() if one.unit == NO_UNIT}
-    record = Record(
+    return Record(
         source=str(path),
         t=times,
         rows=np.array(rows),
@@ -201,8 +225,6 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         plain=plain,
         **taken,
     )
-    check_times(record)
-    return without_jumps(record)
 
 
 class NoColumnError(ConfigError):

@@ -1,0 +1,121 @@
+"""The command trainer boat fit, and trainer.fit_boat: files in, a boat out."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from helpers.boat_trials import estimated_boat, made_trial, write_csv
+
+import trainer
+from trainer.cli.main import cli
+from trainer.config.vessel import load_vessel
+from trainer.identify.boat.prior import read_prior
+
+TRUE_DRAW = 0  # the estimate itself, which gains hold
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with an estimated boat and two records of another of its kind."""
+    where = tmp_path_factory.mktemp("trials")
+    prior = read_prior(str(estimated_boat(where)))
+    turns = prior.vessel.file.propulsion.rps_per_mps
+    for name, seed in (("one", 1), ("two", 2)):
+        trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=200, seed=seed)
+        write_csv(where / f"{name}.csv", trial, turns)
+    return where
+
+
+def typed(*words: object) -> Result:
+    return CliRunner().invoke(cli, ["boat", "fit", *map(str, words)])
+
+
+@pytest.mark.long
+def test_a_fit_writes_a_boat_that_is_checked_and_sails(folder: Path) -> None:
+    own, fitted = folder / "own.toml", folder / "fitted.toml"
+    done = typed(
+        folder / "one.csv",
+        "--prior",
+        own,
+        "-o",
+        fitted,
+        "--hold-out",
+        folder / "two.csv",
+        "--draws",
+        5,
+        "--html",
+        folder / "fit.html",
+    )
+    assert done.exit_code == 0, done.output
+    assert "Foretold: two.csv" in (folder / "fit.html").read_text(encoding="utf-8")
+    assert "HELD OUT" in done.output
+    assert "next: trainer boat check" in done.output
+    file = load_vessel(str(fitted))
+    assert file.autopilot is not None
+    for words in (["boat", "check", str(fitted)], ["boat", "manoeuvre", "zigzag-20", str(fitted)]):
+        flown = CliRunner().invoke(cli, words)
+        assert flown.exit_code == 0, flown.output
+    again = typed(folder / "two.csv", "--prior", fitted, "--draws", 0, "--json")
+    assert again.exit_code == 0, again.output
+    report = json.loads(again.stdout)
+    assert report["prior"] == "fitted.toml"
+    assert len(report["coefficients"]) == 126
+
+
+@pytest.mark.long
+def test_a_fit_in_python_is_the_commands(folder: Path) -> None:
+    answer = trainer.fit_boat(folder / "one.csv", prior=folder / "own.toml", draws=5)
+    figure = answer.figures["turn at 15 deg: diameter"]
+    assert figure.unit == "m"
+    assert figure.low is not None
+    assert figure.high is not None
+    assert figure.low < (figure.value or 0.0) < figure.high
+    assert 0 < answer.report.steps <= 25
+    assert str(answer).startswith("FIT: ")
+
+
+def test_an_output_is_never_an_input(folder: Path) -> None:
+    own, before = folder / "own.toml", (folder / "own.toml").read_bytes()
+    done = typed(folder / "one.csv", "--prior", own, "-o", own)
+    assert done.exit_code == 2
+    assert own.read_bytes() == before
+
+
+def test_a_wrong_record_is_refused_before_anything_is_written(folder: Path) -> None:
+    bad, fitted = folder / "bad.csv", folder / "none.toml"
+    bad.write_text("time [s],rudder [deg]\n0,1\n1,2\n", encoding="utf-8")
+    done = typed(bad, "--prior", folder / "own.toml", "-o", fitted)
+    assert done.exit_code != 0
+    assert "no column is taken for stern" in str(done.exception or done.output)
+    assert not fitted.exists()
+
+
+def test_a_boat_without_deviations_is_refused(folder: Path) -> None:
+    done = typed(folder / "one.csv", "--prior", "bb2")
+    assert done.exit_code != 0
+    assert "has no deviations" in str(done.exception or done.output)
+
+
+def test_python_says_what_the_command_says() -> None:
+    with pytest.raises(trainer.TrainerError, match="draws"):
+        trainer.fit_boat("a.csv", prior="bb2", draw=3)  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--bias", "pich=1"), "nearest is pitch"),
+        (("--columns", "depth=Keel:m"), "Keel"),
+        (("--columns", "dept=depth"), "nearest is depth"),
+        (("--late", "soon"), "is not a valid float"),
+    ],
+)
+def test_a_wrong_word_on_instruments_is_one_line(
+    folder: Path, words: tuple[str, ...], told: str
+) -> None:
+    fitted = folder / "never.toml"
+    done = typed(folder / "one.csv", "--prior", folder / "own.toml", "-o", fitted, *words)
+    assert done.exit_code != 0
+    assert told in str(done.exception if done.exit_code == 1 else done.output)
+    assert not fitted.exists()

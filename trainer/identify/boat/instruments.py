@@ -1,0 +1,47 @@
+"""What a user says of the instruments that wrote a record.
+
+Options of ``trainer boat fit`` as words become the ``Instruments`` with which ``trial`` reads.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+from trainer.config.files import ConfigError, offer_known, quote
+from trainer.identify.boat.noise import SLOW_KINDS
+from trainer.identify.boat.trial import Instruments
+from trainer.identify.record.columns import BOAT_WORDS
+from trainer.identify.record.sources import Column, units_of
+from trainer.units import DEGREE
+
+BIAS_STATES: Final = {name.removesuffix("_error"): name for name in SLOW_KINDS}
+
+
+def instruments_of(
+    columns: Iterable[str], biases: Iterable[str], gauge_x: float = 0.0, late: float = 0.0
+) -> Instruments:
+    """Return what words such as ``depth=Keel:m`` and ``pitch=1`` say; ConfigError."""
+    found, sizes = {}, {}
+    for channel, text in _pairs("--columns", columns, BOAT_WORDS):
+        head, _, unit = text.rpartition(":")
+        known = unit in units_of(channel) and bool(head)
+        found[channel] = Column(head, unit) if known else Column(text, None)
+    for name, text in _pairs("--bias", biases, BIAS_STATES):
+        state = BIAS_STATES[name]
+        try:
+            sizes[state] = float(text) * (DEGREE if SLOW_KINDS[state].unit == "rad" else 1.0)
+        except ValueError:
+            raise ConfigError(f"--bias {name}={text}: {quote(text)} is no number") from None
+        if not 0.0 < sizes[state] < 1e3:
+            raise ConfigError(f"--bias {name}={text}: must be above 0, a standard deviation")
+    return Instruments(found, sizes, gauge_x, late)
+
+
+def _pairs(option: str, texts: Iterable[str], known: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield names and values of texts such as ``pitch=1``, the names among those known."""
+    for text in texts:
+        name, equals, value = (word.strip() for word in text.partition("="))
+        if name not in known:
+            raise ConfigError(f"{option} {text}: no {quote(name)}{offer_known(name, [*known])}")
+        if not equals or not value:
+            raise ConfigError(f"{option} {text}: say {name}=..., such as --bias pitch=1")
+        yield name, value

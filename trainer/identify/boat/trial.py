@@ -1,0 +1,340 @@
+"""A record of a boat's trial, as the filter takes it.
+
+Columns, units, clocks and codes for no reading are those of all fits (``record``). Here a record is
+laid on even times, its gaps left empty, and what cannot be fitted is refused before any work. A
+plane that was not flown is left out: a helmsman who keeps the course moves the rudder by hardly
+more than its own reading is off, and a fit takes such a rudder for weak.
+"""
+
+import hashlib
+import math
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.estimate.uncertainty import deviates
+from trainer.config.files import ConfigError, raise_problems
+from trainer.config.tables import read_table
+from trainer.core.kernel import Numbers
+from trainer.identify.boat.filter import CHANNELS, RecordNumbers
+from trainer.identify.boat.regressors import PARAMETER_NAMES
+from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S, FittedVessel
+from trainer.identify.record.columns import BOAT_WORDS, guess_columns
+from trainer.identify.record.findings import unwrap_heading
+from trainer.identify.record.measurements import Record
+from trainer.identify.record.sources import (
+    BOAT_COLUMNS,
+    Column,
+    check_times,
+    own_columns,
+    read_record,
+    units_of,
+    without_jumps,
+)
+from trainer.io.paths import RECORDING_SUFFIX
+from trainer.units import DEGREE
+
+# the fields of a record by channel of the filter
+RECORD_FIELDS: Final = {
+    **{name: name for name in CHANNELS},
+    "p": "roll_rate",
+    "q": "pitch_rate",
+    "r": "yaw_rate",
+}
+USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
+    "speed": 0.05,
+    "heading": 0.2 * DEGREE,
+    "pitch": 0.1 * DEGREE,
+    "roll": 0.2 * DEGREE,
+    "depth": 0.1,
+    "p": 0.05 * DEGREE,
+    "q": 0.05 * DEGREE,
+    "r": 0.02 * DEGREE,
+    "ground_speed": 0.05,
+}
+NEEDED_FIELDS: Final = ("rudder", "stern", "heading", "pitch", "depth")
+INTERVAL_RANGE_S: Final = (0.05, 2.0)  # [s]
+MAX_INTERVAL_LENGTHS: Final = 0.25  # [L/U] readings that are rarer tell the wrong boat
+THINNED_LENGTHS: Final = 0.07  # [L/U] from tick to tick of a recording that is exact
+STEP_TOLERANCE: Final = 0.02  # [-] of the interval
+MIN_READINGS: Final = 100
+MIN_MOVE_RAD: Final = math.radians(2.0)  # [rad] some surface must move by this
+SLOWEST_M_S: Final = 0.3  # [m/s] slower, the ahead row does not hold
+MAX_SLOW_SHARE: Final = 0.05  # [-] of a record
+STANDING_COUNT: Final = 20  # [readings] of one value
+ABLE_FACTOR, ABLE_SLACK_DEG = 1.2, 1.0  # of a surface's rate, and of its readings
+MIN_DEPTH_DIAMETERS: Final = 2.5  # above, the free surface acts
+FLOWN_RUDDER_RAD: Final = math.radians(2.0)  # [rad] rms: less keeps a course
+FLOWN_PLANES_RAD: Final = math.radians(1.5)  # [rad] likewise, a depth
+LEVEL_CHANNELS: Final = ("heading", "roll", "p", "r")
+UPRIGHT_CHANNELS: Final = ("pitch", "depth", "q")
+SIGN_SPAN_LENGTHS: Final = 0.3  # [L/U] over which a turning is differenced, to tell a sign
+WRONG_SIGN_CORRELATION: Final = -0.3  # [-] beyond, a sign is plainly wrong
+STEPS_PER_INTERVAL: Final = 2.0  # of Runge and Kutta in a second of BB2 at 10 kn
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """What a user says of what wrote a record, beyond its headings."""
+
+    columns: Mapping[str, Column] = field(default_factory=dict)  # by channel; unit None: as headed
+    biases: Mapping[str, float] = field(default_factory=dict)  # [SI] deviations of slow states
+    gauge_x: float = 0.0  # [m] of the depth gauge ahead of the origin
+    late: float = 0.0  # [s] by which surfaces and revolutions are logged late
+
+
+USUAL_INSTRUMENTS: Final = Instruments()
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A record at even times: readings (n, 9) as filter.CHANNELS, NaN where there is none."""
+
+    source: str
+    digest: str  # SHA-256 of the file
+    interval: float  # [s]
+    steps: int  # of Runge and Kutta from reading to reading
+    readings: Numbers
+    inputs: Numbers  # (n, 4) rudder, stern, bow [rad], command speed [m/s]
+    columns: tuple[str, ...]  # which column was taken for what, in words
+    told: tuple[str, ...]
+    biases: Mapping[str, float] = field(default_factory=dict)  # of Instruments
+
+    def hastened(self, seconds: float) -> "Trial":
+        """Return the trial with inputs that stand earlier; the last one stands to the end."""
+        t = self.interval * np.arange(len(self.inputs))
+        moved = [np.interp(t + seconds, t, one) for one in self.inputs.T]
+        return replace(self, inputs=np.column_stack(moved))
+
+    @property
+    def numbers(self) -> RecordNumbers:
+        """Return the record as kernels take it."""
+        return RecordNumbers(self.readings, self.inputs, self.interval, self.steps)
+
+    @property
+    def count(self) -> int:
+        """Return how many readings there are."""
+        return int(np.count_nonzero(np.isfinite(self.readings)))
+
+    def has(self, channel: str) -> bool:
+        """Return whether a channel has readings."""
+        return bool(np.isfinite(self.readings[:, CHANNELS.index(channel)]).any())
+
+    def first(self, channel: str, otherwise: float) -> float:
+        """Return the first reading of a channel."""
+        values = self.readings[:, CHANNELS.index(channel)]
+        known = values[np.isfinite(values)]
+        return float(known[0]) if known.size else otherwise
+
+
+def read_trial(
+    path: Path, vessel: FittedVessel, instruments: Instruments = USUAL_INSTRUMENTS
+) -> Trial:
+    """Return a record of a boat. ConfigError with all that forbids its use."""
+    columns = _columns(path, instruments.columns)
+    record = _without_repeats(read_record(path, columns))
+    check_times(record)
+    record = unwrap_heading(without_jumps(record))
+    problems = [f"{record.source}: {text}" for text in _lacking(record)]
+    raise_problems(problems)
+    if path.suffix == RECORDING_SUFFIX:
+        record = _thinned(record, vessel)
+    if instruments.gauge_x:
+        leaning = instruments.gauge_x * np.sin(record.column("pitch"))
+        record = replace(record, depth=record.column("depth") + leaning)
+    trial = lay_out(record, vessel).hastened(instruments.late)
+    if path.suffix == RECORDING_SUFFIX:
+        trial = read_by_instruments(trial)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    words = tuple(f"{one.name} as {key} [{one.unit}]" for key, one in columns.items())
+    told = (*trial.told, *_standing(trial))
+    trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
+    raise_problems([f"{record.source}: {text}" for text in trial_problems(trial, vessel)])
+    return without_unflown(trial)
+
+
+def _columns(path: Path, said: Mapping[str, Column]) -> dict[str, Column]:
+    """Return where each channel is: as said, as the trainer writes them, or guessed by names."""
+    own = own_columns(BOAT_COLUMNS)
+    del own["sway"]
+    if path.suffix == RECORDING_SUFFIX:
+        return own
+    table = read_table(path)
+    for channel, one in said.items():
+        index = table.index(one.name, channel)
+        unit, known = one.unit or table.units[index], units_of(channel)
+        if unit not in known and not (channel == "t" and table.is_clock(index)):
+            raise ConfigError(
+                f"{path}: {one.name} for {channel} has no unit: say --columns "
+                f"{channel}={shlex.quote(one.name)}:{' or :'.join(known)}"
+            )
+    if all(table.has(own[name].name) for name in ("t", *NEEDED_FIELDS)):
+        found = {key: one for key, one in own.items() if table.has(one.name)}
+    else:
+        found = dict(guess_columns(table, BOAT_WORDS).columns)
+    taken = [one.name for one in said.values()]
+    return {**{key: one for key, one in found.items() if one.name not in taken}, **said}
+
+
+def _without_repeats(record: Record) -> Record:
+    """Return the record without rows at the time of the row before."""
+    same = np.append(False, np.diff(record.t) == 0.0)
+    if not same.any():
+        return record
+    text = f"{np.count_nonzero(same)} rows repeat the time before them and are left out"
+    told = (*record.findings, record.finding("t", text, np.argmax(same)))
+    return replace(record.part(~same), findings=told)
+
+
+def _standing(trial: Trial) -> Iterator[str]:
+    """Yield which gauges stand still for long while surfaces move."""
+    for name, values in zip(CHANNELS, trial.readings.T, strict=True):
+        begins = np.append(0, np.flatnonzero(np.diff(values) != 0.0) + 1)
+        counts = np.diff(begins, append=len(values))
+        at, count = int(begins[np.argmax(counts)]), int(counts.max())
+        moved = np.ptp(trial.inputs[at : at + count, :3], axis=0).max()
+        if count > STANDING_COUNT and moved > MIN_MOVE_RAD:
+            yield (
+                f"{name} stands still for {count} readings from {at * trial.interval:g} s on: is "
+                "its gauge at its end? then leave these cells empty"
+            )
+
+
+def _lacking(record: Record) -> Iterator[str]:
+    """Yield which channels are lacking, without which no boat can be fitted."""
+    for name in NEEDED_FIELDS:
+        if getattr(record, name) is None:
+            yield f"no column is taken for {name}: call it {' or '.join(BOAT_WORDS[name][:2])}"
+    if record.revolutions is None and record.command_speed is None:
+        yield "no column is taken for the revolutions: call it rpm, rps or u_c"
+
+
+def _thinned(record: Record, vessel: FittedVessel) -> Record:
+    """Return an exact recording with ticks no closer than a fit needs."""
+    wanted = THINNED_LENGTHS * vessel.length / vessel.speed
+    return record.part(slice(None, None, max(1, round(wanted / record.interval))))
+
+
+def read_by_instruments(trial: Trial) -> Trial:
+    """Return an exact recording as usual instruments would have read it."""
+    sizes = np.array([USUAL_ERRORS[name] for name in CHANNELS])
+    errors = deviates(1, trial.readings.size).reshape(trial.readings.shape)
+    told = (*trial.told, "exact: the errors of usual instruments are added")
+    return replace(trial, readings=trial.readings + sizes * errors, told=told)
+
+
+def lay_out(record: Record, vessel: FittedVessel) -> Trial:
+    """Return a record on even times; ConfigError where its steps are uneven."""
+    interval = record.interval
+    steps = np.diff(record.t) / interval
+    uneven = np.abs(steps - np.maximum(np.round(steps), 1.0)) > STEP_TOLERANCE
+    if uneven.any():
+        index = int(np.argmax(uneven))
+        raise ConfigError(
+            f"{record.source}: row {record.row(index + 1)}: {steps[index] * interval:.4g} s after "
+            f"the row before, and {interval:.4g} s elsewhere: needs even times, within 2 %"
+        )
+    at = np.append(0, np.cumsum(np.round(steps).astype(int)))
+    readings, told = np.full((at[-1] + 1, len(CHANNELS)), np.nan), list(map(str, record.findings))
+    for i, name in enumerate(CHANNELS):
+        values = getattr(record, RECORD_FIELDS[name])
+        if values is not None:
+            readings[at, i] = values
+    if at[-1] + 1 > len(record.t):
+        told.append(f"{at[-1] + 1 - len(record.t)} rows are lacking: gaps, left empty")
+    command = record.command_speed
+    if command is None:
+        command = record.column("revolutions") / vessel.file.propulsion.rps_per_mps
+    surfaces = [record.column("rudder"), record.column("stern"), record.bow]
+    inputs = [_filled(at, values) for values in (*surfaces, command)]
+    name, rate = record.source, vessel.speed / REFERENCE_SPEED_M_S
+    rate *= REFERENCE_LENGTH_M / vessel.length
+    parts = max(1, round(STEPS_PER_INTERVAL * interval * rate))
+    return Trial(name, "", interval, parts, readings, np.column_stack(inputs), (), tuple(told))
+
+
+def _filled(at: Numbers, values: Numbers | None) -> Numbers:
+    """Return an input at all times, straight between its readings; zero where there is none."""
+    if values is None:
+        return np.zeros(at[-1] + 1)
+    known = np.isfinite(values)
+    if not known.any():
+        return np.zeros(at[-1] + 1)
+    return np.interp(np.arange(at[-1] + 1), at[known], values[known])
+
+
+def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
+    """Yield why a record cannot be fitted, each with what to do."""
+    span = vessel.length / vessel.speed
+    least, most = INTERVAL_RANGE_S
+    rarest = min(most, MAX_INTERVAL_LENGTHS * span)
+    if not least <= trial.interval <= rarest:
+        yield (
+            f"a reading each {trial.interval:.3g} s: needs {least:g} to {rarest:.3g} s, a quarter "
+            "of the time in which the boat goes its own length"
+        )
+    if len(trial.readings) < MIN_READINGS:
+        yield f"{len(trial.readings)} rows: needs {MIN_READINGS} or more"
+    moves = np.ptp(trial.inputs[:, :3], axis=0)
+    if moves.max() < MIN_MOVE_RAD:
+        yield "no surface moves by 2 deg: are these radians? only what moves is learned"
+    fastest = np.abs(np.diff(trial.inputs[:, :3], axis=0)).max(axis=0, initial=0.0) / DEGREE
+    able = vessel.file.surfaces.rate_deg_s
+    for name, change in zip(("rudder", "stern", "bow"), fastest, strict=True):
+        if change > ABLE_FACTOR * able * trial.interval + ABLE_SLACK_DEG:
+            yield (
+                f"{name} moves {change:.3g} deg in {trial.interval:.3g} s, and rate_deg_s of the "
+                f"prior is {able:g}: an order, or a wild reading? give angles that stood, empty "
+                "where none was read"
+            )
+    speed = trial.readings[:, 0] if trial.has("speed") else trial.inputs[:, 3]
+    slow = float(np.mean(speed[np.isfinite(speed)] < SLOWEST_M_S))
+    if slow > MAX_SLOW_SHARE:
+        yield f"slower than {SLOWEST_M_S:g} m/s or astern in {slow:.0%}: fits are of boats ahead"
+    depth, width = trial.readings[:, 4], vessel.file.hull.diameter or vessel.file.hull.beam
+    if width is not None and float(np.nanmin(depth)) < MIN_DEPTH_DIAMETERS * width:
+        yield (
+            f"{np.nanmin(depth):.3g} m deep: needs {MIN_DEPTH_DIAMETERS * width:.3g} m, "
+            f"{MIN_DEPTH_DIAMETERS:g} breadths of the hull, because the surface is not in the model"
+        )
+    for angle, surface, key, names in (
+        ("heading", 0, "N_dr", "rudder or of heading"),
+        ("pitch", 1, "M_ds", "stern planes or of pitch"),
+    ):
+        together = _correlation(trial, angle, surface, span)
+        if together * np.sign(vessel.values[PARAMETER_NAMES.index(key)]) < WRONG_SIGN_CORRELATION:
+            found = f"the boat turns the other way (correlation {together:.2f})"
+            yield f"{found}: turn the sign of {names}"
+
+
+def _correlation(trial: Trial, angle: str, surface: int, span: float) -> float:
+    """Return how far an angle's second differences go with a surface [-]; 0 where it is still."""
+    lag = max(1, round(SIGN_SPAN_LENGTHS * span / trial.interval))
+    values = trial.readings[:, CHANNELS.index(angle)]
+    bend = values[2 * lag :] - 2.0 * values[lag:-lag] + values[: -2 * lag]
+    moved = trial.inputs[lag:-lag, surface]
+    known = np.isfinite(bend)
+    if known.sum() < MIN_READINGS // 2 or np.std(moved[known]) < FLOWN_PLANES_RAD:
+        return 0.0
+    return float(np.corrcoef(bend[known], moved[known])[0, 1])
+
+
+def without_unflown(trial: Trial) -> Trial:
+    """Return the record without the channels of a plane that was kept, not flown."""
+    rudder, stern, bow = np.std(trial.inputs[:, :3], axis=0)
+    left_out: tuple[str, ...] = ()
+    told = list(trial.told)
+    if rudder < FLOWN_RUDDER_RAD:
+        left_out += LEVEL_CHANNELS
+        told.append("course only kept: nothing learned of turning")
+    if max(stern, bow) < FLOWN_PLANES_RAD and rudder < FLOWN_RUDDER_RAD:
+        left_out += UPRIGHT_CHANNELS
+        told.append("depth only kept: nothing learned of rising and diving")
+    readings = trial.readings.copy()
+    for name in left_out:
+        readings[:, CHANNELS.index(name)] = np.nan
+    return replace(trial, readings=readings, told=tuple(told))
