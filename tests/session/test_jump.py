@@ -28,7 +28,7 @@ CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes th
     ),
     "ExerciseEnd": ("LossMonitor",),
     "HullWatch": ("GroundMonitor",),
-    "StandRecord": ("CrewTalk", "HandWork", "PumpMonitor", "Agenda"),
+    "StandRecord": ("CrewTalk", "HandWork", "WatchBill", "PumpMonitor", "Agenda"),
     "EventLog": ("OwnAlerts", "AlertBook"),
 }
 LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not follow

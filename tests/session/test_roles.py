@@ -24,11 +24,11 @@ HELM = {"rudder", "course", "course-by", "course-to", "speed", "turns", "rpm", "
 SAYS = {"report", "aye", "ready"}
 OWN = {
     "instructor": set(GRAMMAR),
-    "helm": HELM | SAYS,
-    "planes": SHIP | SAYS,
-    "pilot": HELM | SHIP | SAYS,
-    "ballast": WATER | SAYS,
-    "diving": SHIP | WATER | SAYS | {"surface", "dive", "order", "tell", "belay"},
+    "helm": HELM | SAYS | {"have"},
+    "planes": SHIP | SAYS | {"have"},
+    "pilot": HELM | SHIP | SAYS | {"have"},
+    "ballast": WATER | SAYS | {"have"},
+    "diving": SHIP | WATER | SAYS | {"have"} | {"surface", "dive", "order", "tell", "belay"},
     "observer": {"mark"},
     "visitor": {"lever", "restart"},
     "scope": {"scope", "mark"} | SAYS,

@@ -55,6 +55,20 @@ def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
     assert page.evaluate("window.struck") == []
 
 
+def test_a_page_shows_which_of_its_controls_another_station_has(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    planes, pilot = opened(look, shared, "planes"), shared.attach("pilot")
+    for words, shown in (
+        ("stern planes dive 3", "others have: planes pilot"),
+        ("rudder left 5", "others have: planes pilot"),  # the rudder is none of the planes'
+    ):
+        assert pilot.ask(words)[0]
+        expect(planes.locator("#link")).to_have_text(shown)
+    assert instructor.ask("stern planes zero")[0]
+    expect(planes.locator("#link")).to_have_text("others have: planes instructor")
+
+
 def test_after_the_end_of_an_exercise_no_order_waits_to_be_repeated(
     serve: Serve, look: Look
 ) -> None:

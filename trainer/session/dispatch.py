@@ -40,8 +40,8 @@ from trainer.io.recording.facts import (
     plan_of,
 )
 from trainer.io.recording.recording import RecordingError
-from trainer.session.crew.crew import CrewMessage
 from trainer.session.crew.manning import unheard
+from trainer.session.crew.messages import CrewMessage
 from trainer.session.demonstration import Demonstration
 from trainer.session.jump import end_replay, follow_jump
 from trainer.session.parts import Parts
@@ -287,10 +287,19 @@ class Dispatch:
         return answer, fact
 
     def say(self, tellings: Sequence[CrewMessage], speaker: Station | None = None) -> None:
-        """Send messages of the crew. The speaker gets no text, because it has the answer."""
+        """Send messages of the crew, those without words to programs alone.
+
+        The speaker gets no text, because it has the answer, except of what it takes from another.
+        """
+        log = self.session.event_log
         for telling in tellings:
-            by = speaker if telling.kind == CREW_KIND else None
-            self.session.event_log.tell(*telling[:2], by, telling.fact, telling.saying)
+            if telling.text:
+                answered = telling.kind == CREW_KIND and telling.fact.what != "has"
+                by = speaker if answered else None
+                log.tell(*telling[:2], by, telling.fact, telling.saying)
+                continue
+            for station in log.stations:
+                log.note(station, [telling.fact])
 
     def obey_watch(self) -> None:
         """Carry out the order that the watch gives after this tick, the guard included."""

@@ -32,6 +32,7 @@ SLOT_PATTERNS: Final = {
     "AUXILIARY": "(?:auxiliary|auxiliaries|aux)",
     "GROUP": "(?P<group>forward|mid|aft)",
     "OPEN": "(?P<open>open|shut)",
+    "AXIS": "(?P<axis>rudder|planes|speed|ballast)",
 }
 # fmt: off
 UNIT_WORDS: Final = (
@@ -85,6 +86,8 @@ PHRASES: Final = (
     Phrase("steer 045", "steer [course] COURSE", "course {n}", "order course {n}"),
     Phrase("come to 045", "come to [course] COURSE", "course {n}", "order course {n}"),
     Phrase("steady as she goes", "steady as she goes", "course steady", "order course steady"),
+    Phrase("I have the planes", "i have the AXIS", "have {axis}"),
+    Phrase("I have the helm", "i have the helm", "have rudder"),
     Phrase("steady", "steady [so]", "course steady", "order course steady"),
     Phrase("all ahead two thirds", "all [engines] ahead AHEAD", "bell ahead {bell}"),
     Phrase("back full", "[all] [engines] back|astern ASTERN", "bell astern {bell}"),

@@ -101,6 +101,13 @@ class OrderWord:
         """Return whether the order with that word is for boats with an autopilot alone."""
         return self.needs == "autopilot" or (bool(word) and word == self.gives_up_by)
 
+    def takes(self, word: str) -> tuple[str, ...]:
+        """Return the hand axes that the order with that word works, or says to have."""
+        if self.name == "have":
+            return (word,)
+        worked = (self.works,) if self.works else ()
+        return tuple(dict.fromkeys((*worked, *self.automates(word))))
+
     def automates(self, word: str) -> tuple[str, ...]:
         """Return the hand axes that the order with that word gives to the autopilot."""
         gives_up = word == self.gives_up_by if self.gives_up_by else word != "off"
@@ -136,6 +143,9 @@ SAYINGS_CONTROL: Final = RoleControl("reports and repeats are", CREW_ROLES)
 PERISCOPE_CONTROL: Final = RoleControl("the periscope is", ("scope",))
 REMARKS_CONTROL: Final = RoleControl("the record is", ("observer", "scope"))
 READINESS_CONTROL: Final = RoleControl("to be ready is", CREW_ROLES)
+HANDS_CONTROL: Final = RoleControl(
+    "what is worked by hand is", ("helm", "planes", "pilot", "ballast", "diving")
+)
 FIRST_DIVE_CONTROL: Final = RoleControl("the dive from the start is", ("visitor",))
 AUTOPILOT_CONTROL: Final = RoleControl("the autopilot as a whole is", (TRAINEE,))
 TRAINEE_CONTROL: Final = RoleControl("", (TRAINEE,))
@@ -269,10 +279,11 @@ SESSION_TOPICS: Final = (
                    planned=True, after_end=False),
         crew_order("belay", control=CREW_ORDERS_CONTROL),
         crew_order("allow"))),
-    Topic("tell ready | report ready | aye", "to and from the crew", (
+    Topic("tell ready | report ready | aye", "to and from the crew; have planes", (
         crew_order("tell", control=CREW_ORDERS_CONTROL, scheduled=True, planned=True),
         crew_order("report", control=SAYINGS_CONTROL, scheduled=True),
-        crew_order("aye", control=SAYINGS_CONTROL))),
+        crew_order("aye", control=SAYINGS_CONTROL),
+        crew_order("have", control=HANDS_CONTROL))),
     Topic("mark good recovery | what if blow all", "a remark; marks with it", (
         question("mark", control=REMARKS_CONTROL, in_page=True),
         question("what-if", in_replay=False, after_end=False))),

@@ -41,7 +41,10 @@ from trainer.session.crew.manning import (
     HandWork,
     axis_of,
     in_order,
+    refuse_taking,
 )
+from trainer.session.crew.messages import CrewMessage, pump_text, report_text
+from trainer.session.crew.watch_bill import WatchBill
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 from trainer.session.stations.station import Fact, Saying
 
@@ -57,15 +60,6 @@ RUDDER_ORDERS: Final = frozenset(  # by hand, and to the autopilot
 MOVING_ORDERS: Final = RUDDER_ORDERS.union(*STEERING_ORDERS.values())
 PUMPED_ORDERS: Final = ("flood", "pump")  # whose end is reported
 CREW_WORDS: Final = CREW_TALK | MOVING_ORDERS
-
-
-class CrewMessage(NamedTuple):
-    """A message about the crew: its kind, words for people, a fact for programs."""
-
-    kind: str
-    text: str
-    fact: Fact
-    saying: Saying | None = None
 
 
 class StationOrder(NamedTuple):
@@ -101,6 +95,7 @@ class Talk(NamedTuple):
     spoken: tuple[CrewOrder, ...] = ()  # the newest last
     freed: frozenset[str] = frozenset()
     meeting: Giver | None = None
+    hands: tuple[tuple[str, Giver], ...] = ()  # the axes, and who has worked each last
 
 
 class Repeat(NamedTuple):
@@ -119,6 +114,7 @@ class CrewTalk:
     due: float = math.inf  # [tick] at which a repeat is next found missing
     pumps: PumpMonitor = field(default_factory=PumpMonitor)  # what is to be reported of them
     meeting: Giver | None = None  # who has said "meet her", while the boat still swings
+    bill: WatchBill = field(default_factory=WatchBill)
     _spoken: dict[str, CrewOrder] = field(default_factory=dict)  # by axis, the newest last
 
     @property
@@ -134,7 +130,7 @@ class CrewTalk:
             messages.append(CrewMessage("crew", "", Fact("crew-order", spoken.told)))
             if spoken.repeated:
                 messages.append(CrewMessage("crew", "", Fact("repeated", spoken.told)))
-        return messages
+        return messages + self.bill.standing()
 
     def unrepeated(self, role: str) -> list[tuple[int, Fact]]:
         """Return the orders of others that nobody has repeated yet, with their ticks."""
@@ -148,19 +144,18 @@ class CrewTalk:
 
     def obey(self, order: Order, role: str) -> Reply:
         """Write an order to the crew into the boat's state, or answer a repeat."""
-        if order.name == "order":
-            return obey_order(self.boat, order)
-        if order.name == "belay":
-            return (
-                "belayed" if WORDS_AXIS in self._spoken else Refused("no words to the crew stand")
-            )
-        if order.name == "tell":
-            return f"told: {order.subject}"
-        if order.name == "report":
-            return "reported"
-        if order.name == "allow":
-            return self.work.allow(order.word)
-        return self._aye(order, role)
+        answers: dict[str, Callable[[], Reply]] = {  # by order word
+            "order": lambda: obey_order(self.boat, order),
+            "belay": self._belay,
+            "tell": lambda: f"told: {order.subject}",
+            "report": lambda: "reported",
+            "allow": lambda: self.work.allow(order.word),
+            "have": lambda: refuse_taking(order, role) or f"you have the {order.word}",
+        }
+        return answers.get(order.name, lambda: self._aye(order, role))()
+
+    def _belay(self) -> Reply:
+        return "belayed" if WORDS_AXIS in self._spoken else Refused("no words to the crew stand")
 
     def meant(self, order: Order) -> Order:
         """Return the order that ``belay`` stands for.
@@ -186,6 +181,10 @@ class CrewTalk:
 
     def note(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[CrewMessage]:
         """Note an order or repeat with its fact; return the messages that follow."""
+        return [*self.bill.take(order, giver), *self._said(order, giver, tick, fact)]
+
+    def _said(self, order: Order, giver: Giver, tick: int, fact: CrewFact) -> list[CrewMessage]:
+        """Note what an order or repeat means to the crew, or to the pumps."""
         role = giver.role
         # nobody reports on pumps that a schedule has set to work
         if order.name in PUMPED_ORDERS and giver != SCHEDULE_GIVER:
@@ -203,18 +202,21 @@ class CrewTalk:
             "aye": lambda: self._repeated(order, role),
             "allow": lambda: self._freed(order.word),
             "report": lambda: report_text(order, role),
+            "have": list,
         }
         return notes.get(order.name, lambda: self._belayed(order))()
 
     @property
     def talk(self) -> Talk:
         """Return a copy of the talk as it stands now."""
-        return Talk(tuple(self._spoken.values()), frozenset(self.work.freed), self.meeting)
+        freed, hands = frozenset(self.work.freed), tuple(self.bill.hands.items())
+        return Talk(tuple(self._spoken.values()), freed, self.meeting, hands)
 
     def put_back(self, talk: Talk, tick: int) -> None:
         """Put back the talk of another moment, at its tick, because time has jumped."""
         self.work.put_back(talk.freed)
         self.meeting = talk.meeting
+        self.bill.hands = dict(talk.hands)
         self._spoken = {
             spoken.axis: replace(spoken, reminded=self._late_at(spoken) <= tick)
             for spoken in talk.spoken
@@ -402,20 +404,6 @@ def is_swing_met(boat: Boat) -> bool:
     rudder = boat.toward["rudder"] * float(s.ordered_r)
     # The rudder is laid against the swing: once the boat turns the rudder's way, it is over.
     return rudder * float(s.psidot) >= 0.0
-
-
-def report_text(order: Order, role: str) -> list[CrewMessage]:
-    """Return the message of a report."""
-    words = f"{role}: {order.subject}"
-    return [CrewMessage("crew", f"{role} reports: {order.subject}", Fact("report", words))]
-
-
-def pump_text(by: str, done: str) -> CrewMessage:
-    """Return the message of a pump's work. Only the instructor hears of his own."""
-    fact = Fact("report", f"{by}: {done}")
-    if by == INSTRUCTOR_ROLE.name:
-        return CrewMessage("exercise", done, fact)
-    return CrewMessage("crew", f"{by} reports: {done}", fact)
 
 
 def said_order(words: str) -> Order | None:

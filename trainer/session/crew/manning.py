@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_autopilot
 from trainer.io.orders.words import CREW_ROLES, HAND_AXES, ORDER_WORDS, TRAINEE
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, refusal
 
 WORDS_AXIS: Final = "words"  # the axis of an order in words
 STEERING_ROLES: Final = ("helm", "pilot", TRAINEE)
@@ -124,6 +124,12 @@ class HandWork:
         """Return the order by which the guard takes the planes, where these are in hand."""
         order = self.guard.order(self.boat)
         return order if "planes" in self.worked else None
+
+
+def refuse_taking(order: Order, role: str) -> Refused | None:
+    """Return why a role may not have the axis that it claims, or None."""
+    works = parse(BY_HAND[order.word][1])
+    return refusal(ROLES[role], works) if isinstance(works, Order) else None
 
 
 def in_order(axes: Collection[str]) -> list[str]:

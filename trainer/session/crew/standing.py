@@ -70,6 +70,8 @@ class StandRecord:
         for entry in given:
             order = parse(entry.text)
             taken = bool(entry.accepted)
+            if isinstance(order, Order) and taken:
+                crew.bill.take(order, entry.giver)
             if isinstance(order, Order) and taken and order.name in CREW_WORDS:
                 crew.note(order, entry.giver, entry.tick, entry.crew)  # but no report of pumps
             if isinstance(order, Order) and (taken or entry.giver.kind is GiverKind.PLAN):

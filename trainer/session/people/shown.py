@@ -42,7 +42,7 @@ class ScreenOutput:
         told = self.lesson or self.crew.told
         self._pace = Pace(
             *(time.frozen, time.speed, now.branch, flown.replaying, told, now.after),
-            *(flown.shows_way, self.aids),
+            *(flown.shows_way, self.aids, self.crew.bill.shown),
         )
         self.sending.offer(now.tick, now.state, self._pace)
         self.seen()
@@ -53,7 +53,8 @@ class ScreenOutput:
 
     def take_words(self) -> None:
         """Note the last words to the crew, which the next state shows."""
-        self._pace = self._pace._replace(told=self.lesson or self.crew.told)
+        told = self.lesson or self.crew.told
+        self._pace = self._pace._replace(told=told, hands=self.crew.bill.shown)
 
     def show_lesson(self, text: str) -> None:
         """Show the step of a lesson from the next state on, "" for none."""

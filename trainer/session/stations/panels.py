@@ -237,6 +237,7 @@ ORDERS_CHANNEL: Final = Channel(
         *crew_fields("speed", "kn", KNOT),
         *crew_fields("pitch", "deg", DEGREE),
         word("told", lambda frame: frame.pace.told or None),
+        word("hands", lambda frame: frame.pace.hands or None),
     ),
 )
 

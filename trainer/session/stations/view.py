@@ -35,6 +35,7 @@ class Pace(NamedTuple):
     after: int = 0  # the last order, by which orders to the world are found
     shows_way: bool = False  # the reference crew flies
     aids: ShownAids = NO_AIDS
+    hands: str = ""  # the axes, and which role has worked each last
 
 
 class Picture(NamedTuple):

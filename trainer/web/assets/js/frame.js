@@ -28,6 +28,8 @@ const FOOT = 0.3048; // [m]
 const BLOWN = ["forward", "mid", "aft", "negative"]; // tanks
 const BANKS = ["main", "emergency"];
 const LEAST_AIR = 1; // [%] of a bank, with which it still gives some
+/** An order by hand of each axis: who may give it works there. @type {Record<string, string>} */
+const BY_HAND = { rudder: "rudder", planes: "stern", speed: "bell", ballast: "pump" };
 const KEPT = "palette"; // where the browser keeps the choice
 /** What is told to the crew about the light aboard. @type {Record<string, string>} */
 const RIGGED = { "rig for red": "night", "rig for white": "" };
@@ -138,7 +140,7 @@ export function showState(session) {
   write(pill, STATES[state]);
   const left = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
   write(one("#time"), `${clock(session.seconds)}${left}`);
-  write(one("#link"), describeLink(session));
+  write(one("#link"), describeLink(session) || describeHands(session));
   for (const control of document.querySelectorAll("[data-control]")) {
     control.toggleAttribute("inert", !session.live);
   }
@@ -153,6 +155,18 @@ function describeLink(session) {
   if (session.state === "connecting") return session.alone ? "" : say("Dialling {0}", location.host);
   if (session.state === "lost") return say("{0}; try {1}", why || say("no readings"), tries);
   return "";
+}
+
+/** Returns what this station could work, and who of the others has worked it last. @param {Session} session */
+function describeHands(session) {
+  const elsewhere = session
+    .word("orders.hands")
+    .split("; ")
+    .filter((each) => {
+      const [axis, role] = each.split(" ");
+      return axis in BY_HAND && role !== session.role && session.may(BY_HAND[axis]);
+    });
+  return elsewhere.length ? say("others have: {0}", elsewhere.join("; ")) : "";
 }
 
 /** Returns what the crew is ordered, in one line. @param {Session} session */

@@ -41,6 +41,7 @@ export const ORDERS = {
   "freeze": {"obeyer": "time", "inReplay": true, "afterEnd": true, "roles": ["instructor", "trainee"]},
   "ghost": {"obeyer": "the aids", "inReplay": false, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "give": {"obeyer": "command", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
+  "have": {"obeyer": "the crew", "inReplay": false, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "trainee"]},
   "help": {"obeyer": "the line", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
   "hint": {"obeyer": "the exercise", "inReplay": false, "afterEnd": false, "roles": ["instructor", "trainee"]},
   "history": {"obeyer": "a question", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "observer", "visitor", "scope", "trainee"]},
