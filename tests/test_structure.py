@@ -161,7 +161,7 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
     assert set(sentences.FACTS) == {
         *("order", "mark", "back", "snapshot", "casualty", "depth", "collapse", "over", "left"),
         *("crew-order", "repeated", "wrong-repeat", "belayed", "wrong-way", "report", "has"),
-        *("exercise", "range", "rate", "alert", "ack"),
+        *("exercise", "range", "rate", "alert", "ack", "watch"),
         *(
             "branch",
             "exercise-over",

@@ -21,7 +21,7 @@ SHIP = {"stern", "bow", "planes", "depth", "periscope"}
 WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
 WATER |= {"trim"}
 HELM = {"rudder", "course", "course-by", "course-to", "speed", "turns", "rpm", "bell"}
-SAYS = {"report", "aye", "ready"}
+SAYS = {"report", "aye", "ready", "relief"}
 OWN = {
     "instructor": set(GRAMMAR),
     "helm": HELM | SAYS | {"have"},

@@ -47,6 +47,7 @@ from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
 from trainer.debrief.trajectory import Trajectory, read_passage
+from trainer.debrief.watches import Watch, stood_watches
 from trainer.io.recording.facts import OVER_WORDS, REFERENCE_GIVER, BranchCause, Giver, GiverKind
 from trainer.io.recording.recording import (
     Branch,
@@ -128,6 +129,7 @@ class DebriefData:
     familiarisation: bool = False  # a run to get to know the simulator: it has no marks
     forms: tuple[EvaluationForm, ...] = ()  # filled in by assessors and peers
     read_backs: tuple[ReadBack, ...] = ()
+    watches: tuple[Watch, ...] = ()  # of persons at stations
     changes: tuple[Change, ...] = ()  # of the instructor's
     changed: Scorecard | None = None  # the marks after them
     compared: ReferenceComparison | None = None
@@ -255,6 +257,7 @@ def gather_debrief(
         familiarisation=familiarisation,
         forms=opinions.forms,
         read_backs=read_backs(trajectory),
+        watches=stood_watches(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
         excess=recording.excess(),
@@ -479,6 +482,7 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         ],
         "scores": [_score(each, step) for each in debrief.card.scores],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
+        "watches": [_watch(each, step) for each in debrief.watches],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "ships": [
             {"name": name, "closest_m": apart, "seconds": tick * step}
@@ -575,6 +579,12 @@ def _card(card: Scorecard, step: float) -> dict[str, Any]:
         "verdict": card.verdict and asdict(card.verdict),
         "scores": [_score(each, step) for each in card.scores],
     }
+
+
+def _watch(each: Watch, step: float) -> dict[str, Any]:
+    """Return a person's time at a station."""
+    times = {"begun_s": each.begun * step, "ended_s": _seconds(each.ended, step)}
+    return {"role": each.role, "person": each.person, **times, "orders": each.orders}
 
 
 def _read_back(each: ReadBack, step: float) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from trainer.debrief.changes import changes_path, read_changes, write_changes
 from trainer.debrief.data import DebriefData, gather_debrief, standard_error_of
 from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
 from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
+from trainer.debrief.watches import persons_in
 from trainer.io.lines import plain
 from trainer.io.outputs import renew_whole
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
@@ -283,7 +284,7 @@ def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
         except ConfigError:  # it is no recording, or damaged: it is not ours to change
             continue
         try:
-            named = {*trainees, *(form.by for form in read_forms(path))}
+            named = {*trainees, *persons_in(path), *(form.by for form in read_forms(path))}
             names |= named
             if fold_name(name) in map(fold_name, named):
                 yield from _forget(name, path, trainees)

@@ -470,9 +470,23 @@ def by_whom(giver: Giver) -> str:
 
 
 def hands(debrief: DebriefData) -> Markup:
-    """Return the table of who gave orders."""
+    """Return the table of who gave orders, and that of who had the watch."""
     rows = ((by_whom(each.giver), str(each.orders), str(each.refused)) for each in debrief.hands)
-    return table(("line", "orders", "refused"), rows, "")
+    return table(("line", "orders", "refused"), rows, "") + _watches(debrief)
+
+
+def _watches(debrief: DebriefData) -> Markup:
+    """Return the table of the persons at the stations, nothing where none was named."""
+    rows = (
+        (
+            *(each.role, each.person, format_moment(debrief, each.begun)),
+            format_moment(debrief, each.ended) if each.ended is not None else "the end",
+            str(each.orders),
+        )
+        for each in debrief.watches
+    )
+    heads = ("station", "has the watch", "from", "to", "orders")
+    return table(heads, rows, "") if debrief.watches else Markup()
 
 
 def log(debrief: DebriefData) -> Markup:

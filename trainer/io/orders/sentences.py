@@ -78,6 +78,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "wrong-repeat": "what was repeated, and after a semicolon the order as it was told",
     "belayed": "an order to the crew that stands no longer, as it was told",
     "has": "a hand axis, the station that works it now, and the one that did before, if any",
+    "watch": "a station's role, the person who has the watch there, and who had it, if told",
     "wrong-way": "the order given at a station, and after a semicolon the order to the crew",
     "report": "the role that reports, and after a colon its words",
     "exercise": "a key of the exercise and its value: `hand=rudder,planes`",

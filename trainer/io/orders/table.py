@@ -259,6 +259,7 @@ FORMS = (
     Form("report REMARK", "report to the instructor, as the crew does"),
     Form("aye", "the newest order to the crew repeated; also its words: course 045 aye"),
     Form("have AXIS", "say that this station works it from now on: I have the planes"),
+    Form("relief REMARK", "that person has the watch at this station from now on"),
     Form("belay", "the newest order to the crew stands no longer"),
     Form("belay course|depth|speed|pitch|words", "that on one axis, or in words"),
     Form("allow AXIS", "let these be automatic, though in hand; the run then has no marks"),

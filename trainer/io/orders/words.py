@@ -143,6 +143,7 @@ SAYINGS_CONTROL: Final = RoleControl("reports and repeats are", CREW_ROLES)
 PERISCOPE_CONTROL: Final = RoleControl("the periscope is", ("scope",))
 REMARKS_CONTROL: Final = RoleControl("the record is", ("observer", "scope"))
 READINESS_CONTROL: Final = RoleControl("to be ready is", CREW_ROLES)
+WATCH_CONTROL: Final = RoleControl("the watch is", CREW_ROLES)
 HANDS_CONTROL: Final = RoleControl(
     "what is worked by hand is", ("helm", "planes", "pilot", "ballast", "diving")
 )
@@ -293,8 +294,9 @@ SESSION_TOPICS: Final = (
         question("ack", control=COMMON_CONTROL))),
     Topic("briefing", "what the exercise is about", (
         question("briefing", control=COMMON_CONTROL),)),
-    Topic("who | name wall", "stations attached; what one is called", (
-        question("who", control=COMMON_CONTROL), line_order("name"))),
+    Topic("who | name wall | relief Berg", "stations; one called; who has the watch", (
+        question("who", control=COMMON_CONTROL), line_order("name"),
+        crew_order("relief", control=WATCH_CONTROL))),
     Topic("subscribe diving at 2 hz", "have a channel sent, or not", (
         line_order("subscribe"), line_order("unsubscribe"))),
     Topic("history diving 60 min", "what a channel has shown so far", (

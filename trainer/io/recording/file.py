@@ -94,16 +94,18 @@ SIGNAL_STEPS: Final = 100_000  # of SQLite's machine between looks for signals, 
 REMARK_QUERIES: Final = {  # texts that people have written, by the question that finds them
     "events": (
         "SELECT id, text FROM events WHERE kind = 'mark' OR text LIKE '%mark %' "
-        "OR text LIKE '%tell %' OR text LIKE '%report%' OR text LIKE '%to the crew: %'"
+        "OR text LIKE '%tell %' OR text LIKE '%report%' OR text LIKE '%to the crew: %' "
+        "OR text LIKE '%has the watch%'"
     ),
     "orders": (
         "SELECT id, text FROM orders "
-        "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
+        "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %' "
+        "OR text LIKE 'relief %'"
     ),
 }
 ANSWER_QUERY: Final = (
     "SELECT id, answer, crew_order FROM orders "
-    "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
+    "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %' OR text LIKE 'relief %'"
 )
 
 

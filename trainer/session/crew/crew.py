@@ -96,6 +96,7 @@ class Talk(NamedTuple):
     freed: frozenset[str] = frozenset()
     meeting: Giver | None = None
     hands: tuple[tuple[str, Giver], ...] = ()  # the axes, and who has worked each last
+    watch: tuple[tuple[str, str], ...] = ()  # the roles, and the person who has each watch
 
 
 class Repeat(NamedTuple):
@@ -150,6 +151,7 @@ class CrewTalk:
             "tell": lambda: f"told: {order.subject}",
             "report": lambda: "reported",
             "allow": lambda: self.work.allow(order.word),
+            "relief": lambda: f"{order.subject} has the watch",
             "have": lambda: refuse_taking(order, role) or f"you have the {order.word}",
         }
         return answers.get(order.name, lambda: self._aye(order, role))()
@@ -203,20 +205,22 @@ class CrewTalk:
             "allow": lambda: self._freed(order.word),
             "report": lambda: report_text(order, role),
             "have": list,
+            "relief": lambda: self.bill.relieve(role, order.subject),
         }
         return notes.get(order.name, lambda: self._belayed(order))()
 
     @property
     def talk(self) -> Talk:
         """Return a copy of the talk as it stands now."""
-        freed, hands = frozenset(self.work.freed), tuple(self.bill.hands.items())
-        return Talk(tuple(self._spoken.values()), freed, self.meeting, hands)
+        freed, bill = frozenset(self.work.freed), self.bill
+        hands, watch = tuple(bill.hands.items()), tuple(bill.watch.items())
+        return Talk(tuple(self._spoken.values()), freed, self.meeting, hands, watch)
 
     def put_back(self, talk: Talk, tick: int) -> None:
         """Put back the talk of another moment, at its tick, because time has jumped."""
         self.work.put_back(talk.freed)
         self.meeting = talk.meeting
-        self.bill.hands = dict(talk.hands)
+        self.bill.hands, self.bill.watch = dict(talk.hands), dict(talk.watch)
         self._spoken = {
             spoken.axis: replace(spoken, reminded=self._late_at(spoken) <= tick)
             for spoken in talk.spoken

@@ -1,8 +1,9 @@
-"""The watch bill: which station works which axis (rudder, planes, speed, ballast) by hand.
+"""The watch bill: who works each axis by hand, and who has each watch.
 
 Aboard, two people who can move the same planes say who has them: "I have the planes". Here a
 station has an axis once it has said so or has worked it, until another one does. Nothing is locked,
-but both stations and the instructor are told.
+but both stations and the instructor are told. Persons relieve each other at a station, which is a
+role here, whatever line it has.
 """
 
 from dataclasses import dataclass, field
@@ -17,9 +18,11 @@ from trainer.session.stations.station import Fact
 
 @dataclass
 class WatchBill:
-    """Who has each axis."""
+    """Who has each axis, and each watch."""
 
     hands: dict[str, Giver] = field(default_factory=dict)  # by axis: who has worked it last
+
+    watch: dict[str, str] = field(default_factory=dict)  # the person who has it, by role
 
     @property
     def shown(self) -> str:
@@ -28,7 +31,15 @@ class WatchBill:
 
     def standing(self) -> list[CrewMessage]:
         """Return the messages that tell a program who has what."""
-        return [self._told(axis, "", "") for axis in in_order(self.hands)]
+        hands = [self._told(axis, "", "") for axis in in_order(self.hands)]
+        watch = [Fact("watch", f"{role},{person},") for role, person in self.watch.items()]
+        return hands + [CrewMessage("crew", "", fact) for fact in watch]
+
+    def relieve(self, role: str, person: str) -> list[CrewMessage]:
+        """Give the watch at a station to a person; return the message of it."""
+        before, self.watch[role] = self.watch.get(role, ""), person
+        text = f"{role}: {person} has the watch" + (f", {before} is relieved" if before else "")
+        return [CrewMessage("crew", text, Fact("watch", f"{role},{person},{before}"))]
 
     def take(self, order: Order, giver: Giver) -> list[CrewMessage]:
         """Note who works an axis now; return what tells both stations where it was another's.

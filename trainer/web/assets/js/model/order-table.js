@@ -65,6 +65,7 @@ export const ORDERS = {
   "ready": {"obeyer": "the exercise", "inReplay": true, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "scope", "trainee"]},
   "release": {"obeyer": "the boat", "inReplay": false, "afterEnd": false, "roles": ["instructor"]},
   "release-marks": {"obeyer": "the exercise", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
+  "relief": {"obeyer": "the crew", "inReplay": false, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "scope", "trainee"]},
   "replay": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
   "report": {"obeyer": "the crew", "inReplay": false, "afterEnd": true, "roles": ["instructor", "helm", "planes", "pilot", "ballast", "diving", "scope", "trainee"]},
   "reset": {"obeyer": "the past", "inReplay": true, "afterEnd": true, "roles": ["instructor"]},
