@@ -124,6 +124,18 @@ def test_an_order_takes_the_axes_that_it_works(words: str, axes: str) -> None:
     assert " ".join(bill.hands) == axes
 
 
+def test_the_officer_of_the_deck_takes_back_his_own_orders_alone(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    deck = ship.comes("deck")
+    assert ship.say(deck, "make your depth 60 metres") == ("ok", "ordered: depth 60 m")
+    ship.order("order pitch 3 up")
+
+    assert ship.refused("belay", deck).endswith("who orders course, depth and speed alone")
+
+    assert ship.say(deck, "belay depth")[0] == "ok"
+    assert ship.say(ship.comes("planes"), "aye")[1] == "pitch 3 up aye"
+
+
 @pytest.mark.parametrize("giver", [SCHEDULE_GIVER])
 def test_what_is_no_station_takes_no_axis(giver: Giver) -> None:
     bill = WatchBill()

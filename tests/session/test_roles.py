@@ -29,6 +29,7 @@ OWN = {
     "pilot": HELM | SHIP | SAYS | {"have"},
     "ballast": WATER | SAYS | {"have"},
     "diving": SHIP | WATER | SAYS | {"have"} | {"surface", "dive", "order", "tell", "belay"},
+    "deck": SAYS | {"order", "belay"},
     "observer": {"mark"},
     "visitor": {"lever", "restart"},
     "scope": {"scope", "mark"} | SAYS,
@@ -86,6 +87,15 @@ def test_a_role_gives_the_orders_of_the_table_and_no_others() -> None:
             "planes auto",
             "the planes station's or the pilot's or the diving officer's; you are a visitor",
         ),
+        (
+            "deck",
+            "order pitch 3 up",
+            "you are the officer of the deck, who orders course, depth and speed alone",
+        ),
+        ("deck", "belay words", "who orders course, depth and speed alone"),
+        ("deck", "order clear all", "who orders course, depth and speed alone"),
+        ("deck", "depth 80", "or the diving officer's; you are the officer of the deck"),
+        ("deck", "tell rig for red", "the diving officer's; you are the officer of the deck"),
         ("visitor", "freeze", '"freeze" is the instructor\'s; you are a visitor'),
         ("planes", "lever dive 8", "the lever is a visitor's; you have the planes"),
         (
@@ -99,6 +109,17 @@ def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
     refused = refusal(ROLES[role], read_order(line))
     assert refused
     assert refused.reason.endswith(why)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("order course left 045", "order course steady", "order depth 60", "order speed 8"),
+        *("order periscope", "order clear depth", "belay", "belay course", "depth 60 aye"),
+    ],
+)
+def test_the_officer_of_the_deck_orders_course_depth_and_speed(line: str) -> None:
+    assert refusal(ROLES["deck"], read_order(line)) is None
 
 
 @pytest.mark.parametrize("line", ["rudder auto", "stern auto", "bow planes auto", "course auto"])

@@ -67,6 +67,26 @@ def test_the_keypad_orders_the_crew(instructor: Caller, kept: Look, way: str) ->
             await_truth(instructor, place, value)
 
 
+def test_the_officer_of_the_deck_has_course_depth_and_speed_alone(
+    instructor: Caller, kept: Look
+) -> None:
+    page = open_page(kept, "deck")
+    expect(page.locator("[data-place='gauges.speed']")).to_have_text("10.0 kn")
+    ends = page.locator("order-keypad .ends button")
+    expect(ends).to_have_text(
+        ["depth, m", "depth, ft", "course left", "course right", "course", "speed, kn"]
+    )
+    page.locator("#typed-order input").fill("come left to 045")
+    page.keyboard.press("Enter")
+    expect(page.locator("#standing")).to_contain_text("course 045")
+    assert heard(instructor, "deck: ordered: course left to 045")
+    page.locator("#typed-order input").fill("order pitch 3 up")
+    page.keyboard.press("Enter")
+    expect(page.locator("#answer")).to_contain_text("who orders course, depth and speed alone")
+    page.locator("#standing").get_by_role("button", name="Belay").click()
+    expect(page.locator("#standing")).to_have_text("none stands")
+
+
 def test_what_is_ordered_stands_in_its_unit_until_it_is_belayed(
     instructor: Caller, kept: Look
 ) -> None:

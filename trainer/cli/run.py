@@ -62,6 +62,7 @@ STATION_ROLES = (
     "pilot",
     "ballast",
     "diving",
+    "deck",
     "observer",
     "visitor",
     "scope",

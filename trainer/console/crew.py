@@ -15,7 +15,7 @@ AXIS_ROLES: Final = {
     "pitch": ("planes", "pilot", "diving", "trainee"),
 }
 TELL_WORD: Final = "tell"  # the first word of an order in words, which stands for its axis
-CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope", "trainee")
+CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "deck", "scope", "trainee")
 
 
 class CrewOrder(NamedTuple):

@@ -296,6 +296,13 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
         *TELEGRAPH_KEYS,
         *COMMON_KEYS,
     ),
+    "deck": (
+        *FOOTER_KEYS,
+        Key(("c",), "C", "course", "order a course", TypingAction("order course ")),
+        Key(("d",), "D", "depth", "order a depth", TypingAction("order depth ")),
+        Key(("s",), "S", "speed", "order a speed", TypingAction("order speed ")),
+        *COMMON_KEYS,
+    ),
     "observer": (
         *FOOTER_KEYS,
         Key(("m",), "M", "mark", "mark this moment, with a remark", TypingAction("mark ")),

@@ -141,6 +141,12 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             TANK_DRAWINGS,
         ),
         Layout(
+            "deck",
+            ("time", "orders", "gauges"),
+            charts_named("gauges", "depth", "heading"),
+            (PaneDrawing("panel", panels.gauges, moving=True),),
+        ),
+        Layout(
             "observer",
             ("time", "steering", "engine", "diving", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),

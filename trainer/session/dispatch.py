@@ -49,6 +49,7 @@ from trainer.session.past.journal import order_of
 from trainer.session.past.run_modes import Due
 from trainer.session.stations.event_log import CREW_KIND
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, not_for_visitors
+from trainer.session.stations.roles import refusal as role_refusal
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
 Gate = Callable[[Order, Station | None, Parts], Refused | None]
@@ -190,7 +191,7 @@ class Dispatch:
         """Answer what a station has asked or ordered, and tell the others."""
         session, station = self.session, asked.station
         order = session.crew.meant(asked.order)
-        shut = refusal(order, station, session)
+        shut = role_refusal(station.role, order) or refusal(order, station, session)
         if ORDER_WORDS[order.name].passed_on:
             answer = shut or self._carried_out(order, station.giver, station)
             kept_answer = session.event_log.as_kept(answer)

@@ -84,6 +84,10 @@ PAGES: Final = (
         CREW_GROUP, "Orders planes and ballast, and keeps the boat in trim",
     ),
     Page(
+        "deck", "Deck", "deck", "diving.html",
+        CREW_GROUP, "Officer of the deck: orders course, depth and speed alone",
+    ),
+    Page(
         "scope", "Periscope", "scope", "scope.html",
         CREW_GROUP, "Looks round, takes bearings and ranges, marks contacts",
     ),

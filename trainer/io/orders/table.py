@@ -28,7 +28,8 @@ WORD_SETS = {
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor|scope|trainee",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|deck|observer|visitor|scope"
+    "|trainee",
     "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
 }

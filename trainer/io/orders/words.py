@@ -13,7 +13,8 @@ from typing import Final
 
 from trainer.io.orders.table import FORMS_BY_WORD, WORD_SETS
 
-CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "scope")  # who works the boat
+# who works the boat
+CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "deck", "scope")
 TRAINEE: Final = "trainee"  # who trains alone: all of the crew in one, and time
 STRANGER: Final = "stranger"  # who has not said who it is
 HAND_AXES: Final = tuple(WORD_SETS["AXIS"].split("|"))  # what a crew may have to work by hand
@@ -138,7 +139,8 @@ TRIM_WATER_CONTROL: Final = RoleControl("trim water is", BALLAST_ROLES)
 HOVERING_CONTROL: Final = RoleControl("hovering is", BALLAST_ROLES)
 COMPRESSOR_CONTROL: Final = RoleControl("the compressor is", BALLAST_ROLES)
 BOTH_WAYS_CONTROL: Final = RoleControl("surfacing and diving are", ("diving",))
-CREW_ORDERS_CONTROL: Final = RoleControl("orders to the crew are", ("diving",))
+CREW_ORDERS_CONTROL: Final = RoleControl("orders to the crew are", ("diving", "deck"))
+CREW_WORDS_CONTROL: Final = RoleControl("orders in words are", ("diving",))
 SAYINGS_CONTROL: Final = RoleControl("reports and repeats are", CREW_ROLES)
 PERISCOPE_CONTROL: Final = RoleControl("the periscope is", ("scope",))
 REMARKS_CONTROL: Final = RoleControl("the record is", ("observer", "scope"))
@@ -281,7 +283,7 @@ SESSION_TOPICS: Final = (
         crew_order("belay", control=CREW_ORDERS_CONTROL),
         crew_order("allow"))),
     Topic("tell ready | report ready | aye", "to and from the crew; have planes", (
-        crew_order("tell", control=CREW_ORDERS_CONTROL, scheduled=True, planned=True),
+        crew_order("tell", control=CREW_WORDS_CONTROL, scheduled=True, planned=True),
         crew_order("report", control=SAYINGS_CONTROL, scheduled=True),
         crew_order("aye", control=SAYINGS_CONTROL),
         crew_order("have", control=HANDS_CONTROL))),

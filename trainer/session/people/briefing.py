@@ -48,8 +48,11 @@ BRIEFING_TITLES: Final = {
     "length": "length",
 }
 AUTOPILOT_EXAMPLES: Final = ("depth 80", "course 090", "rudder left 15")
-STATION_EXAMPLES: Final = ("stern planes dive 5", "flood depth-control 1", "scope raise")
-TEST_DEPTH_ROLES: Final = ("instructor", "diving", "observer")  # test depth
+STATION_EXAMPLES: Final = (
+    *("stern planes dive 5", "flood depth-control 1", "scope raise", "order course 045"),
+    "order depth 80",
+)
+TEST_DEPTH_ROLES: Final = ("instructor", "diving", "deck", "observer")  # test depth
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,14 @@ from typing import Final
 from trainer.config.files import ConfigError, nearest
 from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
-from trainer.io.orders.words import COMMON_CONTROL, CREW_ROLES, ORDER_WORDS, STRANGER, TRAINEE
+from trainer.io.orders.words import (
+    COMMON_CONTROL,
+    CREW_ORDERS_CONTROL,
+    CREW_ROLES,
+    ORDER_WORDS,
+    STRANGER,
+    TRAINEE,
+)
 
 COMMON_ORDERS: Final = frozenset(
     word.name
@@ -77,6 +84,7 @@ class Role:
     commands: frozenset[str]
     channels: tuple[str, ...]
     events: frozenset[str]
+    axes: tuple[str, ...] = ()  # of its orders to the crew; () for all
 
     @property
     def of_another(self) -> str:
@@ -92,7 +100,7 @@ def orders_of(*roles: str) -> frozenset[str]:
     )
 
 
-def _role(name: str, title: str, part: str, *channels: str) -> Role:
+def _role(name: str, title: str, part: str, *channels: str, axes: tuple[str, ...] = ()) -> Role:
     """Return a role with its orders, its events, and its channels beside the common ones."""
     heard = frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if name in roles)
     return Role(
@@ -102,6 +110,7 @@ def _role(name: str, title: str, part: str, *channels: str) -> Role:
         orders_of(name),
         ("teletype", "gauges", "orders", *channels, "time", *AID_NAMES),
         heard,
+        axes,
     )
 
 
@@ -136,6 +145,12 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
             "air",
             "valves",
         ),
+        _role(
+            "deck",
+            "the officer of the deck's",
+            "are the officer of the deck",
+            axes=("course", "depth", "speed"),
+        ),
         _role("observer", "an observer's", "are an observer", *PANEL_NAMES),
         _role("visitor", "a visitor's", "are a visitor", "diving"),
         _role("scope", "the periscope's", "have the periscope", "scope", "swell"),
@@ -162,7 +177,7 @@ STRANGER_ROLE: Final = Role(
 def refusal(role: Role, order: Order) -> Refused | None:
     """Return why ``role`` may not give ``order``, naming whose it is; None when it may."""
     if order.name in role.commands:
-        return None
+        return _other_axis(role, order)
     if role is STRANGER_ROLE:
         return Refused(ROLE_FIRST_TEXT)
     control = ORDER_WORDS[order.name].control
@@ -170,6 +185,21 @@ def refusal(role: Role, order: Order) -> Refused | None:
     owners = [ROLES[name].title for name in control.roles if name != TRAINEE]
     whose = " or ".join(owners or [INSTRUCTOR_ROLE.title])
     return Refused(f"{says} {whose}; you {role.part}")
+
+
+def _other_axis(role: Role, order: Order) -> Refused | None:
+    """Return why ``role`` may not order the crew on an axis, None when it may.
+
+    What ``belay`` alone takes back is only known where it is obeyed, which asks again.
+    """
+    axis = order.word.removeprefix("clear_").partition("_")[0].replace("periscope", "depth")
+    crew_orders = (
+        name for name, word in ORDER_WORDS.items() if word.control is CREW_ORDERS_CONTROL
+    )
+    if not (role.axes and axis) or axis in role.axes or order.name not in crew_orders:
+        return None
+    own = f"{', '.join(role.axes[:-1])} and {role.axes[-1]}"
+    return Refused(f"you {role.part}, who orders {own} alone")
 
 
 def not_for_visitors(role: Role) -> Refused | None:

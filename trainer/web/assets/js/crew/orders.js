@@ -29,7 +29,7 @@ export function furnishOrders(session, give) {
   const pad = /** @type {any} */ (one("order-keypad"));
   const fit = () => {
     const { depth = 2000, speed = 60, periscope } = session.ranges;
-    pad.keys = [
+    const keys = [
       ["depth, m", say("depth, m"), 1, depth],
       ["bubble down", say("bubble down"), 1, STEEPEST],
       ["depth, ft", say("depth, ft"), 1, Math.floor(depth / FOOT)],
@@ -39,6 +39,8 @@ export function furnishOrders(session, give) {
       ["course", say("course"), 0, 360],
       ["speed, kn", say("speed, kn"), 0, Math.floor(speed)],
     ];
+    // the officer of the deck orders no bubble
+    pad.keys = keys.filter(([key]) => session.role !== "deck" || !String(key).startsWith("bubble"));
     one("[data-range=periscope]").toggleAttribute("hidden", periscope === undefined);
   };
   session.on("ranges", fit);

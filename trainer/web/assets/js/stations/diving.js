@@ -1,4 +1,5 @@
-// Diving officer: depth and bubble, what the planes hold, tanks, and orders to the crew.
+// Diving officer: depth and bubble, what the planes hold, tanks, and orders to the crew. The officer
+// of the deck has course, depth and orders alone.
 import "../controls/emergency-cover.js";
 import "../controls/order-keypad.js";
 import "../controls/part-keys.js";
@@ -20,31 +21,32 @@ import { showHeld } from "../crew/held.js";
 import { one, write } from "../draw.js";
 import { say } from "../words.js";
 
-const CHANNELS = ["gauges", "orders", "diving", "tanks", "air", "valves", "time"];
+const DIVES = document.body.dataset.role === "diving";
+const CHANNELS = ["gauges", "orders", ...(DIVES ? ["diving", "tanks", "air", "valves"] : []), "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
-const session = new Session(link, "diving", CHANNELS);
+const session = new Session(link, DIVES ? "diving" : "deck", CHANNELS);
 const watches = [
   bankWatch(say("Main air bank"), "air.main_full"),
   bankWatch(say("Emergency air bank"), "air.emergency_full"),
 ];
-furnish(session, new Alerts(session, watches));
+furnish(session, new Alerts(session, DIVES ? watches : []));
 for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bind(session);
 /** @type {any} */ (one("part-keys[part=part]")).parts = [
   ["boat", say("Boat")],
   ["crew", say("Orders")],
-  ["tanks", say("Tanks")],
+  ["tanks", DIVES ? say("Tanks") : say("Course")],
 ];
 const give = giver(session);
-const panel = new TankPanel(session, give);
+const panel = DIVES ? new TankPanel(session, give) : null;
 furnishOrders(session, give);
 
 const show = seldom(() => {
   write(one("#ordered"), orderedLine(session));
   showReadouts(session);
-  showHeld(session);
+  if (DIVES) showHeld(session);
   showStanding(session, give);
-  panel.show();
+  panel?.show();
 });
 for (const what of ["tick", "ranges", "crew", "log"]) session.on(what, show);
 showInstruments(session);
