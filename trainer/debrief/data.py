@@ -29,6 +29,7 @@ from trainer.debrief.changes import (
     changed_card,
     read_changes,
 )
+from trainer.debrief.crew_work import CrewWork, judge_crew
 from trainer.debrief.episodes import (
     Deflection,
     Episode,
@@ -130,6 +131,7 @@ class DebriefData:
     forms: tuple[EvaluationForm, ...] = ()  # filled in by assessors and peers
     read_backs: tuple[ReadBack, ...] = ()
     watches: tuple[Watch, ...] = ()  # of persons at stations
+    crew_work: CrewWork | None = None  # None: fewer than two stations, or nothing was ordered
     changes: tuple[Change, ...] = ()  # of the instructor's
     changed: Scorecard | None = None  # the marks after them
     compared: ReferenceComparison | None = None
@@ -235,6 +237,7 @@ def gather_debrief(
         each: nobody_aboard(plan, header, each)
         for each in {width, *(change.what for change in changes if change.name == WIDTH_NAME)}
     }
+    spoken, last = read_backs(trajectory), int(trajectory.ticks[-1])
     return DebriefData(
         source=source,
         header=header,
@@ -256,7 +259,8 @@ def gather_debrief(
         trainees=trainees_of(header),
         familiarisation=familiarisation,
         forms=opinions.forms,
-        read_backs=read_backs(trajectory),
+        read_backs=spoken,
+        crew_work=judge_crew(trajectory.orders, spoken, plan.method.step, last),
         watches=stood_watches(trajectory),
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
@@ -482,6 +486,7 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         ],
         "scores": [_score(each, step) for each in debrief.card.scores],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
+        "crew_work": debrief.crew_work and asdict(debrief.crew_work),
         "watches": [_watch(each, step) for each in debrief.watches],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "ships": [

@@ -248,13 +248,19 @@ class ReadBack:
     told: str  # as the crew was told
     repeated: RecordedOrder | None = None
     wrong: tuple[str, ...] = ()  # words of wrong repeats
+    wrong_by: tuple[RecordedOrder, ...] = ()  # those repeats
     carried_out: int | None = None  # [tick] from which it was kept until the next
 
 
 def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
     """Return a run's orders to the crew, each with its repeats and its end."""
+    return tuple(_carried_out(spoken_orders(trajectory.orders), trajectory))
+
+
+def spoken_orders(orders: Iterable[RecordedOrder]) -> list[ReadBack]:
+    """Return the orders to the crew in a journal, each with its repeats."""
     read_back_list: list[ReadBack] = []
-    for entry in trajectory.orders:
+    for entry in orders:
         order = parse(entry.text)
         if not isinstance(order, Order) or entry.accepted is False:
             continue
@@ -262,7 +268,7 @@ def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
             read_back_list.append(ReadBack(entry, axis_of(order), entry.crew.order))
         elif entry.crew.news is not CrewNews.NOTHING:
             _repeat(read_back_list, entry, order.subject)
-    return tuple(_carried_out(read_back_list, trajectory))
+    return read_back_list
 
 
 def _repeat(found: list[ReadBack], entry: RecordedOrder, words: str) -> None:
@@ -270,7 +276,8 @@ def _repeat(found: list[ReadBack], entry: RecordedOrder, words: str) -> None:
     wrong = entry.crew.news is CrewNews.WRONG_REPEAT
     for i in range(len(found) - 1, -1, -1):
         if found[i].told == entry.crew.order and found[i].repeated is None:
-            changed = {"wrong": (*found[i].wrong, words)} if wrong else {"repeated": entry}
+            said, by = (*found[i].wrong, words), (*found[i].wrong_by, entry)
+            changed = {"wrong": said, "wrong_by": by} if wrong else {"repeated": entry}
             found[i] = replace(found[i], **changed)
             return
 

@@ -124,8 +124,7 @@ def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
             compared_table(debrief.forms, debrief.final),
         )
     yield section("charts", "Ordered and actual", _drawings(debrief))
-    if debrief.read_backs:
-        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
+    yield from _talk(debrief)
     content = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
     yield section("casualties", "Casualties", content)
     if debrief.card.scores:
@@ -141,6 +140,15 @@ def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
     yield section("ticks", "Ticks", sections.tick_ledger(debrief))
     yield section("run", "What was flown", sections.run_facts(debrief))
     yield section("log", "Orders and events", sections.log(debrief))  # the longest comes last
+
+
+def _talk(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the orders to the crew, and how the crew worked with them."""
+    if debrief.read_backs:
+        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
+    if debrief.crew_work:
+        content = sections.crew_work(debrief, debrief.crew_work)
+        yield section("crew", "How this crew worked", content)
 
 
 def _drawings(debrief: DebriefData) -> Markup:

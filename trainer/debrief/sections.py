@@ -18,11 +18,13 @@ from trainer.debrief.attainable_changes import MarkChange
 from trainer.debrief.attainable_words import change_words, until_words
 from trainer.debrief.changes import OUTCOME_NAME, WIDTH_NAME, Change
 from trainer.debrief.charts import change_name
+from trainer.debrief.crew_work import CrewWork
 from trainer.debrief.data import CasualtyAnswer, DebriefData, deviation_of, standard_error_of
 from trainer.debrief.episodes import ReadBack, hints_told
 from trainer.debrief.judgement import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
+from trainer.debrief.watches import named
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import HAND_AXES
@@ -487,6 +489,30 @@ def _watches(debrief: DebriefData) -> Markup:
     )
     heads = ("station", "has the watch", "from", "to", "orders")
     return table(heads, rows, "") if debrief.watches else Markup()
+
+
+def crew_work(debrief: DebriefData, work: CrewWork) -> Markup:
+    """Return how the crew worked: loops, who informed whom, faults, load by station."""
+    wait = "" if work.latency_s is None else f", after {work.latency_s:.3g} s in the middle"
+    words = f"Of {work.orders} orders to the crew {work.repeated} were repeated{wait}. "
+    words += f"{work.closed} loops were closed: ordered, repeated, reported."
+    informed = ", ".join(f"{who} to {whom} {count}" for who, whom, count in work.informed)
+    load = ((s.role, *map(str, (s.worked, s.busiest, s.repeats, s.reports))) for s in work.load)
+    faults = [
+        (format_moment(debrief, f.tick), named(debrief.watches, f.role, f.tick), f.kind, f.what)
+        for f in work.faults
+    ]
+    heads = ("station", "orders worked", "most in a minute", "repeats", "reports")
+    shown = faults[:MAX_TABLE_ROWS]
+    return Markup().join(
+        [
+            paragraph(words),
+            paragraph(f"Informed: {informed or 'nobody'}."),
+            table(heads, load, ""),
+            table(("moment", "station", "fault", "what"), shown, "") if shown else Markup(),
+            _more(len(faults), JSON_HINT),
+        ]
+    )
 
 
 def log(debrief: DebriefData) -> Markup:

@@ -3,6 +3,7 @@
 They are from the order ``relief`` in the journal. A station without one has no persons.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,6 +41,13 @@ def stood_watches(trajectory: Trajectory) -> tuple[Watch, ...]:
         elif place is not None:
             stood[place] = replace(stood[place], orders=stood[place].orders + 1)
     return tuple(stood)
+
+
+def named(watches: Iterable[Watch], role: str, tick: int) -> str:
+    """Return a role with the person who had its watch at a tick: "planes (Berg)"."""
+    own = (each for each in watches if each.role == role and each.begun <= tick)
+    there = [each.person for each in own if each.ended is None or tick < each.ended]
+    return f"{role} ({there[-1]})" if there else role
 
 
 def persons_in(path: Path) -> set[str]:
