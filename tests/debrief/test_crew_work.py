@@ -184,6 +184,20 @@ def test_what_either_of_two_stations_should_have_repeated_is_the_crew_s_fault() 
     assert told.informed == (("diving", "all", 1),)
 
 
+def test_who_works_what_another_has_is_told_once_until_somebody_says_he_has_it() -> None:
+    turns = [(20.0 + i, ("planes", "pilot")[i % 2], "bow planes zero") for i in range(6)]
+    words = [(30.0, "pilot", "have planes"), (31.0, "planes", "stern planes zero")]
+    words += [(32.0, "planes", "have planes"), (33.0, "pilot", "bow planes zero")]
+    told = loop((14.0, "planes", "aye"), *turns, *words).work
+
+    taken = [(each.role, each.what) for each in told.faults if each.kind == "taken in silence"]
+    assert taken == [
+        ("pilot", "the planes, which planes had"),
+        ("planes", "the planes, which pilot had"),
+        ("pilot", "the planes, which planes had"),
+    ]
+
+
 def test_a_debrief_has_a_section_of_a_crew_s_work(tmp_path: Path) -> None:
     said = {1.0: "order depth 75", 2.0: "stern planes dive 2", 3.0: "aye"}
     alone = record(tmp_path / "alone.trainer", "first-depth-change", said, duration=30.0)
@@ -195,5 +209,5 @@ def test_a_debrief_has_a_section_of_a_crew_s_work(tmp_path: Path) -> None:
     watches = (Watch("planes", "Ott", 0, 150), Watch("planes", "Berg", 150))
     page = render(replace(debrief, crew_work=other, watches=watches))
 
-    assert "1 orders to the crew 1 were repeated, after 4 s in the middle" in page
+    assert "1 orders to the crew 1 were repeated, half of them within 4 s" in page
     assert "<td>planes (Berg)</td><td>not reported</td>" in page.replace("\n", "")

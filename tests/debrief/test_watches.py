@@ -8,7 +8,7 @@ from helpers.recorded import record
 from trainer.debrief.data import debrief_figures
 from trainer.debrief.history import forget_trainee
 from trainer.debrief.page import read_dossier, render
-from trainer.debrief.watches import Watch
+from trainer.debrief.watches import Watch, named
 
 SAID = {
     1.0: "stern planes dive 1",
@@ -44,6 +44,14 @@ def test_a_debrief_tells_who_had_each_watch(relieved: Path) -> None:
     page = render(debrief)
     assert "<th>has the watch</th>" in page
     assert "<td>Anna Ott</td>" in page
+
+
+def test_a_station_is_named_with_who_has_the_watch_then() -> None:
+    stood = (Watch("planes", "Ott", 20, 50), Watch("planes", "Berg", 50), Watch("helm", "Ann", 0))
+
+    named_then = [named(stood, "planes", tick) for tick in (19, 20, 49, 50)]
+
+    assert named_then == ["planes", "planes (Ott)", "planes (Ott)", "planes (Berg)"]
 
 
 def test_a_name_of_a_watch_is_forgotten(relieved: Path) -> None:

@@ -493,9 +493,9 @@ def _watches(debrief: DebriefData) -> Markup:
 
 def crew_work(debrief: DebriefData, work: CrewWork) -> Markup:
     """Return how the crew worked: loops, who informed whom, faults, load by station."""
-    wait = "" if work.latency_s is None else f", after {work.latency_s:.3g} s in the middle"
+    wait = "" if work.latency_s is None else f", half of them within {work.latency_s:.3g} s"
     words = f"Of {work.orders} orders to the crew {work.repeated} were repeated{wait}. "
-    words += f"{work.closed} loops were closed: ordered, repeated, reported."
+    words += f"Loops closed (ordered, repeated, reported): {work.closed}."
     informed = ", ".join(f"{who} to {whom} {count}" for who, whom, count in work.informed)
     load = ((s.role, *map(str, (s.worked, s.busiest, s.repeats, s.reports))) for s in work.load)
     faults = [

@@ -45,8 +45,7 @@ def stood_watches(trajectory: Trajectory) -> tuple[Watch, ...]:
 
 def named(watches: Iterable[Watch], role: str, tick: int) -> str:
     """Return a role with the person who had its watch at a tick: "planes (Berg)"."""
-    own = (each for each in watches if each.role == role and each.begun <= tick)
-    there = [each.person for each in own if each.ended is None or tick < each.ended]
+    there = [each.person for each in watches if each.role == role and each.begun <= tick]
     return f"{role} ({there[-1]})" if there else role
 
 
