@@ -439,7 +439,7 @@ def test_the_first_screen_says_the_state_at_a_glance() -> None:
         for words in (
             "RUNNING x1", "depth    60.0 > 80.0 m", "> 090", "pitch   2.0 down",
             "heel    1.0 stbd",
-            "R 5.0 > R 5.0 auto", "D 3.0", "hand", "ahead std", "rpm 71 > 71", "2.0 t heavy",
+            "5.0 right > 5.0 auto", "3.0 dive", "hand", "ahead std", "rpm 71 > 71", "2.0 t heavy",
             "main 25.0", "BLOWING forward", "1.9 m, 7 s, from 000", "F1 help", "F10 quit",
             "nothing; F4",
         ):  # fmt: skip

@@ -457,7 +457,7 @@ def test_words_for_a_reader_fit_79_columns_and_keep_value_and_unit_together(
 ) -> None:
     frame = frame_of(boat)
     told = [
-        f"{field.name} {value} {field.unit.strip('-')}".strip()
+        f"{field.name} {value.lstrip('-' * bool(field.sides))} {field.unit.strip('-')}".strip()
         for field, value in zip(
             CHANNELS[channel].fields, values(frame, channel).values(), strict=True
         )
@@ -470,6 +470,18 @@ def test_words_for_a_reader_fit_79_columns_and_keep_value_and_unit_together(
     assert lines[0].startswith(f"{channel}, 60 s: ")
     assert all(len(line) <= 79 for line in lines)
     assert all(line.isascii() for line in lines)
+
+
+def test_a_reader_is_told_the_side_of_an_angle_and_not_its_sign(boat: Boat) -> None:
+    boat.state.delta_s = boat.toward["stern"] * math.radians(-6.0)
+    boat.state.delta_r = boat.toward["rudder"] * math.radians(10.04)
+    boat.state.theta = math.radians(-0.04)  # is written as zero
+
+    told = " ".join(panel(("diving", "steering"), frame_of(boat)))
+
+    assert "stern 6.0 deg dive," in told
+    assert "rudder 10.0 deg right," in told
+    assert "pitch 0.0 deg," in told
 
 
 def test_the_teletype_has_its_headings_every_twenty_lines(boat: Boat) -> None:

@@ -239,7 +239,7 @@ def test_what_is_ordered_in_a_freeze_stands_at_once_on_every_page(
         expect(each.get_by_role("slider", name="Bow planes")).to_have_attribute(
             "aria-valuenow", str(angle)
         )
-        expect(each.locator("#bow .order")).to_have_text(f"{angle} rise")
+        expect(each.locator("#bow .order")).to_have_text(f"ordered {angle} rise")
         expect(each.locator("#bow .digits")).to_have_text("0.0")  # the boat has not moved
     assert (read(instructor, "time.time"), instructor.tick) == tick
 
@@ -448,3 +448,24 @@ def test_the_briefing_opens_first_its_keys_are_worked_and_the_end_is_told(
     expect(briefing).to_contain_text("marks of 100")
     page.locator("#close-briefing").click()
     expect(briefing).to_be_hidden()
+
+
+def test_a_jam_is_told_with_its_side_and_marked_at_the_lever(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "planes", size="desk")
+    assert instructor.ask("stern planes dive 6")[0]
+    step(instructor, 60)
+    for words in ("casualty stern-stuck", "stern planes zero", "bow planes auto"):
+        assert instructor.ask(words)[0]
+    step(instructor, 2)
+    stern = page.locator("section.stern")
+    expect(stern.locator("h2 .is")).to_have_text("6.0 dive")
+    expect(stern.locator(".digits")).to_have_text("6.0dive")
+    expect(stern.locator(".order")).to_have_text("ordered 0")
+    expect(stern.locator(".gap.off")).to_have_attribute("d", re.compile("L"))
+    stern.locator("order-lever").evaluate("(lever) => { lever.set(0, 0.3); }")
+    expect(stern.locator(".knob")).to_have_text("0.3")
+    assert instructor.ask("clear all")[0]
+    step(instructor, 60)
+    expect(stern.locator(".gap.off")).to_have_count(0)

@@ -33,14 +33,10 @@ from trainer.core.casualties import (
 )
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.sides import SURFACE_SIDES
 
 TRIGGER_RULES: Final = ("once", "again")
 MAX_RAMP_S: Final = 3600.0  # [s] ramp
-SURFACE_SIDES: Final = {
-    "rudder": ("right", "left"),
-    "stern": ("rise", "dive"),
-    "bow": ("rise", "dive"),
-}
 OFFSETS: Final = ("too little", "too much")  # what a gauge shows
 
 

@@ -22,7 +22,6 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.casualties import SURFACE_SIDES
 from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.ballast.tanks import BLOWN_TANKS, COMPARTMENTS, NEGATIVE_TANK, TANKS
 from trainer.core.state import VALVES
@@ -31,6 +30,7 @@ from trainer.io.orders.grammar import Order
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import SIDE_SIGNS
 from trainer.io.orders.words import ORDER_WORDS
+from trainer.io.sides import SURFACE_SIDES
 
 SPEED_SLACK: Final = 1e-9  # [m/s] that forgives the rounding of knots
 ANGLE_SLACK: Final = 1e-12  # [rad] that forgives the rounding of degrees

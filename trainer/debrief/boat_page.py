@@ -17,7 +17,6 @@ import numpy as np
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import SURFACE_SIDES
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.depths import (
     GUARD_AHEAD_S,
@@ -44,6 +43,7 @@ from trainer.io.lines import plain
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
+from trainer.io.sides import SURFACE_SIDES
 from trainer.session.doors.warm_up import warm_boat
 from trainer.session.exercise.second_boat import follow_run
 from trainer.session.past.header import differences, layout_of, open_whole_recording, plan_of

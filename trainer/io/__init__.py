@@ -14,7 +14,7 @@ within those two packages.
 # fmt: off
 __all__ = [
     "ais", "chart", "client", "connection", "file_lock", "line", "lines", "machine", "nmea",
-    "noise_log", "orders", "outputs", "paths", "recording", "serial_line", "server", "status_line",
-    "tables", "udp",
+    "noise_log", "orders", "outputs", "paths", "recording", "serial_line", "server", "sides",
+    "status_line", "tables", "udp",
 ]
 # fmt: on

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from trainer.console.drawing.crew_orders import depth_text, depth_unit
-from trainer.console.drawing.values import attitude, course
+from trainer.console.drawing.values import angle_text, course
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, length, line
 
@@ -29,7 +29,7 @@ def ghost_text(model: SessionModel) -> Line:
         return ()
     way = "deeper" if depth > 0.0 else "higher"
     side = "right" if heading > 0.0 else "left"
-    pitch = attitude(number("ghost", "pitch_off"), "up", "down")
+    pitch = angle_text("pitch", number("ghost", "pitch_off"))
     off = f"{depth_text(model, abs(depth))} {depth_unit(model)} {way}, {abs(heading):.1f} {side}"
     return line((" off the ghost ", "dim"), (f"{off}, {pitch} ", "plain"))
 
@@ -44,7 +44,7 @@ def ahead_text(model: SessionModel) -> Line:
         (f" in {seconds:.0f} s ", "dim"),
         (f"{depth_text(model, depth)} {depth_unit(model)} ", "plain"),
         (f"{course(number('predictor', 'heading'))} ", "plain"),
-        (attitude(number("predictor", "pitch"), "up", "down"), "plain"),
+        (angle_text("pitch", number("predictor", "pitch")), "plain"),
     )
     return line(*parts)
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from trainer.console.drawing.chart import Sheet
 from trainer.console.drawing.gauges import interpolate
-from trainer.console.drawing.values import attitude
+from trainer.console.drawing.values import angle_text
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, beside, fit, line
 
@@ -59,8 +59,8 @@ def hull(model: SessionModel, width: int, height: int) -> Lines:
     if height < 3 or width < MIN_SIDE_COLUMNS:
         return [fit(line(), width)] * height
     pitch, heel = interpolate(model, "pitch"), interpolate(model, "heel")
-    pitch_line = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
-    heel_text = f"heel {attitude(heel, 'stbd', 'port')} "
+    pitch_line = line((f" pitch {angle_text('pitch', pitch)}", "dim"))
+    heel_text = f"heel {angle_text('heel', heel)} "
     right = line((heel_text if width >= ANGLES_COLUMNS else "", "dim"))
     room = height - 1
     astern = STERN_VIEW_COLUMNS if width >= MIN_SIDE_COLUMNS + STERN_VIEW_COLUMNS else 0

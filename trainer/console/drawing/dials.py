@@ -11,15 +11,16 @@ from trainer.console.drawing.crew_orders import depth_text, depth_unit, order_be
 from trainer.console.drawing.gauges import interpolate
 from trainer.console.drawing.values import (
     SHORT_BELLS,
-    attitude,
+    angle_text,
     course,
     no_value_reason,
     number,
-    surface,
+    order_text,
 )
 from trainer.console.keys import TELEGRAPH_KEYS, OrderAction
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, length, line
+from trainer.io.sides import SURFACE_SIDES
 
 LARGE_DIGITS: Final = {
     "0": ("┏━┓", "┃ ┃", "┗━┛"),
@@ -36,13 +37,9 @@ LARGE_DIGITS: Final = {
     "-": ("   ", "╺━╸", "   "),
 }
 SCALE_END_DEG: Final = 35.0  # [deg] at the ends
-SCALE_ENDS: Final = {
-    "rudder": ("left", "right"),
-    "stern": ("dive", "rise"),
-    "bow": ("dive", "rise"),
-}
 AHEAD_BELLS: Final = ("one-third", "two-thirds", "standard", "full", "flank")
 ASTERN_BELLS: Final = ("full", "two-thirds", "one-third")
+GAP_SIGN: Final = "╌"  # between where a surface is and its order
 MIN_SCALE_COLUMNS: Final = 24  # [columns] of a scale
 RATE_SPAN: Final = 10.0  # [s] over which a change of depth is taken
 BELL_KEYS: Final = {
@@ -171,9 +168,9 @@ def angles(model: SessionModel, width: int) -> Line:
     echo = "" if sounding is None else f"{sounding:.1f} m  "
     shown = line(
         (" pitch ", "dim"),
-        (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):<11}", "value"),
+        (f"{angle_text('pitch', interpolate(model, 'pitch')):<11}", "value"),
         ("heel ", "dim"),
-        (f"{attitude(interpolate(model, 'heel'), 'stbd', 'port'):<9}", "value"),
+        (f"{angle_text('heel', interpolate(model, 'heel')):<9}", "value"),
         ("sounder " if echo else "", "dim"),
         (echo, "value"),
     )
@@ -181,19 +178,22 @@ def angles(model: SessionModel, width: int) -> Line:
 
 
 def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
-    """Return a surface on its scale. A block is where it is, a diamond is the order."""
+    """Return a surface on its scale. A block is where it is, a diamond is the order.
+
+    Dots of the order's ink lie between them.
+    """
     picture = model.picture
     actual = picture.smooth(channel, name, model.clock())
     ordered = picture.number(channel, f"ordered_{name}")
     if actual is None:
         lacking = no_value_reason(picture, channel, "this boat has none")
         return line((f" {name:<7}", "dim"), (lacking, "dim"))
-    left_word, right = SCALE_ENDS[name]
-    mode = picture.word(channel, f"{name}_mode")
+    right, left_word = SURFACE_SIDES[name]
+    mode, shows = picture.word(channel, f"{name}_mode"), angle_text(name, actual)
     ends = line((f" {name:<7}{left_word} ", "dim")), line((f" {right}  ", "dim"))
     marks_line = line(
-        (surface(name, actual), "value"),
-        (f" > {surface(name, ordered)}", "ordered"),
+        (f"{shows:>10}", "value"),
+        (f" > {order_text(name, ordered, shows):<10}", "ordered"),
         (f" {mode:<4} ", "warning" if mode == "hand" else "dim"),
     )
     room = width - sum(len(text) for part in (*ends, marks_line) for text, _ in part)
@@ -217,6 +217,9 @@ def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
     signs[middle], signs[block] = "┼", "█"
     inks = ["value" if sign in "━█" else "dim" for sign in signs]
     if ordered is not None:
+        for x in range(min(block, column(ordered)), max(block, column(ordered)) + 1):
+            if signs[x] == "·":
+                signs[x], inks[x] = GAP_SIGN, "ordered"
         signs[column(ordered)], inks[column(ordered)] = "◆", "ordered"
     return tuple(zip(signs, inks, strict=True))
 

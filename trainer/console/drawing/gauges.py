@@ -8,12 +8,12 @@ lines and changes nothing.
 from trainer.console.drawing.crew_orders import crew_line
 from trainer.console.drawing.values import (
     NO_VALUE,
-    attitude,
+    angle_text,
     bell,
     course,
     no_value_reason,
     number,
-    surface,
+    order_text,
 )
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, first_fitting, fit, line
@@ -33,12 +33,13 @@ GAUGE_ERROR_MARGIN = 0.5  # [m, deg, kn] of error above which a gauge is shown a
 
 def state(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the state in ten lines."""
+    room = width - MOTION_COLUMNS
     rows = [
-        (reading(model, "depth", "diving", "m"), plane(model, "rudder", "steering")),
-        (reading(model, "heading", "steering", ""), plane(model, "stern", "diving")),
-        (reading(model, "speed", "engine", "kn"), plane(model, "bow", "diving")),
-        (angle(model, "pitch", "up", "down"), engine(model, width - MOTION_COLUMNS)),
-        (angle(model, "heel", "stbd", "port"), weight(model)),
+        (reading(model, "depth", "diving", "m"), plane(model, "rudder", "steering", room)),
+        (reading(model, "heading", "steering", ""), plane(model, "stern", "diving", room)),
+        (reading(model, "speed", "engine", "kn"), plane(model, "bow", "diving", room)),
+        (angle(model, "pitch"), engine(model, room)),
+        (angle(model, "heel"), weight(model)),
     ]
     lines = [(*fit(left, MOTION_COLUMNS), *right) for left, right in rows]
     lines += [tanks(model, width), air(model), sea(model), casualty_names(model)]
@@ -87,24 +88,22 @@ def reading(model: SessionModel, name: str, channel: str, unit: str) -> Line:
     return first_fitting(MOTION_COLUMNS, *choices)
 
 
-def angle(model: SessionModel, name: str, *sides: str) -> Line:
+def angle(model: SessionModel, name: str) -> Line:
     """Return pitch or heel in words."""
-    value = attitude(interpolate(model, name), *sides)
+    value = angle_text(name, interpolate(model, name))
     return line((f" {name:<7}", "dim"), (f"{value:>9}", "value"))
 
 
-def plane(model: SessionModel, name: str, channel: str) -> Line:
-    """Return the angle of a surface, its order, and who orders it."""
+def plane(model: SessionModel, name: str, channel: str, room: int) -> Line:
+    """Return the angle of a surface, its order, and, where there is room, who orders it."""
     picture = model.picture
     actual = picture.smooth(channel, name, model.clock())
-    ordered = surface(name, picture.number(channel, f"ordered_{name}"))
+    shows = angle_text(name, actual)
+    ordered = order_text(name, picture.number(channel, f"ordered_{name}"), shows)
     mode = picture.word(channel, f"{name}_mode") if actual is not None else "none"
-    return line(
-        (f"{name:<7}", "dim"),
-        (surface(name, actual), "value"),
-        (f" > {ordered}", "ordered"),
-        (f" {mode}", "warning" if mode == "hand" else "dim"),
-    )
+    shown = line((f"{name:<7}", "dim"), (shows, "value"), (f" > {ordered}", "ordered"))
+    by = line((f" {mode}", "warning" if mode == "hand" else "dim"))
+    return first_fitting(room, (*shown, *by), shown)
 
 
 def engine(model: SessionModel, room: int) -> Line:

@@ -6,10 +6,9 @@ Every drawing words its values by them, so that one value reads alike in all pla
 from typing import Final
 
 from trainer.console.readings import ChannelReadings
+from trainer.io.sides import ANGLE_SIDES, sided
 
 NO_VALUE: Final = "-"
-SIDE_LETTERS: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
-ZERO_ANGLE_DEG: Final = 0.05  # [deg] less is zero, on no side
 SHORT_BELLS: Final = {"one-third": "1/3", "two-thirds": "2/3", "standard": "std"}
 
 
@@ -33,20 +32,15 @@ def course(value: float | None, decimals: int = 0) -> str:
     return f"{turned:0{3 if not decimals else 4 + decimals}.{decimals}f}"
 
 
-def surface(name: str, angle: float | None) -> str:
-    """Return the angle of a surface with its side, such as R15.0."""
-    if angle is None:
-        return NO_VALUE
-    side = " " if abs(angle) < ZERO_ANGLE_DEG else SIDE_LETTERS[name][angle > 0.0]
-    return f"{side}{abs(angle):4.1f}"
+def angle_text(name: str, value: float | None) -> str:
+    """Return the angle of the boat or of a surface with its side, such as 15.0 right."""
+    return NO_VALUE if value is None else sided(value, ANGLE_SIDES[name])
 
 
-def attitude(value: float | None, positive: str, negative: str) -> str:
-    """Return an angle of the boat with its side in words."""
-    if value is None:
-        return NO_VALUE
-    side = "" if abs(value) < ZERO_ANGLE_DEG else f" {positive if value > 0.0 else negative}"
-    return f"{abs(value):.1f}{side}"
+def order_text(name: str, ordered: float | None, actual: str) -> str:
+    """Return an ordered angle beside the ``actual`` one; the side is told where it is another."""
+    size, _, side = angle_text(name, ordered).partition(" ")
+    return size if actual.endswith(side) else f"{size} {side}"
 
 
 def bell(given: str) -> str:

@@ -84,9 +84,9 @@ class TeletypeDisplay:
 def in_words(channel: Channel, frame: Frame) -> list[str]:
     """Return a channel as words, in at most 79 columns."""
     shown = (
-        f"{field.name} {text} {field.unit.strip('-')}".rstrip().replace(" ", "\0")
-        for field, text in zip(channel.fields, channel.values(frame), strict=True)
-        if text and not field.packed
+        f"{field.name} {words}".replace(" ", "\0")
+        for field in channel.fields
+        if not field.packed and (words := field.words(frame))
     )
     summary = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
     wrapped = textwrap.wrap(

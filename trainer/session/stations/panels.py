@@ -7,7 +7,7 @@ their instruments have no casualty.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS
@@ -17,6 +17,7 @@ from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
 from trainer.io.nmea import number
+from trainer.io.sides import ANGLE_SIDES, sided
 from trainer.session.stations.view import Frame
 from trainer.units import DEGREE, KNOT
 
@@ -48,6 +49,7 @@ class Field:
     decimals: int
     read: Callable[[Frame], Value]
     packed: bool = False  # for programs alone: words leave it out
+    sides: tuple[str, str] | None = None  # words of a positive and a negative angle
     source: Source | None = None  # of what it shows, if no more than a number is read
 
     def text(self, frame: Frame) -> str:
@@ -56,6 +58,13 @@ class Field:
         if isinstance(value, str):
             return value
         return number(value, self.decimals)
+
+    def words(self, frame: Frame) -> str:
+        """Return the value with unit and side, as people say it, "" for none."""
+        text, unit = self.text(frame), self.unit.strip("-")
+        if self.sides and text:
+            return sided(float(text), self.sides, self.decimals, unit)
+        return f"{text} {unit}".rstrip() if text else ""
 
 
 @dataclass(frozen=True)
@@ -116,13 +125,20 @@ def number_of_state(name: str, field: str, unit: str, decimals: int, size: float
 HEADING_FIELD: Final = course("heading")
 DEPTH_FIELD: Final = reading("depth", "m", 1)
 SPEED_FIELD: Final = reading("speed", "kn", 1, KNOT)
-PITCH_FIELD: Final = number_of_state("pitch", "theta", "deg", 1, DEGREE)
-HEEL_FIELD: Final = number_of_state("heel", "phi", "deg", 1, DEGREE)
+PITCH_FIELD: Final = replace(
+    number_of_state("pitch", "theta", "deg", 1, DEGREE), sides=ANGLE_SIDES["pitch"]
+)
+HEEL_FIELD: Final = replace(
+    number_of_state("heel", "phi", "deg", 1, DEGREE), sides=ANGLE_SIDES["heel"]
+)
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:
     """Return the angle of a surface, its order, and who orders it."""
-    angle, ordered = (reading(name, "deg", 1, DEGREE) for name in (surface, f"ordered_{surface}"))
+    angle, ordered = (
+        replace(reading(name, "deg", 1, DEGREE), sides=ANGLE_SIDES[surface])
+        for name in (surface, f"ordered_{surface}")
+    )
     return angle, ordered, mode_field(surface)
 
 

@@ -13,6 +13,7 @@ from trainer.boat import casualties
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import describe_held, sea_text
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
+from trainer.io.sides import ANGLE_SIDES, sided
 from trainer.io.status_line import course
 from trainer.session.stations.display import view
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
@@ -32,6 +33,9 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
 
     def mode(by_hand: float) -> str:
         return "by hand" if by_hand else "automatic"
+
+    def angle(name: str, degrees: float) -> str:
+        return sided(degrees, ANGLE_SIDES[name], decimals=2)
 
     turns = f"{seen.rpm:.1f} rpm, turns for {float(s.u_c) / KNOT:.1f} kn"
     return [
@@ -53,12 +57,12 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
             f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
             f"{mode(s.speed_by_hand)}"
         ),
-        f"pitch {seen.pitch_deg:+.2f}   heel {seen.heel_deg:+.2f} degrees",
+        f"pitch {angle('pitch', seen.pitch_deg)}   heel {angle('heel', seen.heel_deg)} degrees",
         (
-            f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}, "
-            f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)"
+            f"stern planes {angle('stern', seen.stern_deg)} {mode(s.stern_by_hand)}, "
+            f"bow planes {angle('bow', seen.bow_deg)} {mode(s.bow_by_hand)}"
         ),
-        f"rudder {seen.rudder_deg:+.2f} {mode(s.rudder_by_hand)} (right +)",
+        f"rudder {angle('rudder', seen.rudder_deg)} {mode(s.rudder_by_hand)}",
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
         *current_lines(frame, boat),
         *sea_lines(boat),

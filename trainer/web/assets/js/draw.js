@@ -73,6 +73,21 @@ export function bearing(degrees) {
   return String(((Math.round(degrees) % 360) + 360) % 360).padStart(3, "0");
 }
 
+/** Returns how many digits after the mark a number needs, one at most. @param {number} value */
+function tenthsOf(value) {
+  return Number.isInteger(Number(value.toFixed(1))) ? 0 : 1;
+}
+
+/** Returns a number in tenths, which whole numbers leave out. @param {number} value */
+export function tenths(value) {
+  return decimals(value, tenthsOf(value));
+}
+
+/** Returns an ordered size and its side: `15 right`, `0.3 rise`. @param {number} value @param {string} negative @param {string} positive */
+export function sidedOrder(value, negative, positive) {
+  return sided(value, negative, positive, tenthsOf(value));
+}
+
 /**
  * Returns a size and a side in words, as `3.2 down`; nothing has no side.
  * @param {number} value

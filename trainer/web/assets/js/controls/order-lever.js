@@ -1,8 +1,9 @@
 // A lever for rudder or planes, on one scale with the dial inside it: it is held, not hit.
 import "../gauges/angle-dial.js";
-import { html, svg, write } from "../draw.js";
+import { html, sidedOrder, svg, tenths, write } from "../draw.js";
 import { Fan } from "../gauges/fan.js";
 import { clamp, readable } from "../gauges/gauge.js";
+import { OFF } from "../model/alerts.js";
 import { say } from "../words.js";
 
 const USUAL = 30; // [deg]
@@ -26,6 +27,10 @@ class OrderLever extends HTMLElement {
   most = USUAL; // [deg] the largest angle either way
   /** @type {Fan | null} */
   fan = null;
+  /** @type {number | null} where the surface is [deg] */
+  actual = null;
+  /** @type {number | null} what was ordered last [deg] */
+  ordered = null;
 
   connectedCallback() {
     if (this.groove) return;
@@ -50,7 +55,8 @@ class OrderLever extends HTMLElement {
       class: "reach",
       pointerdown: (event) => this.follow(/** @type {PointerEvent} */ (event)),
     });
-    const rail = svg("svg", { "aria-hidden": "true" }, this.groove, this.reach);
+    this.gap = svg("path", { class: "gap" });
+    const rail = svg("svg", { "aria-hidden": "true" }, this.groove, this.gap, this.reach);
     this.bed = html("div", { class: "slot" }, rail, this.knob, this.figure);
     const keys = this.ends.map((word, high) => this.fineKey(word, high ? 1 : -1));
     this.hand = html("div", { class: "hand", "data-control": true }, keys[1], this.bed, keys[0]);
@@ -122,20 +128,30 @@ class OrderLever extends HTMLElement {
   /** Returns a value in words. @param {number} value */
   words(value) {
     const [low, high] = this.ends;
-    return value === 0 ? say("zero") : `${Math.abs(value)} ${value < 0 ? low : high}`;
+    return value === 0 ? say("zero") : sidedOrder(value, low, high);
   }
 
-  /** Puts the knob to a value. @param {number} value */
-  set(value) {
+  /** Puts the knob to a value, and writes it as it was ordered. @param {number} value @param {number} [ordered] */
+  set(value, ordered = value) {
     const { fan, figure, knob } = this;
     if (!knob || !figure) return;
     this.value = clamp(Math.round(value), -this.limit, this.limit) || 0;
+    const shown = Math.round(ordered) === this.value ? ordered : this.value;
     const [x, y] = fan?.knob(this.value / this.limit) ?? [0, 0];
     for (const part of [knob, figure]) Object.assign(part.style, { left: `${x}px`, top: `${y}px` });
-    write(knob, String(Math.abs(this.value)));
+    write(knob, tenths(Math.abs(shown)));
     write(figure, this.value === 0 ? "0" : this.words(this.value));
     knob.setAttribute("aria-valuenow", String(this.value));
-    knob.setAttribute("aria-valuetext", this.words(this.value));
+    knob.setAttribute("aria-valuetext", this.words(Number(shown.toFixed(1))));
+    this.mark();
+  }
+
+  /** Marks on the groove what lies between the order and the surface. */
+  mark() {
+    const { actual, fan, gap, limit, value = 0 } = this;
+    const [from, to] = [value, clamp(actual ?? value, -limit, limit)].map((angle) => angle / limit);
+    gap?.setAttribute("d", fan && from !== to ? fan.path(from, to, (share) => fan.knob(share)) : "");
+    gap?.classList.toggle("off", Math.abs((actual ?? value) - value) > OFF);
   }
 
   /** Puts the knob to a value that a hand has chosen, and orders it. @param {number} value */
@@ -169,14 +185,18 @@ class OrderLever extends HTMLElement {
    * @param {number | null} ordered [deg]
    * @param {string} [mode] `hand`, or what steers the surface
    * @param {boolean} [waits] whether the order still waits for its answer
+   * @param {number | null} [actual] where the surface is [deg]
    */
-  show(ordered, mode = "hand", waits = false) {
+  show(ordered, mode = "hand", waits = false, actual = null) {
     if (!this.knob) return;
+    this.actual = actual;
+    this.mark();
     this.classList.toggle("automatic", mode !== "hand");
     this.classList.toggle("asking", waits || this.due !== 0);
     if (this.held || this.due || waits) return;
     this.chosen = null;
-    if (ordered !== null && Math.round(ordered) !== this.value) this.set(ordered);
+    if (ordered !== null && (Math.round(ordered) !== this.value || ordered !== this.ordered)) this.set(ordered, ordered);
+    this.ordered = ordered;
   }
 
   /** Returns the value at a place of the page. @param {PointerEvent} event */

@@ -1,8 +1,8 @@
 // Rudder, planes, heel: an arc whose angles lie evenly along its chord, alone or over a lever.
-import { svg, write } from "../draw.js";
+import { sided, sidedOrder, svg, write } from "../draw.js";
 import { Fan } from "./fan.js";
-import { Gauge, clamp, readable, side, text } from "./gauge.js";
-import { decimals, say } from "../words.js";
+import { Gauge, clamp, readable, text } from "./gauge.js";
+import { say } from "../words.js";
 
 const USUAL = 30; // [deg]
 const BEYOND = 3; // [deg] past the stops that a pointer shows
@@ -10,11 +10,12 @@ const LEAST = 24; // [px] of a side that is worth drawing on
 const FINE = 4; // [px] between ticks at least
 const POINTER = 1.15; // of the text's size: its length, which ends before the numerals
 const NUMERAL = 2.3; // of the text's size: how far inside the arc a numeral stands
-const SPREAD = 3; // of the text's size: half the width of the digits and what is ordered below them
+const SPREAD = 7; // of the text's size: half the width of the digits and what is ordered below them
 const WIDE = 2.1; // of the text's size: room for a numeral
 const LARGE = 3.6; // of the text's size: the digits, where there is room
 const WORD = 3.7; // of the text's size: room for the word of a side
 const SIDES = 8; // of the text's size: half a scale that has such words
+const BESIDE = 5; // of the digits' size: their width with the side beside them
 const SMALL = 1.7; // of the text's size: digits are left out rather than smaller
 
 /** `<angle-dial face="down|left|right" low high limit sides>` */
@@ -31,7 +32,9 @@ class AngleDial extends Gauge {
     this.pointer = svg("path", { class: "pointer", hidden: true });
     this.bug = svg("path", { class: "bug", hidden: true });
     this.faint = svg("path", { class: "ghost", hidden: true });
-    this.figure = text([0, 0], "digits");
+    this.amount = svg("tspan");
+    this.way = svg("tspan", { class: "way" });
+    this.figure = svg("text", { class: "digits" }, this.amount, this.way);
     this.order = text([0, 0], "order");
     this.picture(null, this.scale, this.faint, this.pointer, this.bug, this.figure, this.order);
     this.limit = this.size("limit", USUAL);
@@ -71,13 +74,15 @@ class AngleDial extends Gauge {
     const [down, begin] = [face === "down", inner[0]];
     const end = Math.min(inner[1], fan.chord ? Infinity : fan.within(SPREAD * size));
     const room = Math.max(end - begin, 0);
-    const lines = down ? Math.min(room / 1.4, room - size, box[0] / 4) : Math.min(room / 2.6, half / 2);
+    const lines = down ? Math.min(room / 1.4, room - size, box[0] / BESIDE) : Math.min(room / 2.6, half / 2);
     const large = Math.min(lines, LARGE * size);
     const small = Math.max(0.42 * large, size);
-    const below = down ? (small + 0.14 * large) / 2 : 0; // what is ordered stands there
+    const below = (small + 0.14 * large) / 2; // what is ordered stands there, at the side what is, too
     const [x, y] = fan.place(0, (begin + end) / 2 - below);
     put(this.figure, x, y, large);
-    put(this.order, x, y + 0.5 * large + 0.6 * small, small);
+    put(this.order, x, y + 0.5 * large + (down ? 0.6 : 1.8) * small, small);
+    const beside = down ? [["dx", "0.25em"]] : [["x", x], ["y", y + 0.5 * large + 0.6 * small]];
+    for (const [name, at] of [["font-size", small], ...beside]) this.way?.setAttribute(String(name), String(at));
     for (const part of [this.figure, this.order]) part?.toggleAttribute("hidden", large < SMALL * size);
   }
 
@@ -137,8 +142,8 @@ class AngleDial extends Gauge {
   /** @param {number | null} value [deg] @param {number | null} [ordered] [deg] */
   show(value, ordered = null) {
     this.shown = [value, ordered];
-    const { bug, figure, laid, limit, order, pointer, words } = this;
-    if (!words || !pointer || !bug || !figure || !order) return;
+    const { amount, bug, laid, limit, order, pointer, way, words } = this;
+    if (!words || !pointer || !bug || !amount || !way || !order) return;
     const [low, high] = words;
     const stand = (/** @type {SVGElement} */ part, /** @type {number | null} */ to, /** @type {number} */ most) => {
       part.toggleAttribute("hidden", to === null || !laid);
@@ -146,13 +151,10 @@ class AngleDial extends Gauge {
     };
     stand(pointer, value, limit + BEYOND);
     stand(bug, this.closest("order-lever") ? null : ordered, limit);
-    this.digits(figure, value === null ? "" : decimals(Math.abs(value), 1));
-    order.classList.toggle("plain", ordered === null);
-    if (ordered === null) write(order, side(value ?? 0, low, high));
-    else write(order, `${Math.abs(ordered).toFixed(0)} ${side(ordered, low, high)}`.trim());
-    if (value === null) return;
-    const told = `${say("{0} degrees", Math.abs(value).toFixed(0))} ${side(value, low, high)}`;
-    this.tell(value, [-limit, limit], told);
+    const [size, side = ""] = value === null ? [""] : sided(value, low, high).split(" ");
+    if (this.digits(amount, size)) write(way, side); // never the one's digits with the other's side
+    write(order, ordered === null ? "" : say("ordered {0}", sidedOrder(ordered, low, high)));
+    if (value !== null) this.tell(value, [-limit, limit], `${say("{0} degrees", size)} ${side}`.trim());
   }
 }
 

@@ -46,13 +46,14 @@ export class Gauge extends HTMLElement {
     if (size) tellScale(this, picture, size);
   }
 
-  /** Changes digits, at most twice a second. @param {Node} node @param {string} text */
+  /** Changes digits, at most twice a second; returns whether they are shown. @param {Node} node @param {string} text */
   digits(node, text) {
-    if (node.textContent === text) return;
+    if (node.textContent === text) return true;
     const now = performance.now();
-    if (node.textContent && now - (this.wrote ?? 0) < DIGITS) return;
+    if (node.textContent && now - (this.wrote ?? 0) < DIGITS) return false;
     this.wrote = now;
     write(node, text);
+    return true;
   }
 
   /**
@@ -186,10 +187,4 @@ export function bug([x, y], radius) {
 export function turn(part, angle, [x, y]) {
   part.toggleAttribute("hidden", angle === null);
   if (angle !== null) part.setAttribute("transform", `rotate(${angle.toFixed(2)} ${x} ${y})`);
-}
-
-/** Returns the word of a side, "" for none. @param {number} value @param {string} low @param {string} high */
-export function side(value, low, high) {
-  if (Math.abs(value) < 0.05) return "";
-  return value < 0 ? low : high;
 }

@@ -59,9 +59,9 @@ class PitchGauge extends Gauge {
       this.bug.setAttribute("transform", `translate(${x} ${y}) rotate(${-ordered})`);
     }
     const fine = this.dataset.room === "few" ? 0 : 1; // digits after the point
-    this.digits(this.figure, pitch === null ? "" : decimals(Math.abs(pitch), fine));
+    const shown = this.digits(this.figure, pitch === null ? "" : decimals(Math.abs(pitch), fine));
     const way = pitch === null ? "" : Math.abs(pitch) < 0.05 ? say("level") : pitch < 0 ? say("down") : say("up");
-    write(this.way, way);
+    if (shown) write(this.way, way);
     if (pitch === null) return;
     const size = Math.abs(pitch).toFixed(0);
     const words = pitch < 0 ? say("{0} degrees down by the bow", size) : say("{0} degrees up by the bow", size);

@@ -1,11 +1,11 @@
 // The table of the boat's state: what is, what is ordered, and how far apart they are.
-import { bearing, clock, html, one, sided, write } from "../draw.js";
+import { bearing, clock, html, one, sided, tenths, write } from "../draw.js";
 import { signed } from "../charts/chart.js";
 import { difference } from "../model/motion.js";
 import { PLACES } from "./moment.js";
 import { paced } from "./desk.js";
 import { feet, inUnit, lengthDigits, unit } from "../units.js";
-import { decimals, say } from "../words.js";
+import { say } from "../words.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -23,8 +23,7 @@ import { decimals, say } from "../words.js";
 
 const DIGITS = 500; // [ms] between changes of digits
 const planes = (/** @type {number} */ value) => sided(value, say("dive"), say("rise"));
-const short = (/** @type {number} */ value) => decimals(value, Number.isInteger(Number(value.toFixed(1))) ? 0 : 1);
-const shortDepth = (/** @type {number} */ value) => (feet ? lengthDigits(value) : short(value));
+const shortDepth = (/** @type {number} */ value) => (feet ? lengthDigits(value) : tenths(value));
 const rudder = (/** @type {number} */ value) => sided(value, say("L"), say("R"));
 
 /** @type {Row[]} */
@@ -38,7 +37,7 @@ const ROWS = [
     ...{ turns: true, gauge: ["gauges.heading", "gyro"] },
   },
   {
-    ...{ name: say("Speed, kn"), of: "speed", says: (value) => signed(value, 1), orders: short },
+    ...{ name: say("Speed, kn"), of: "speed", says: (value) => signed(value, 1), orders: tenths },
     ...{ sides: [say("slow"), say("fast")], gauge: ["gauges.speed", "log"] },
   },
   { name: say("Pitch"), of: "pitch", says: (value) => sided(value, say("down"), say("up")), sides: [say("down"), say("up")] },

@@ -16,7 +16,7 @@ import { say, spoken } from "../words.js";
 
 /** @type {Rank[]} the most urgent first */
 export const RANKS = ["emergency", "alarm", "warning", "caution"];
-const OFF = 3; // [deg] that a surface may be off its order
+export const OFF = 3; // [deg] that a surface may be off its order
 const OFF_FOR = 3; // [s]
 const STEEP = 30; // [deg] of pitch
 const MUTE_TOLD = 2; // of the four ranks, the first ones, whose muting is told

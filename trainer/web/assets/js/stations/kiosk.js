@@ -233,7 +233,7 @@ function picture() {
       : { depth, pitch, speed, stern, bow, ordered, limit: null },
   );
   const given = pending.resolve("lever", session.number("diving.ordered_bow"));
-  lever().show?.(given, session.word("diving.bow_mode"), pending.waits("lever"));
+  lever().show?.(given, session.word("diving.bow_mode"), pending.waits("lever"), bow ?? null);
   /** @type {any} */ (one("angle-dial")).show?.(bow ?? null);
 }
 

@@ -218,7 +218,7 @@ motion.addEventListener("frame", () => {
     const channel = SURFACES[name];
     const ordered = pending[channel].resolve(name, session.number(`${channel}.ordered_${name}`));
     const mode = session.word(`${channel}.${name}_mode`);
-    lever.show(ordered, mode, pending[channel].waits(name));
+    lever.show(ordered, mode, pending[channel].waits(name), motion.shown[`#${name}`] ?? null);
   }
 });
 session.start();

@@ -1,10 +1,9 @@
 // The card with which a mailed run begins: what breaks, what is to be kept, one key; and its result.
-import { clock, html, write } from "../draw.js";
+import { clock, html, tenths, write } from "../draw.js";
 import { lengthOf, shortLength } from "../units.js";
-import { decimals, say } from "../words.js";
+import { say } from "../words.js";
 import { MOMENT } from "./task.js";
 
-const tenths = (/** @type {number} */ value) => decimals(value, Number.isInteger(Number(value.toFixed(1))) ? 0 : 1);
 const degrees = (/** @type {number} */ value) => say("{0} degrees", tenths(value));
 const knots = (/** @type {number} */ value) => `${tenths(value)} kn`;
 /**
