@@ -380,7 +380,7 @@ def test_a_click_on_a_key_is_the_key(role: str, text: str, order: str) -> None:
 
 def test_a_click_on_words_that_stand_for_several_keys_does_nothing() -> None:
     async def act(pilot: Pilot[Refused], app: Console) -> None:
-        await click(pilot, app, "#foot", "to 8: bells")
+        await click(pilot, app, "#foot", "to 8: engine")
 
     assert at_the_console(act, tape("helm"), "helm")[1].orders == []
 

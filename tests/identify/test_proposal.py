@@ -114,7 +114,8 @@ def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "heading": HEADING})
     with pytest.raises(
-        ConfigError, match="the rudder; it has t, heading: call the right one rudder,"
+        ConfigError,
+        match="the rudder; it has t, heading: say which it is: --column rudder=t",
     ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
@@ -146,7 +147,7 @@ def test_a_refused_fit_names_the_record_once_in_each_line(tmp_path: Path) -> Non
 def test_a_record_without_an_answer_to_the_rudder_has_no_study(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", {"t": T, "rudder": HELM, "Kurs": HEADING})
     with pytest.raises(
-        ConfigError, match=r"no column looks like heading, .*; it has .*Kurs.*call .* heading, for"
+        ConfigError, match=r"no column looks like heading, .*; it has .*Kurs.*say .* heading=t, for"
     ):
         write_proposal(path, tmp_path / "a.toml", None, None)
     assert not (tmp_path / "a.toml").exists()
@@ -217,3 +218,28 @@ def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
     study = load_study(tmp_path / "own.toml")
     assert study.sensors == USUAL_SENSORS
     assert len(observe_record(study).t) > 1000
+
+
+FOREIGN = {"Zeit [s]": T, "Ruder [deg]": HELM, "Kurs [deg]": HEADING}
+
+
+def test_a_column_is_what_its_user_says(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.csv", FOREIGN)
+    told = {"rudder": "Ruder", "heading": "Kurs"}
+    found = write_proposal(path, tmp_path / "a.toml", 100.0, 12.0, told)
+    assert {channel: one.name for channel, one in found.columns.items()} == {**told, "t": "Zeit"}
+    assert observe_record(load_study(tmp_path / "a.toml")).rudder == pytest.approx(DEGREE * HELM)
+
+
+@pytest.mark.parametrize(
+    ("told", "says"),
+    [
+        ({"ruder": "Ruder"}, "--column ruder=Ruder: no channel ruder; nearest is rudder"),
+        ({"rudder": "Ruda"}, "--column rudder=Ruda: no column Ruda; nearest is Ruder"),
+    ],
+)
+def test_a_column_that_is_none_is_refused(tmp_path: Path, told: dict[str, str], says: str) -> None:
+    path = write(tmp_path / "a.csv", FOREIGN)
+    with pytest.raises(ConfigError, match=says):
+        write_proposal(path, tmp_path / "a.toml", 100.0, 12.0, told)
+    assert not (tmp_path / "a.toml").exists()

@@ -136,7 +136,7 @@ MISTYPED = [
     ("go deepr", "did you mean depth?"),
     ("go zzz", '"go" is no order; help lists them'),
     ("go", "did you mean run?"),
-    ("go left", "did you mean rudder or course?"),
+    ("go left", "rudder or course? say rudder left 10, course left 10"),
     ("help left", "did you mean rudder or course?"),
     ("broken", "help lists them"),  # a word that begins otherwise is not offered
     ("pause", "did you mean freeze?"),
@@ -157,7 +157,7 @@ MISTYPED = [
     ("rudder right -15", "takes no sign"),
     ("rudder right 91", "91: an angle is 0 to 90 deg"),
     ("stern 10", "stern planes dive or stern planes rise"),
-    ("order pitch 5", "expected up, down or deg"),
+    ("order pitch 5", "say pitch 5 up or pitch 5 down"),
     ("allow course", "expected rudder, planes, speed or ballast"),
     ("ack", "expected the number of an alert"),
     ("planes dive 10", "say stern planes or bow planes"),

@@ -27,6 +27,11 @@ SAID = [
     ("all ahead one third", "bell ahead one-third"),
     ("all ahead flank", "bell ahead flank"),
     ("all back one third", "bell astern one-third"),
+    ("full astern", "bell astern full"),
+    ("bell back full", "bell astern full"),
+    ("full ahead", "bell ahead full"),
+    ("pitch 5 down", "order pitch 5 down"),
+    ("bubble up 5", "order pitch 5 up"),
     ("all astern full", "bell astern full"),
     ("stern planes ten degrees dive", "stern planes dive 10"),
     ("sail planes full rise", "bow planes rise full"),
@@ -53,6 +58,9 @@ BOTH = [  # by a station, by who orders the crew
 ]
 WRONG = [
     ("left 045", "left to 045"),
+    ("turn left", "say rudder left 10, course left 10 or course left to 045"),
+    ("come right 20 degrees", "say rudder right 20, course right 20 or course right to 045"),
+    ("pitch 5", "say pitch 5 up or pitch 5 down"),
     ("right to port 045", ""),
     ("come to 60", "come to 045"),
     ("come to 361", "0 to 360"),

@@ -156,7 +156,7 @@ def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begi
     ]
     assert planned(ship, second) == planned(ship) == ahead
     assert ship.order("plans") == ""
-    assert ship.said[-1] == "exercise: when depth > 61: casualty rudder-stuck"
+    assert ship.said[-1] == "exercise: when deeper than 61 m: casualty rudder-stuck"
 
     ship.order("depth 90")
     while ship.boat.state.z < 61.0:

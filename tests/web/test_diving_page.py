@@ -27,8 +27,8 @@ from soak.session_process import Caller
 NUMBERS: Final = (
     ("80", "depth, m", {"orders.depth": "80.0", "orders.depth_unit": "m"}),
     ("200", "depth, ft", {"orders.depth": "61.0", "orders.depth_unit": "ft"}),
-    ("5", "bubble down", {"orders.pitch": "-5.0"}),
-    ("3", "bubble up", {"orders.pitch": "3.0"}),
+    ("5", "pitch down", {"orders.pitch": "-5.0"}),
+    ("3", "pitch up", {"orders.pitch": "3.0"}),
     ("45", "course left", {"orders.course": "45.0", "orders.course_side": "left"}),
     ("90", "course right", {"orders.course": "90.0", "orders.course_side": "right"}),
     ("120", "course", {"orders.course": "120.0", "orders.course_side": ""}),
@@ -116,7 +116,7 @@ def test_phrases_to_the_crew_are_orders_to_the_crew(
     page = open_page(kept)
     phrases = (
         ("Periscope depth", "orders.depth", "17.5"),
-        ("Zero bubble", "orders.pitch", "0.0"),
+        ("Level", "orders.pitch", "0.0"),
         ("Steady as she goes", "orders.course", "0.0"),
     )
     for phrase, place, value in phrases:

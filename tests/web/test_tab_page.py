@@ -376,7 +376,7 @@ def test_a_try_ends_after_two_minutes_with_its_result_beside_what_was_recorded(
     assert deep[0] == "140.0 m"
     assert deep[1] == deep[2]  # nobody has done anything else than was recorded
     assert steep[1] == steep[2]
-    expect(page.locator("#task h2")).to_have_text("Not kept")
+    expect(page.locator("#task h2")).to_have_text("A limit was passed")
     page.keyboard.press("Enter")  # again
     expect(page.locator("#task")).to_be_hidden()
 

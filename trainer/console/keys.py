@@ -208,7 +208,7 @@ RUDDER_KEYS: Final = (
     order_key("a", "auto", "rudder auto"),
 )
 TELEGRAPH_KEYS: Final = (
-    order_key("0", "to 8: bells", "bell stop"),
+    order_key("0", "to 8: engine", "bell stop"),
     order_key("1", "", "bell ahead one-third"),
     order_key("2", "", "bell ahead two-thirds"),
     order_key("3", "", "bell ahead standard"),

@@ -268,7 +268,7 @@ class SessionModel:
 
     def _answered(self, sentence: Sentence) -> None:
         words = self.sent.take_answer(sentence.tag, *sentence.fields)
-        if words == "quit":
+        if name_of(words) == "quit":
             self.ended = True
         elif words == "snapshots":
             self.timeline.snapshots, self.timeline.coming = self.timeline.coming, []

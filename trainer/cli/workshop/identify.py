@@ -359,8 +359,20 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
 @kind_option("length", text="Of the ship.")
 @kind_option("speed", "--at", "knots", text="Speed.")
 @click.option("--ship", type=TOML_OUTPUT, metavar="FILE", help="A ship's file instead.")
+@click.option(
+    "--column",
+    "named",
+    multiple=True,
+    metavar="CHANNEL=HEADING",
+    help="What a column is, where its heading does not say so: rudder=Ruder.",
+)
 def new(
-    record: Path, output: Path | None, length: float | None, knots: float | None, ship: Path | None
+    record: Path,
+    output: Path | None,
+    length: float | None,
+    knots: float | None,
+    ship: Path | None,
+    named: tuple[str, ...],
 ) -> None:
     """Write a study of a record with comments, to be corrected; never over another file.
 
@@ -371,19 +383,21 @@ def new(
     Example:  trainer identify new trial.csv --length 70.2 --at 10
               trainer identify new trial.csv -o study.toml
               trainer identify new zz20.csv --ship ship.toml
+              trainer identify new fahrt.csv --column rudder=Ruder --column heading=Kurs
     """
     from trainer.config.files import as_typed
     from trainer.identify.record.proposal import write_proposal
     from trainer.identify.ships.proposal import fit_command, write_ship_file
 
+    headings = dict(_pair(each) for each in named)
     if ship:
         if output or knots:
             raise click.UsageError("--ship takes the place of --output; the record tells the speed")
-        path, proposal = ship, write_ship_file(record, ship, length)
+        path, proposal = ship, write_ship_file(record, ship, length, headings)
         last = f"fill in [dimensions]; fit it by: {fit_command(record, ship)}"
     else:
         path = output or record.parent / f"{record.stem or 'study'}.toml"
-        proposal = write_proposal(record, path, length, knots)
+        proposal = write_proposal(record, path, length, knots, headings)
         lacking = "" if length else "fill in the length of [ship]; "
         last = f"{lacking}fit it by: trainer identify {as_typed(path)}"
     columns = ", ".join(f"{key} in {one.name}" for key, one in proposal.columns.items())
@@ -392,6 +406,14 @@ def new(
     for remark in proposal.remarks:
         click.echo(f"  {remark}")
     click.echo(last)
+
+
+def _pair(text: str) -> tuple[str, str]:
+    """Return the channel and the heading of an option such as rudder=Ruder."""
+    channel, equals, heading = (part.strip() for part in text.partition("="))
+    if not (channel and equals and heading):
+        raise click.UsageError(f"--column {text}: expected CHANNEL=HEADING, such as rudder=Ruder")
+    return channel, heading
 
 
 def _example(files: tuple[Path, ...], folder: str) -> Path:

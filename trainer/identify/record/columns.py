@@ -9,10 +9,12 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
+from trainer.config.files import ConfigError, nearest
 from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import POSITION_CHANNELS
@@ -27,6 +29,7 @@ from trainer.identify.record.sources import (
 from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]
+NOTHING_TOLD: Final[Mapping[str, str]] = MappingProxyType({})  # of headings by channel
 
 CHANNEL_WORDS: Final[Words] = {  # what a column of a channel is called
     "t": ("t", "time", "utc", "timestamp", "date", "date time", "clock"),
@@ -134,9 +137,26 @@ class GuessedColumns:
     unsure: frozenset[str]
 
 
-def guess_columns(table: CsvTable, words: Words) -> GuessedColumns:
-    """Return the likeliest columns of a file for the channels of ``words``."""
-    named = _by_name(table, words)
+def guess_columns(
+    table: CsvTable, words: Words, told: Mapping[str, str] = NOTHING_TOLD
+) -> GuessedColumns:
+    """Return the likeliest columns of a file for the channels of ``words``.
+
+    ``told`` are headings by channel that somebody knows. ConfigError if one is none.
+    """
+    for channel, head in told.items():
+        for what, sought, there in (
+            ("channel", channel, tuple(words)),
+            ("column", head, tuple(table.names)),
+        ):
+            if sought not in there:
+                raise ConfigError(
+                    f"--column {channel}={head}: no {what} {sought}{nearest(sought, there)}; "
+                    f"there are {', '.join(there)}"
+                )
+    guessed = _by_name(table, words)
+    free = {one: head for one, head in guessed.items() if head not in told.values()}
+    named = {**free, **told}
     heads = enumerate(zip(table.names, table.units, strict=True))
     clocks = (  # by its unit or dates
         name

@@ -12,7 +12,12 @@ from typing import Final
 
 from trainer.config.files import ConfigError, as_typed, toml_value, write_once
 from trainer.config.tables import read_table
-from trainer.identify.record.columns import CHANNEL_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.columns import (
+    CHANNEL_WORDS,
+    NOTHING_TOLD,
+    GuessedColumns,
+    guess_columns,
+)
 from trainer.identify.record.findings import examine_record, positive_turns
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.sources import USUAL_SENSORS, Column, load_record, own_columns
@@ -63,13 +68,22 @@ class Proposal:
     remarks: tuple[str, ...]
 
 
-def write_proposal(data: Path, path: Path, length: float | None, speed: float | None) -> Proposal:
+def write_proposal(
+    data: Path,
+    path: Path,
+    length: float | None,
+    speed: float | None,
+    told: Mapping[str, str] = NOTHING_TOLD,
+) -> Proposal:
     """Write the study proposed for a record to a new file.
 
+    ``told`` are headings by channel, where the headings do not tell by themselves.
     ConfigError if the file is there, or nothing looks like the rudder.
     """
     is_recording = data.suffix == RECORDING_SUFFIX
-    guess = GuessedColumns(own_columns(), frozenset()) if is_recording else _guessed(data)
+    if is_recording and told:
+        raise ConfigError(f"{data}: a recording's columns are known; leave --column out")
+    guess = GuessedColumns(own_columns(), frozenset()) if is_recording else _guessed(data, told)
     columns = guess.columns
     record, sign = turn_rudder(load_record(data, columns))
     try:
@@ -102,16 +116,16 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     return Proposal(text, len(record.t), record.interval, columns, remarks)
 
 
-def _guessed(data: Path) -> GuessedColumns:
+def _guessed(data: Path, told: Mapping[str, str]) -> GuessedColumns:
     """Return the columns of a file; ConfigError if rudder or ship's answer is lacking."""
     table = read_table(data)
-    columns = guess_columns(table, CHANNEL_WORDS)
+    columns = guess_columns(table, CHANNEL_WORDS, told)
     for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):
         if wanted.isdisjoint(columns.columns):
-            name = "rudder" if "rudder" in wanted else "heading, for example"
+            name = "rudder" if "rudder" in wanted else "heading"
             raise ConfigError(
                 f"{data}: no column looks like {what}; it has {', '.join(table.names)}: "
-                f"call the right one {name}, in the file's first row"
+                f"say which it is: --column {name}={table.names[0]}, for example"
             )
     return columns
 

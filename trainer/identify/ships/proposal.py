@@ -5,13 +5,13 @@ question.
 """
 
 import shlex
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, toml_value, write_once
 from trainer.config.tables import CsvTable, read_table
-from trainer.identify.record.columns import SHIP_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.columns import NOTHING_TOLD, SHIP_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine_record
 from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
 from trainer.identify.record.sources import (
@@ -52,18 +52,22 @@ WIND_REMARK: Final = (
 )
 
 
-def write_ship_file(data: Path, path: Path, length: float | None) -> Proposal:
+def write_ship_file(
+    data: Path, path: Path, length: float | None, told: Mapping[str, str] = NOTHING_TOLD
+) -> Proposal:
     """Write the file proposed for the ship of a record to a new file.
 
+    ``told`` are headings by channel, where the headings do not tell by themselves.
     ConfigError if the file is there, or no column of the record is known.
     """
     table = read_table(data)
-    trainer_columns = _own(table)
-    columns = trainer_columns or guess_columns(table, SHIP_WORDS)
+    trainer_columns = None if told else _own(table)
+    columns = trainer_columns or guess_columns(table, SHIP_WORDS, told)
     if columns.columns.keys() <= {"t"}:
         raise ConfigError(
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
-            f"{', '.join(table.names)}: name them so"
+            f"{', '.join(table.names)}: "
+            f"say which they are, such as --column rudder={table.names[0]}"
         )
     record = load_record(data, columns.columns)
     sign = ""

@@ -9,6 +9,7 @@ import re
 import textwrap
 from collections.abc import Sequence
 
+from trainer.io.orders.phrases import PHRASES
 from trainer.io.orders.quantities import NUMBER_KINDS, Number
 from trainer.io.orders.table import (
     FORMS,
@@ -54,7 +55,9 @@ def help_text(topic: str) -> list[str]:
         for name, number in NUMBER_KINDS.items()
         if name in patterns
     ]
-    return lines + [f"  {same}" for same in synonyms(patterns)]
+    lines += [f"  {same}" for same in synonyms(patterns)]
+    said = [each.example for each in PHRASES if each.order.partition(" ")[0] == topic]
+    return lines + wrap_pattern(f"also said: {', '.join(said)}") * bool(said)
 
 
 def wrap_pattern(pattern: str) -> list[str]:

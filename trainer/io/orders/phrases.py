@@ -12,7 +12,7 @@ import re
 from functools import cache
 from typing import Final, NamedTuple
 
-from trainer.io.orders.quantities import FEET, METRES, TONNES
+from trainer.io.orders.quantities import FEET, METRES, TONNES, RefusedError
 
 SLOT_PATTERNS: Final = {
     "SIDE": r"(?P<side>left|right|port|starboard)",
@@ -26,6 +26,7 @@ SLOT_PATTERNS: Final = {
     "WAY": "(?P<way>up|down)",
     "TILT": "(?P<tilt>dive|rise)",
     "BUBBLE": "(?:bubble|angle)",
+    "PITCH": "(?:pitch|bubble)",
     "STERN": "(?P<planes>stern|bow|sail|fairwater) planes",
     "AHEAD": "(?P<bell>one-third|two-thirds|1/3|2/3|standard|full|flank)",
     "ASTERN": "(?P<bell>one-third|two-thirds|1/3|2/3|full)",
@@ -46,6 +47,7 @@ DIGIT_VALUES: Final = {word: f"{i}" for i, word in enumerate(UNIT_WORDS[:10])} |
 TEEN_VALUES: Final = {word: i for i, word in enumerate(UNIT_WORDS) if i >= 10}
 TENS_VALUES: Final = {word: 10 * i for i, word in enumerate(TENS_WORDS, start=2)}
 NUMBER_WORDS: Final = {*DIGIT_VALUES, *TEEN_VALUES, *TENS_VALUES, "hundred"}
+USUAL_ANGLE: Final = "10"  # [deg] of an example, where none was said
 ANY_DIGIT: Final = "0"  # stands for any number that a phrase may begin with
 
 
@@ -90,7 +92,9 @@ PHRASES: Final = (
     Phrase("I have the helm", "i have the helm", "have rudder"),
     Phrase("steady", "steady [so]", "course steady", "order course steady"),
     Phrase("all ahead two thirds", "all [engines] ahead AHEAD", "bell ahead {bell}"),
-    Phrase("back full", "[all] [engines] back|astern ASTERN", "bell astern {bell}"),
+    Phrase("back full", "[bell] [all] [engines] back|astern ASTERN", "bell astern {bell}"),
+    Phrase("full astern", "[bell] [all] [engines] ASTERN back|astern", "bell astern {bell}"),
+    Phrase("full ahead", "[bell] [all] [engines] AHEAD ahead", "bell ahead {bell}"),
     Phrase("all stop", "all [engines] stop", "bell stop"),
     Phrase("stop engines", "stop [the] engine|engines", "bell stop"),
     Phrase("make turns for 8 knots", "make turns for N [KNOTS]", "turns {n}"),
@@ -126,7 +130,10 @@ PHRASES: Final = (
         "order depth {n} {unit}",
     ),
     Phrase("five degrees down bubble", "ANGLE [DEGREES] WAY BUBBLE", "order pitch {n} {way}"),
+    Phrase("pitch 5 down", "[order] PITCH ANGLE [DEGREES] WAY", "order pitch {n} {way}"),
+    Phrase("pitch down 5", "[order] PITCH WAY ANGLE [DEGREES]", "order pitch {n} {way}"),
     Phrase("zero bubble", "0 [DEGREES] BUBBLE", "order pitch zero"),
+    Phrase("pitch zero", "PITCH 0 [DEGREES]", "order pitch zero"),
     Phrase("rudder zero degrees", "rudder 0 [DEGREES]", "rudder amidships"),
     Phrase("stern planes 10 dive", "STERN ANGLE [DEGREES] TILT", "{planes} planes {tilt} {n}"),
     Phrase(
@@ -176,6 +183,14 @@ PHRASES: Final = (
     Phrase("scope down", "scope|periscope down", "scope lower"),
 )
 
+# What a sailor says of more than one order, and what is asked in return.
+DOUBTFUL_PHRASES: Final = {
+    "turn|come|go|alter [course] SIDE [by] [ANGLE] [DEGREES]": (
+        "rudder or course? say rudder {side} {n}, course {side} {n} or course {side} to 045"
+    ),
+    "[order] PITCH ANGLE [DEGREES]": "bow up or down? say pitch {n} up or pitch {n} down",
+}
+
 
 @cache
 def pattern(row: str) -> re.Pattern[str]:
@@ -220,7 +235,7 @@ for _phrase in PHRASES:
 
 
 def meaning(tokens: list[str]) -> PhraseMeaning | None:
-    """Return what a phrase means, None if it is none."""
+    """Return what a phrase means, None if it is none. Refuses one that may mean two orders."""
     text = plain_text(tokens)
     first = text.partition(" ")[0]
     for phrase in PHRASES_BY_WORD.get(ANY_DIGIT if first[:1].isdigit() else first, ()):
@@ -229,6 +244,10 @@ def meaning(tokens: list[str]) -> PhraseMeaning | None:
             said["n"] = said.get("n", "")
             order = phrase.order.format(**said).strip()
             return PhraseMeaning(order, phrase.crew.format(**said).strip())
+    for row, question in DOUBTFUL_PHRASES.items():
+        if match := pattern(row).fullmatch(f"{text} "):
+            said = {"side": "", **match.groupdict(), "n": match["n"] or USUAL_ANGLE}
+            raise RefusedError(f'"{text}": {question.format(**said)}')
     return None
 
 

@@ -189,7 +189,7 @@ BOAT_TOPICS: Final = (
     Topic("turns 12 | rpm 80", "revolutions, held constant", (
         boat_order("turns", control=ENGINE_CONTROL, works="speed"),
         boat_order("rpm", control=ENGINE_CONTROL, works="speed"))),
-    Topic("bell ahead standard | stop", "engine order; `ahead 2/3` is enough", (
+    Topic("bell ahead standard | stop", "engine order; also `full astern`", (
         boat_order("bell", control=ENGINE_CONTROL, works="speed"),)),
     Topic("rudder left 15 | amidships", "also right, full, manual, auto", (
         boat_order("rudder", control=RUDDER_CONTROL, works="rudder", gives_up=("rudder",),

@@ -18,6 +18,7 @@ from trainer.boat.quantities import is_met
 from trainer.config.derived import Condition, compile_condition
 from trainer.config.exercise import ConditionalCasualty
 from trainer.config.files import ConfigError, Position
+from trainer.config.loss_words import word_loss
 from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind
@@ -45,8 +46,9 @@ class ComingOrder(NamedTuple):
     @property
     def moment(self) -> str:
         """Return its number and when it comes, in words."""
-        when = f"at {clock(self.when)}" if isinstance(self.when, float) else f"when {self.when}"
-        return f"{self.number or 'exercise'}: {when}"
+        if isinstance(self.when, str):
+            return f"{self.number or 'exercise'}: when {word_loss(self.when)}"
+        return f"{self.number or 'exercise'}: at {clock(self.when)}"
 
     def __str__(self) -> str:
         return f"{self.moment}: {self.text}"

@@ -200,7 +200,7 @@ export function depthOrder(session, metres) {
 /** Returns an ordered pitch in words. @param {number} pitch */
 export function pitchOrder(pitch) {
   if (pitch === 0) return say("level");
-  return pitch < 0 ? say("bubble {0} down", -pitch) : say("bubble {0} up", pitch);
+  return pitch < 0 ? say("pitch {0} down", -pitch) : say("pitch {0} up", pitch);
 }
 
 /** Returns the palette that is asked for or was kept, else that of the browser. */

@@ -31,9 +31,9 @@ export function furnishOrders(session, give) {
     const { depth = 2000, speed = 60, periscope } = session.ranges;
     const keys = [
       ["depth, m", say("depth, m"), 1, depth],
-      ["bubble down", say("bubble down"), 1, STEEPEST],
+      ["bubble down", say("pitch down"), 1, STEEPEST],
       ["depth, ft", say("depth, ft"), 1, Math.floor(depth / FOOT)],
-      ["bubble up", say("bubble up"), 1, STEEPEST],
+      ["bubble up", say("pitch up"), 1, STEEPEST],
       ["course left", say("course left"), 0, 360],
       ["course right", say("course right"), 0, 360],
       ["course", say("course"), 0, 360],

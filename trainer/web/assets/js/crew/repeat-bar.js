@@ -14,7 +14,7 @@ class RepeatBar extends HTMLElement {
     if (this.firstChild) return;
     this.setAttribute("role", "status");
     this.hidden = true;
-    this.append(html("span", {}, say("NEW")), this.#says, this.#wrong, this.#key);
+    this.append(html("span", { title: say("An order to the crew that nobody has repeated yet") }, say("NEW ORDER")), this.#says, this.#wrong, this.#key);
   }
 
   /** @param {Session} session */

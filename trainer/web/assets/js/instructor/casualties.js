@@ -1,4 +1,5 @@
 // Casualties: what is broken, and what can be: found, preset by a click, given by a second one.
+import { lossInWords } from "../briefing.js";
 import { clock, html, one, write } from "../draw.js";
 import { objectOf, wordOf } from "../model/orders.js";
 import { Timing } from "./timing.js";
@@ -82,7 +83,7 @@ function showAhead(desk) {
 
 /** @param {Desk} desk @param {import("../model/told.js").Plan} plan */
 function aheadRow(desk, { number, seconds, when, text }) {
-  const moment = Number.isNaN(seconds) ? say("when {0}", when) : say("at {0}", clock(seconds));
+  const moment = Number.isNaN(seconds) ? say("when {0}", lossInWords(when)) : say("at {0}", clock(seconds));
   const words = wordOf(text) === "casualty" ? objectOf(text) : text;
   const click = () => void desk.give(`cancel ${number}`);
   const own = html("small", {}, say("exercise"));

@@ -195,7 +195,7 @@ class ExerciseWindow {
     );
     const rules = [
       [say("Wins"), told.wins?.join(", ")],
-      [say("Loses"), told.lost?.join(", ")],
+      [say("Loses"), told.lost?.map(lossInWords).join(", ")],
       [say("By hand"), exercise.hand?.replaceAll(",", ", ")],
       [say("Limits"), limitsInWords(exercise.limits)],
     ];

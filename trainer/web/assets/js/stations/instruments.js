@@ -86,4 +86,5 @@ function fit({ ranges }) {
   }
   const depth = /** @type {DepthGauge} */ (document.querySelector("depth-gauge"));
   depth.limit(ranges.depth ?? null, ranges.periscope ?? null);
+  document.querySelector("[data-legend=periscope]")?.toggleAttribute("hidden", !ranges.periscope);
 }

@@ -73,7 +73,7 @@ export class Card {
   tell(told) {
     const rows = told.split(" ").filter(Boolean).map((row) => row.split(","));
     const broken = rows.some((row) => row[4] === "passed");
-    write(this.title, rows.length ? (broken ? say("Not kept") : say("Kept")) : say("Two minutes are over"));
+    write(this.title, rows.length ? (broken ? say("A limit was passed") : say("Within the limits")) : say("Two minutes are over"));
     const heads = ["", say("limit"), say("you"), say("as recorded")].map((head) => html("th", { scope: "col" }, head));
     const lines = rows.map(([name, limit, worst, recorded, kept]) => {
       const { worst: words, says } = LIMITS[name];
