@@ -20,6 +20,7 @@ from trainer.console.drawing.chart import (
 )
 from trainer.console.drawing.gauges import STATE_COLUMNS, sea
 from trainer.console.drawing.panels import flowed, key_at, key_rows
+from trainer.console.entry import Entry
 from trainer.console.guide import TextView, break_line, briefing_rows, by_hand, guide, paragraphs
 from trainer.console.journal import Journal
 from trainer.console.keys import KEYS, footer
@@ -624,3 +625,25 @@ def test_the_sea_s_line_has_set_drift_and_the_way_over_the_ground() -> None:
     assert "; set" not in still
     assert "; set 090 2.0; ground 051 11.5" in carried
     assert len(carried.partition(" > ")[0]) <= STATE_COLUMNS
+
+
+def test_the_keys_of_an_exercise_that_is_over_lead_on_after_its_window_is_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("trainer.console.guide.DEAF_TIME_S", 0.0)
+    talk = tape("trainee")
+    talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+
+    async def close(pilot: Pilot[Refused], app: Console) -> None:
+        await seen(pilot, app, "Exercise over")
+        await pilot.press("escape")
+        assert "Exercise over" not in shown(app)
+        await pilot.press("h")  # which asks once more
+        await seen(pilot, app, "press H once more")
+        assert not app.query_one(Entry).value
+        await pilot.press("h")
+        assert talk.orders == ["again from 2 min"]
+        await pilot.press("n")
+        assert talk.orders == ["again from 2 min", "next"]
+
+    at_the_console(close, talk, "trainee")

@@ -52,6 +52,9 @@ WAY: Final = """() => ["speed", "rpm"].filter((name) => { // neither a bar has i
     const read = digits.checkVisibility() && /[0-9]/.test(digits.textContent);
     return !(bar.checkVisibility() || read);
 })"""
+KEYS_AT: Final = """() => [...document.querySelectorAll("[data-bell], .knob, .fine, part-keys button")]
+    .filter((each) => each.checkVisibility())
+    .map((each) => [each.textContent, Math.round(each.getBoundingClientRect().top)])"""
 COUNT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
     if (/TRO,\\d+,(rudder|bell|stern|blow)/.test(line)) window.sent.push([performance.now(), line]);
@@ -462,6 +465,7 @@ def test_a_jam_is_told_with_its_side_and_marked_at_the_lever(
     stern = page.locator("section.stern")
     expect(stern.locator("h2 .is")).to_have_text("6.0 dive")
     expect(stern.locator(".digits")).to_have_text("6.0dive")
+    expect(page.locator("#heel .toward")).to_have_css("display", "inline")
     expect(stern.locator(".order")).to_have_text("ordered 0")
     expect(stern.locator(".gap.off")).to_have_attribute("d", re.compile("L"))
     stern.locator("order-lever").evaluate("(lever) => { lever.set(0, 0.3); }")
@@ -469,3 +473,19 @@ def test_a_jam_is_told_with_its_side_and_marked_at_the_lever(
     assert instructor.ask("clear all")[0]
     step(instructor, 60)
     expect(stern.locator(".gap.off")).to_have_count(0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("size", [(390, 844), (820, 1180), (1366, 768)])
+def test_an_order_that_arrives_moves_no_key(
+    shared: Served, instructor: Caller, look: Look, name: str, size: tuple[int, int]
+) -> None:
+    page = opened(look, shared, name)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_function("innerWidth === " + str(size[0]))
+    before = page.evaluate(KEYS_AT)
+    for words in ("order course left 045", "order depth 80"):
+        assert instructor.ask(words)[0]
+    expect(page.locator("repeat-bar")).to_be_visible()
+    assert page.evaluate(KEYS_AT) == before
+    assert instructor.ask("order clear all")[0]

@@ -25,7 +25,16 @@ from trainer.console.dialogs import (
     leave_question,
     sea_choice,
 )
-from trainer.console.guide import EndView, PlanView, TextView, answer, briefing, guide
+from trainer.console.guide import (
+    LEADING_KEYS,
+    EndView,
+    PlanView,
+    TextView,
+    answer,
+    briefing,
+    guide,
+    steps_after,
+)
 from trainer.console.journal import wrap_entry
 from trainer.console.key_orders import KeyOrders, TypedKeys
 from trainer.console.keys import (
@@ -120,6 +129,8 @@ class Console(App[Refused], inherit_bindings=False):
             self._panes.entry.begin(event.character or "")
             return
         if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
+            if self._leads_on((event.character or "").lower()):
+                return
             key = self._keys.get(event.key)
             if key is not None:
                 self._typed.take(event.character, key.act)
@@ -132,6 +143,20 @@ class Console(App[Refused], inherit_bindings=False):
                     self.model.journal.add(None, "refused", why)
                 return
         await super().on_event(event)
+
+    def _leads_on(self, key: str) -> bool:
+        """Act on a key of the window of an exercise that is over, though it was closed."""
+        model = self.model
+        if not (model.trains and model.exercise.outcome and key in LEADING_KEYS):
+            return False
+        if key not in steps_after(model):
+            return False
+        window = EndView(model)
+        done = window.lead_on(key)
+        self._finish(done)
+        if done is None:  # it asks once more, or shows what comes
+            self.push_screen(Dialog(window, lambda: not model.exercise.outcome), self._finish)
+        return True
 
     def _gives_way(self, event: events.Key) -> bool:
         """Return whether a letter begins an order, and so closes the window with an answer."""

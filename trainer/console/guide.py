@@ -4,6 +4,7 @@
 may change its width while it is open.
 """
 
+import math
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -375,6 +376,7 @@ NEXT_STEPS: Final = {
 
 
 STAYING_KEYS: Final = frozenset("rd")
+LEADING_KEYS: Final = frozenset("nadhw")  # that lead on though the window was closed
 WRONG_LEAD_S: Final = 15.0  # [s] before a moment that went wrong, from where it is flown again
 
 
@@ -405,6 +407,12 @@ class EndView(TextView):
         self._model = model
         self._since = model.clock()
         self._chosen = ""
+
+    def lead_on(self, key: str) -> DialogOutcome | None:
+        """Take the key by which the window, closed before, is opened again."""
+        self._since = -math.inf  # it hears at once
+        self._rows()
+        return self.press(key, key)
 
     def press(self, key: str, character: str | None) -> DialogOutcome | None:
         """Take a key; return how the window ends, None while it goes on."""

@@ -33,7 +33,7 @@ class AngleDial extends Gauge {
     this.bug = svg("path", { class: "bug", hidden: true });
     this.faint = svg("path", { class: "ghost", hidden: true });
     this.amount = svg("tspan");
-    this.way = svg("tspan", { class: "way" });
+    this.way = svg("tspan", { class: "toward" });
     this.figure = svg("text", { class: "digits" }, this.amount, this.way);
     this.order = text([0, 0], "order");
     this.picture(null, this.scale, this.faint, this.pointer, this.bug, this.figure, this.order);
