@@ -52,9 +52,9 @@ WAY: Final = """() => ["speed", "rpm"].filter((name) => { // neither a bar has i
     const read = digits.checkVisibility() && /[0-9]/.test(digits.textContent);
     return !(bar.checkVisibility() || read);
 })"""
-KEYS_AT: Final = """() => [...document.querySelectorAll("[data-bell], .knob, .fine, part-keys button")]
+KEYS_AT: Final = """() => [...document.querySelectorAll("main :is([data-bell], .knob, .fine)")]
     .filter((each) => each.checkVisibility())
-    .map((each) => [each.textContent, Math.round(each.getBoundingClientRect().top)])"""
+    .map((each) => [each.className, Math.round(each.getBoundingClientRect().top)])"""
 COUNT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
     if (/TRO,\\d+,(rudder|bell|stern|blow)/.test(line)) window.sent.push([performance.now(), line]);

@@ -124,6 +124,9 @@ def test_who_sails_freely_takes_any_chair_or_a_lesson_and_sees_which_are_done(
     expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps, done")
     expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps, begun")
     expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps")
+    chosen = page.locator("#lessons [aria-current=step]")
+    expect(chosen).to_have_attribute("data-name", lessons()[1].name)
+    expect(page.locator("#lessons summary")).to_contain_text(f"1 of {len(lessons())} done")
     for place in lighted_places().values():
         expect(page.locator(place)).to_have_count(1)
 

@@ -3,6 +3,7 @@ import { clock, html, one, write } from "../draw.js";
 import { say } from "../words.js";
 
 const LEAD = 15; // [s] before a moment that went wrong, from where it is flown again
+const DONE = { done: say("done"), begun: say("begun") }; // a lesson has no marks
 const DEAF = 1000; // [ms] after the end in which a key that was meant for the boat does nothing
 
 /** Furnishes the keys in the window of the briefing. @param {import("../model/session.js").Session} session */
@@ -36,11 +37,11 @@ export function furnishCourse(session) {
     ),
   );
   const showDone = () => {
-    const words = { done: say("done"), begun: say("begun") }; // a lesson has no marks
     for (const each of (session.exercise.done ?? "").split(",").filter(Boolean)) {
-      const [name, how] = /** @type {[string, keyof typeof words]} */ (each.split(":"));
-      write(one(`[data-name="${name}"] [data-done]`, lessons), `, ${words[how]}`);
+      const [name, how] = /** @type {[string, keyof typeof DONE]} */ (each.split(":"));
+      write(one(`[data-name="${name}"] [data-done]`, lessons), `, ${DONE[how]}`);
     }
+    chooseNext(session, lessons, offered.map(({ name }) => name));
   };
   const show = () => {
     const { outcome, exercise, judgement } = session;
@@ -65,4 +66,23 @@ export function furnishCourse(session) {
   next.onclick = () => void order("next");
   again.onclick = () => void order("again");
   for (const what of ["exercise", "marks", "state"]) session.on(what, show);
+}
+
+/**
+ * Chooses the first lesson that is not done, as the terminal's list does.
+ * @param {import("../model/session.js").Session} session
+ * @param {HTMLElement} lessons
+ * @param {string[]} offered names
+ */
+function chooseNext({ exercise }, lessons, offered) {
+  const told = (exercise.done ?? "").split(",").map((each) => each.split(":"));
+  const done = told.filter(([, how]) => how === "done").map(([name]) => name);
+  const first = offered.find((name) => !done.includes(name));
+  for (const key of lessons.querySelectorAll("[data-name]")) {
+    const chosen = /** @type {HTMLElement} */ (key).dataset.name === first;
+    key.classList.toggle("main", chosen);
+    if (chosen) key.setAttribute("aria-current", "step");
+    else key.removeAttribute("aria-current");
+  }
+  if (done.length) write(one("summary", lessons), say("Lessons: {0} of {1} done; the next is chosen", done.length, offered.length));
 }
