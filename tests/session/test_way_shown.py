@@ -201,7 +201,7 @@ def test_a_way_that_ends_while_nothing_can_be_read_waits_and_ends_nobody(
         assert jam.session.time.frozen
         assert jam.boat.ticks == JAMMED + SHOWN_TICKS
         assert "not readable now; run tries it again" in jam.events(jam.instructor, "trouble")[-1]
-        assert "not readable now" in jam.order("demonstrate off")
+        assert "not readable now" in jam.refused("demonstrate off")
     jam.order("run")
     jam.fly(2)
     assert (jam.recording.branch, jam.boat.ticks, jam.session.time.frozen) == (3, JAMMED, True)

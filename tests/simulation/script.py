@@ -55,10 +55,10 @@ WORDS: Final[Mapping[str, str]] = {
     "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
         |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
         |rudder manual|rudder auto|mark late|course right 20|come left to 300|turns 5|rpm 80
-        |alerts|ack 1""",
+        |alerts|ack 1|have rudder|relief Berg""",
     "planes": """stern rise 5|stern dive 10|bow dive 3|planes zero|depth 80|aye|report ready|ready
         |planes manual|planes auto|rudder left 5|log 3|subscribe diving|mark|periscope depth
-        |ack all|ack 1|ack silent 1""",
+        |ack all|ack 1|ack silent 1|have planes|relief Ott""",
     "ballast": """blow forward|blow aft|vent forward open|vent aft open|vent forward shut
         |negative flood|trim auto|trim manual|emergency blow|compressor on|hover on|hover off
         |flood auxiliary 5|pump auxiliary 3|pump trim aft 2|drain forward|ready|report ready|aye

@@ -25,7 +25,7 @@ from trainer.io.orders.table import (
     variants,
 )
 from trainer.io.orders.words import BOAT_ORDERS
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, Role
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, ROLES, Role, refusal
 
 AROUND: Final = {*WORLD_PARTS} - {"scope"}  # orders to what is around the boat
 LONGEST_WORDS: Final = MAX_LINE_LETTERS - len(order_sentence("", "999999"))  # [characters]
@@ -35,7 +35,7 @@ class Orders:
     """A stream of orders to the boat that a role may give. The same seed says the same."""
 
     def __init__(self, role: Role, dice: Random) -> None:
-        self._dice = dice
+        self._role, self._dice = role, dice
         self._casualties = sorted(load_casualties())
         self._forms = [form for form in FORMS if _fits(form, role)]
 
@@ -48,7 +48,9 @@ class Orders:
         while True:
             slots = self._dice.choice(list(variants(self._dice.choice(self._forms))))
             said = self._said(slots)
-            if len(said) <= LONGEST_WORDS and isinstance(parse(said), Order):
+            order = parse(said)
+            given = isinstance(order, Order) and refusal(self._role, order) is None
+            if len(said) <= LONGEST_WORDS and given:
                 return said
 
     def _said(self, slots: Sequence[Slot]) -> str:

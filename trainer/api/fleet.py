@@ -14,7 +14,7 @@ from typing import Any, Final, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from trainer.api.boat import Snapshot, plan_boat
+from trainer.api.boat import BoatOptions, Snapshot, plan_boat
 from trainer.api.by_number import choose_orders, choose_reads, refuse_ticks, rules_of
 from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.config.files import ConfigError, quote
@@ -43,7 +43,8 @@ class FleetOptions(TypedDict, total=False):
     step: float | None
 
 
-START_NAMES: Final = ("speed", "depth", "course", "sea", "step")  # of ``Boat``, too
+# The keywords that say how each boat begins.
+START_NAMES: Final = FleetOptions.__annotations__.keys() & BoatOptions.__annotations__.keys()
 
 
 class Fleet:

@@ -23,6 +23,7 @@ KERNEL_FOLDERS = (  # folders that have any
 SAME_BITS: frozenset[str] = frozenset(
     {
         "56fc066ee3236b54",
+        "b2b0d8eafb1b4017",
         "fbdb20f4c45be54b",
         "b87f9de2027c0431",
         "319ad433c6b3bc58",

@@ -17,7 +17,8 @@ from trainer.core.update import update
 ROW_COLUMNS: Final = 17  # numbers of a row
 # how an order by number writes to the state, as ``boat/effects`` explains
 CONST, NUMBER, OVER, PLACE, SHORT, SHORTER = 0, 1, 2, 3, 4, 5
-RULE_COLUMNS: Final = 6  # of a write: its order, the place, how, the argument, lowest, highest
+# the columns of a write, and the bounds of its order
+OF_ORDER, PUT_AT, PUT_HOW, ARGUMENT, LOWEST, HIGHEST, RULE_COLUMNS = 0, 1, 2, 3, 4, 5, 6
 NO_QUANTITY, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
 
 LOOKOUT: Final = record_dtype(
@@ -68,8 +69,8 @@ def fly(records: tuple[Record, ...], chart: Numbers, offsets: Numbers, out: Numb
 def find_refused(rules: Numbers, values: Numbers) -> int:
     """Return 1 + the first order whose value is out of bounds, else 0."""
     for k in range(rules.shape[0]):
-        order = int(rules[k, 0])
-        if not rules[k, 4] <= values[order] <= rules[k, 5]:  # which NaN is not, either
+        order = int(rules[k, OF_ORDER])
+        if not rules[k, LOWEST] <= values[order] <= rules[k, HIGHEST]:  # which NaN is not, either
             return order + 1
     return 0
 
@@ -79,12 +80,8 @@ def obey_numbers(rules: Numbers, values: Numbers, state: Record) -> None:
     """Write to the state what orders by numbers ask for, rule by rule."""
     s = state[0]
     for k in range(rules.shape[0]):
-        x, place, how, argument = (
-            values[int(rules[k, 0])],
-            int(rules[k, 1]),
-            rules[k, 2],
-            rules[k, 3],
-        )
+        x, place = values[int(rules[k, OF_ORDER])], int(rules[k, PUT_AT])
+        how, argument = rules[k, PUT_HOW], rules[k, ARGUMENT]
         if how == CONST:
             s.whole[place] = argument
         elif how == NUMBER:

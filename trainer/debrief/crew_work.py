@@ -14,7 +14,7 @@ from typing import Final
 
 from trainer.debrief.episodes import INSTRUCTOR_ROLE, WORDS_AXIS, ReadBack
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.words import ORDER_WORDS
+from trainer.io.orders.words import CREW_TALK, ORDER_WORDS
 from trainer.io.recording.facts import GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.crew.manning import REPEATING_ROLES
@@ -24,7 +24,7 @@ REPORT_LIMIT_S: Final = 60.0  # [s] for a report once an order is carried out; a
 BUSY_ORDERS: Final = 20  # that one station works within a minute, which leaves no eye; an estimate
 CREW: Final = "crew"  # whose a fault is that cannot be attributed
 ALL: Final = "all"  # whom a report informs that is no answer to an order
-SPOKEN_WORDS: Final = ("aye", "report", "have", "relief", "ready", "order", "tell", "belay", "role")
+SPOKEN_WORDS: Final = CREW_TALK | {"ready", "role"}  # said, where no hand is at a control
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
 from trainer.io.orders.grammar import Order, parse
 
-ORDER_NAMES: Final = ("stern", "rudder", "depth")
 ORDER_WORDS: Final = ("stern planes rise 1", "rudder right 1", "depth 60")
 READ_NAMES: Final = ("z", "theta", "w", "q", "u", "psi")
 SEA_NAMES: Final = ("calm", "sea-state-5")
@@ -58,10 +57,10 @@ def _time_in(file: VesselFile, sea: str) -> StepCost:
     told, steered = (trainer.Boat(file.path, sea=sea) for _ in range(2))
     bare = ready_boat(file, STANDARD_METHOD, file.run.step_s)
     bare.put_to_sea(load_sea(sea))
-    for order in map(parse, ORDER_WORDS):
-        if isinstance(order, Order):
-            obey_order(bare, order)  # so that its tick does the same work
-    by_number = steered.by_number(ORDER_NAMES, READ_NAMES)
+    orders = [order for order in map(parse, ORDER_WORDS) if isinstance(order, Order)]
+    for order in orders:
+        obey_order(bare, order)  # so that its tick does the same work
+    by_number = steered.by_number([order.name for order in orders], READ_NAMES)
     values = np.array([*np.radians((1.0, 1.0)), 60.0])
 
     def step(count: int) -> None:

@@ -95,7 +95,7 @@ def angle(model: SessionModel, name: str) -> Line:
 
 
 def plane(model: SessionModel, name: str, channel: str, room: int) -> Line:
-    """Return the angle of a surface, its order, and, where there is room, who orders it."""
+    """Return a surface's angle, its order, and where there is room who orders it."""
     picture = model.picture
     actual = picture.smooth(channel, name, model.clock())
     shows = angle_text(name, actual)

@@ -33,12 +33,12 @@ def course(value: float | None, decimals: int = 0) -> str:
 
 
 def angle_text(name: str, value: float | None) -> str:
-    """Return the angle of the boat or of a surface with its side, such as 15.0 right."""
+    """Return an angle with its side, such as 15.0 right."""
     return NO_VALUE if value is None else sided(value, ANGLE_SIDES[name])
 
 
 def order_text(name: str, ordered: float | None, actual: str) -> str:
-    """Return an ordered angle beside the ``actual`` one; the side is told where it is another."""
+    """Return an ordered angle beside the ``actual`` one, with its side where that differs."""
     size, _, side = angle_text(name, ordered).partition(" ")
     return size if actual.endswith(side) else f"{size} {side}"
 

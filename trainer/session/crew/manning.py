@@ -188,7 +188,8 @@ def unheard(
         return "nobody of the crew is here"
     own_order = to_the_autopilot(order)
     automatic = ""
-    if isinstance(own_order, Order) and not in_hand(own_order, hand, allowed):
+    meant = isinstance(own_order, Order) and own_order.name != order.name  # not to the crew again
+    if isinstance(own_order, Order) and meant and not in_hand(own_order, hand, allowed):
         automatic = f"`{own_order.text}` for the autopilot, "
     by_hand = f"`{BY_HAND[STEERED_BY_HAND.get(axis, axis)][1]}` by hand"
     return f"nobody mans the {REPEATING_ROLES[axis][0]}: {automatic}{by_hand}"
