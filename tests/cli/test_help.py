@@ -86,6 +86,14 @@ FIRST = {  # what is typed before
     "trainer recordings": (DRILL, f"cp drill.trainer {KEPT}", "mv drill.trainer drills"),
     "trainer resume": (DRILL, f"cp drill.trainer {KEPT}"),
     "trainer boat estimate": ("rm -f hull.toml boat.toml",),
+    "trainer boat fit": (
+        "rm -f hull.toml",
+        "trainer boat estimate new hull.toml",
+        "trainer boat estimate hull.toml -o fit-boat.toml --draws 2",
+        "trainer boat manoeuvre zigzag-20 fit-boat.toml --duration 300 --csv zigzag.csv",
+        "trainer boat manoeuvre vertical-zigzag fit-boat.toml --duration 300 --csv dive.csv",
+        "trainer boat manoeuvre turn fit-boat.toml --duration 300 --csv turn.csv",
+    ),
     "trainer replay": (DRILL,),
     "trainer export": (DRILL,),
     "trainer boat export-page": (DRILL,),
@@ -133,6 +141,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
         "trainer dev instruments",
     ),
     *("trainer debrief", "trainer boat manoeuvre", "trainer boat estimate", "trainer identify new"),
+    "trainer boat fit",
     *(
         "trainer boat sea",
         "trainer boat check",

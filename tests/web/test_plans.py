@@ -70,7 +70,7 @@ def test_a_casualty_waits_for_a_condition_and_for_a_while(
     page.locator("#sense").select_option("<")
     page.locator("#threshold").fill("61")
     page.locator("#give").click()
-    expect(page.locator("#ahead li")).to_contain_text("when depth < 61 m")
+    expect(page.locator("#ahead li")).to_contain_text("when shallower than 61 m")
     expect(page.locator("time-line .planned")).to_have_count(0)
     page.locator("#step").click()
     expect(page.locator("#broken")).to_contain_text("rudder-stuck")
