@@ -9,7 +9,7 @@ import pytest
 from helpers.givers import giver_at
 from helpers.recorded import record
 
-from trainer.debrief.crew_work import CREW, CrewWork, judge_crew
+from trainer.debrief.crew_work import WHOLE_CREW, CrewWork, judge_crew
 from trainer.debrief.data import debrief_figures
 from trainer.debrief.episodes import spoken_orders
 from trainer.debrief.page import read_dossier, render
@@ -131,7 +131,7 @@ def found_share(seeds: range) -> float:
         kind = KINDS[seed % len(KINDS)]
         crew, role = make_crew(seed, kind)
         told = {(each.kind, each.role) for each in crew.work.faults}
-        found += (kind, role) in told or (kind, CREW) in told
+        found += (kind, role) in told or (kind, WHOLE_CREW) in told
     return found / len(seeds)
 
 
@@ -180,7 +180,7 @@ def test_a_loop_is_closed_by_a_report_of_its_number() -> None:
 def test_what_either_of_two_stations_should_have_repeated_is_the_crew_s_fault() -> None:
     told = loop((20.0, "planes", "bow planes zero"), (30.0, "diving", "report heavy")).work
 
-    assert [(each.kind, each.role) for each in told.faults] == [("not repeated", CREW)]
+    assert [(each.kind, each.role) for each in told.faults] == [("not repeated", WHOLE_CREW)]
     assert told.informed == (("diving", "all", 1),)
 
 

@@ -13,7 +13,7 @@ from trainer.analysis.estimate import boat_file
 from trainer.analysis.estimate.coefficients import coefficients
 from trainer.analysis.estimate.uncertainty import Estimate, deviations, tables
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.filter import CHANNELS, RecordNumbers, sail_controls
+from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers, sail_controls
 from trainer.identify.boat.motion import STATE, STATE_COUNT, BoatNumbers
 from trainer.identify.boat.trial import Trial
 from trainer.units import DEGREE, KNOT
@@ -105,12 +105,12 @@ def sail(boat: BoatNumbers, law: Law, knots: float, seconds: int, seed: int, nam
         change = np.clip(np.array(law(float(k), state)) - inputs[-1], -most, most)
         inputs.append(inputs[-1] + change)
         pair = np.array(inputs[-2:])
-        record = RecordNumbers(np.zeros((0, len(CHANNELS))), pair, 1.0, STEPS)
+        record = RecordNumbers(np.zeros((0, len(CHANNEL_NAMES))), pair, 1.0, STEPS)
         state = sail_controls(boat, record, state)[1]
         state[: len(PUSHES)] += PUSHES * stream.standard_normal(len(PUSHES))
         states.append(state)
     read = np.array(states)[:, READ]
-    readings = np.full((len(read), len(CHANNELS)), np.nan)
+    readings = np.full((len(read), len(CHANNEL_NAMES)), np.nan)
     readings[:, : len(READ)] = read + ERRORS * stream.standard_normal(read.shape)
     return Trial(name, "", 1.0, STEPS, readings, np.array(inputs), (), ())
 

@@ -7,8 +7,8 @@ import numpy as np
 from trainer.analysis.estimate.boat_file import open_hull, write_boat
 from trainer.analysis.estimate.uncertainty import deviates
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.filter import CHANNELS, RecordNumbers, sail_controls
-from trainer.identify.boat.motion import CONTROL, STATE, STATE_COUNT
+from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers, sail_controls
+from trainer.identify.boat.motion import CONTROL_PLACES, STATE, STATE_COUNT
 from trainer.identify.boat.noise import usual_noise
 from trainer.identify.boat.trial import Trial
 from trainer.identify.boat.vessel import FittedVessel
@@ -34,10 +34,10 @@ def estimated_boat(folder: Path, hull: str = "small-boat") -> Path:
 def swing_controls(count: int, speed: float, pace: float) -> Numbers:
     """Return inputs (n, 4) that swing rudder, planes and revolutions, each at its own pace."""
     k, inputs = pace * np.arange(count), np.zeros((count, 4))
-    inputs[:, CONTROL.RUDDER] = 0.25 * np.sin(0.11 * k) + 0.1 * np.sin(0.031 * k)
-    inputs[:, CONTROL.STERN] = 0.06 * np.sin(0.17 * k) + 0.05 * np.sin(0.07 * k)
-    inputs[:, CONTROL.BOW] = 0.06 * np.cos(0.13 * k)
-    inputs[:, CONTROL.UC] = speed * (1.0 + 0.15 * np.sin(0.023 * k))
+    inputs[:, CONTROL_PLACES.RUDDER] = 0.25 * np.sin(0.11 * k) + 0.1 * np.sin(0.031 * k)
+    inputs[:, CONTROL_PLACES.STERN] = 0.06 * np.sin(0.17 * k) + 0.05 * np.sin(0.07 * k)
+    inputs[:, CONTROL_PLACES.BOW] = 0.06 * np.cos(0.13 * k)
+    inputs[:, CONTROL_PLACES.UC] = speed * (1.0 + 0.15 * np.sin(0.023 * k))
     return inputs
 
 
@@ -49,10 +49,10 @@ def made_trial(
     state = np.zeros(STATE_COUNT)
     state[STATE.U], state[STATE.Z] = vessel.speed, 120.0
     states = _sail_disturbed(vessel, values, inputs, interval, state, seed)
-    readings = np.full((count, len(CHANNELS)), np.nan)
+    readings = np.full((count, len(CHANNEL_NAMES)), np.nan)
     errors = deviates(seed, count * len(READ_STATES)).reshape(count, -1)
     for i, (channel, (at, error)) in enumerate(READ_STATES.items()):
-        readings[:, CHANNELS.index(channel)] = states[:, at] + error * errors[:, i]
+        readings[:, CHANNEL_NAMES.index(channel)] = states[:, at] + error * errors[:, i]
     return Trial(f"made-{seed}.csv", "", interval, STEPS, readings, inputs, (), ())
 
 
@@ -69,7 +69,9 @@ def _sail_disturbed(
     push = 0.5 * np.sqrt(interval) * usual_noise(vessel).disturbance
     pushes = push * deviates(1000 + seed, count * len(push)).reshape(count, -1)
     for k in range(count - 1):
-        record = RecordNumbers(np.zeros((0, len(CHANNELS))), inputs[k : k + 2], interval, STEPS)
+        record = RecordNumbers(
+            np.zeros((0, len(CHANNEL_NAMES))), inputs[k : k + 2], interval, STEPS
+        )
         state = sail_controls(boat, record, state)[1]
         state[: len(push)] += pushes[k]
         states.append(state)
@@ -84,9 +86,17 @@ def write_csv(path: Path, trial: Trial, turns: float) -> Path:
     )
     rows = [heads]
     for k, (reading, given) in enumerate(zip(trial.readings, trial.inputs, strict=True)):
-        angles = [given[i] / DEGREE for i in (CONTROL.RUDDER, CONTROL.STERN, CONTROL.BOW)]
+        angles = [
+            given[i] / DEGREE
+            for i in (CONTROL_PLACES.RUDDER, CONTROL_PLACES.STERN, CONTROL_PLACES.BOW)
+        ]
         log, heading, pitch, roll, depth = reading[:5]
-        cells = [k * trial.interval, *angles, 60.0 * turns * given[CONTROL.UC], log * 3600 / 1852]
+        cells = [
+            k * trial.interval,
+            *angles,
+            60.0 * turns * given[CONTROL_PLACES.UC],
+            log * 3600 / 1852,
+        ]
         cells += [(heading / DEGREE) % 360.0, pitch / DEGREE, roll / DEGREE, depth]
         rows.append(",".join(f"{cell:.5f}" for cell in cells))
     path.write_text("\n".join(rows) + "\n", encoding="utf-8")

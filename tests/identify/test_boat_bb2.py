@@ -18,7 +18,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.boat import search
 from trainer.identify.boat.figures import FigureBand, figure_bands, figures_of
-from trainer.identify.boat.filter import CHANNELS
+from trainer.identify.boat.filter import CHANNEL_NAMES
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import report_fit
@@ -159,14 +159,14 @@ def test_bands_hold_over_boats_drawn_from_the_estimate(prior: Prior) -> None:
 def flies(trial: Trial) -> bool:
     """Return whether a boat sailed its trial to the end, pitched by less than 35 degrees."""
     read = trial.readings[:, : len(ERRORS)]
-    pitch = trial.readings[:, CHANNELS.index("pitch")]
+    pitch = trial.readings[:, CHANNEL_NAMES.index("pitch")]
     return bool(np.isfinite(read).all() and np.abs(pitch).max() < 0.6)
 
 
 def without_depth(trial: Trial) -> Trial:
     """Return a trial without what its planes were used for."""
     readings = trial.readings.copy()
-    readings[:, [CHANNELS.index(name) for name in ("pitch", "depth", "q")]] = np.nan
+    readings[:, [CHANNEL_NAMES.index(name) for name in ("pitch", "depth", "q")]] = np.nan
     return replace(trial, readings=readings)
 
 

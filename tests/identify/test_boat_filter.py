@@ -23,7 +23,12 @@ from trainer.identify.boat.filter import (
 )
 from trainer.identify.boat.matrices import invert_positive, root_of_covariance
 from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_COUNT, write_rates
-from trainer.identify.boat.regressors import ATOM, FITTED_TERMS, PARAMETER_NAMES, split_factors
+from trainer.identify.boat.regressors import (
+    ATOM_PLACES,
+    FITTED_TERMS,
+    PARAMETER_NAMES,
+    split_factors,
+)
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.units import DEGREE
 
@@ -135,7 +140,7 @@ def test_all_terms_push_as_in_the_full_set() -> None:
     boat.state.weight = hull.weight
     boat.state.x_g, boat.state.y_g, boat.state.z_g = hull.cg
     record, state, force, matrix = boat.records.vessel, boat.state, np.zeros(6), np.eye(6)
-    atoms, scratch, rate = np.zeros(ATOM.RDOT + 1), np.zeros(6), np.zeros(MOTION_COUNT)
+    atoms, scratch, rate = np.zeros(ATOM_PLACES.RDOT + 1), np.zeros(6), np.zeros(MOTION_COUNT)
     for _ in range(10):
         x = np.zeros(STATE_COUNT)
         x[:9] = rng.normal(size=9) * [0.5, 0.5, 0.5, 0.02, 0.02, 0.02, 0.2, 0.2, 1.0]

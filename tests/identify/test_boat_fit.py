@@ -20,14 +20,21 @@ from trainer.analysis.estimate.uncertainty import (
 from trainer.config.files import ConfigError, parse_toml
 from trainer.config.vessel import load_vessel, read_vessel
 from trainer.identify.boat import figures, fit, page, search, sheet
-from trainer.identify.boat.filter import CHANNELS
+from trainer.identify.boat.filter import CHANNEL_NAMES
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.instruments import instruments_of
-from trainer.identify.boat.motion import CONTROL, STATE, STATE_NAMES
+from trainer.identify.boat.motion import CONTROL_PLACES, STATE, STATE_NAMES
 from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.prior import Knowledge, Prior, read_prior
 from trainer.identify.boat.regressors import PARAMETER_NAMES
-from trainer.identify.boat.report import VERDICTS, report_fit
+from trainer.identify.boat.report import (
+    VERDICT_WORDS,
+    ChannelFit,
+    RecordFit,
+    SlowState,
+    record_warnings,
+    report_fit,
+)
 from trainer.identify.boat.trial import (
     Instruments,
     Trial,
@@ -181,7 +188,7 @@ def test_a_report_tells_figures_and_what_was_foretold(own: Path) -> None:
     prior = found.prior
     other = made_trial(prior.vessel, np.array(truth), seed=3)
     report = report_fit(found, [other], draws=12)
-    assert {row.verdict for row in report.coefficients} == set(VERDICTS)
+    assert {row.verdict for row in report.coefficients} == set(VERDICT_WORDS)
     widths = [
         (after.sd or 0.0) / before.sd
         for before, after in zip(report.before, report.after, strict=True)
@@ -268,7 +275,10 @@ def test_a_record_without_what_a_fit_needs_is_refused(own: Path, tmp_path: Path)
 
 @pytest.mark.parametrize(
     ("column", "words"),
-    [(CONTROL.RUDDER, "turn the sign of rudder"), (CONTROL.STERN, "turn the sign of stern")],
+    [
+        (CONTROL_PLACES.RUDDER, "turn the sign of rudder"),
+        (CONTROL_PLACES.STERN, "turn the sign of stern"),
+    ],
 )
 def test_a_wrong_sign_is_refused(own: Path, column: int, words: str) -> None:
     prior = prior_of(own)
@@ -284,7 +294,7 @@ def test_a_wrong_sign_is_refused(own: Path, column: int, words: str) -> None:
     ("changes", "words"),
     [
         ({"interval": 3.0}, "a reading each 3 s"),
-        ({"readings": np.full((60, len(CHANNELS)), 50.0), "inputs": np.eye(60, 4)}, "60 rows"),
+        ({"readings": np.full((60, len(CHANNEL_NAMES)), 50.0), "inputs": np.eye(60, 4)}, "60 rows"),
         ({"inputs": np.full((300, 4), 3.0)}, "no surface moves by 2 deg"),
     ],
 )
@@ -300,8 +310,8 @@ def test_shallow_and_slow_water_is_refused(own: Path) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)
     readings = made.readings.copy()
-    readings[:, CHANNELS.index("depth")] -= 118.0
-    readings[:, CHANNELS.index("speed")] = 0.1
+    readings[:, CHANNEL_NAMES.index("depth")] -= 118.0
+    readings[:, CHANNEL_NAMES.index("speed")] = 0.1
     problems = " ".join(trial_problems(replace(made, readings=readings), prior.vessel))
     assert "surface is not in the model" in problems
     assert "fits are of boats ahead" in problems
@@ -311,15 +321,15 @@ def test_a_course_that_was_only_kept_tells_nothing_of_turning(own: Path) -> None
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)
     inputs = made.inputs.copy()
-    inputs[:, CONTROL.RUDDER] = 0.1 * DEGREE
+    inputs[:, CONTROL_PLACES.RUDDER] = 0.1 * DEGREE
     kept = without_unflown(replace(made, inputs=inputs))
     assert not kept.has("heading")
     assert not kept.has("roll")
     assert kept.has("pitch")
     assert kept.told == ("course only kept: nothing learned of turning",)
-    inputs[:, [CONTROL.STERN, CONTROL.BOW]] = 0.0
+    inputs[:, [CONTROL_PLACES.STERN, CONTROL_PLACES.BOW]] = 0.0
     still = without_unflown(replace(made, inputs=inputs))
-    assert [name for name in CHANNELS if still.has(name)] == ["speed"]
+    assert [name for name in CHANNEL_NAMES if still.has(name)] == ["speed"]
 
 
 def test_a_turn_keeps_what_its_planes_tell(own: Path) -> None:
@@ -327,7 +337,7 @@ def test_a_turn_keeps_what_its_planes_tell(own: Path) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)
     inputs = made.inputs.copy()
-    inputs[:, [CONTROL.STERN, CONTROL.BOW]] = 0.0
+    inputs[:, [CONTROL_PLACES.STERN, CONTROL_PLACES.BOW]] = 0.0
     assert without_unflown(replace(made, inputs=inputs)).has("depth")
 
 
@@ -381,7 +391,7 @@ def test_surfaces_logged_late_are_told_with_the_delay(own: Path) -> None:
 def test_wild_readings_are_left_out(own: Path) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=200)
-    readings, heading = made.readings.copy(), CHANNELS.index("heading")
+    readings, heading = made.readings.copy(), CHANNEL_NAMES.index("heading")
     readings[[60, 121, 180], heading] += [0.4, -0.3, 0.5]
     spoilt = replace(made, readings=readings)
     clean, found = (search.fit_trials(prior, [one]) for one in (made, spoilt))
@@ -398,7 +408,7 @@ def test_an_ordered_angle_is_refused(own: Path) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)
     inputs = made.inputs.copy()
-    inputs[:, CONTROL.RUDDER] = 0.35 * np.sign(inputs[:, CONTROL.RUDDER])
+    inputs[:, CONTROL_PLACES.RUDDER] = 0.35 * np.sign(inputs[:, CONTROL_PLACES.RUDDER])
     (problem,) = trial_problems(replace(made, inputs=inputs), prior.vessel)
     assert "rudder moves 40.1 deg in 0.5 s" in problem
     assert "give angles that stood" in problem
@@ -448,7 +458,7 @@ def test_columns_and_gauges_are_taken_as_said(own: Path, tmp_path: Path) -> None
     plain = trial_read(tmp_path, own, list, Instruments())
     said = instruments_of(["depth=Keel:m", "pitch=lean"], ["pitch=1", "weight=0.01"], 20.0, 1.0)
     read = trial_read(tmp_path, own, rename, said)
-    depth, pitch = CHANNELS.index("depth"), CHANNELS.index("pitch")
+    depth, pitch = CHANNEL_NAMES.index("depth"), CHANNEL_NAMES.index("pitch")
     lower = read.readings[:, depth] - plain.readings[:, depth]
     assert lower == pytest.approx(20.0 * np.sin(plain.readings[:, pitch]), abs=1e-6)
     assert read.inputs[10] == pytest.approx(plain.inputs[12])
@@ -474,6 +484,26 @@ def test_a_wrong_word_on_instruments_is_told(
     with pytest.raises(ConfigError) as wrong:
         instruments_of(columns, biases)
     assert words in str(wrong.value).replace('"', "'")
+
+
+def test_what_is_odd_of_records_is_said_once_a_kind_and_one_without_noise_as_that() -> None:
+    def record(source: str, chi: float, lag: float, bias: float) -> RecordFit:
+        channels = tuple(ChannelFit(name, 100, chi, lag, 0) for name in ("heading", "pitch"))
+        slow = (SlowState("pitch_error", "rad", bias, 0.001, 0.002),)
+        return RecordFit(source, "", 100, 1.0, (), (), channels, slow, {}, {})
+
+    odd = [record("a.csv", 1.5, 0.4, 0.02), record("b.csv", 0.4, -0.3, -0.02)]
+    exact = record("own.csv", 0.01, 0.9, 0.0)
+    sizes, lags, biases = record_warnings(odd)
+    assert "heading 1.50 (a.csv), pitch 1.50 (a.csv), heading 0.40 (b.csv)" in sizes
+    assert "heading +0.40 (a.csv)" in lags
+    assert "pitch -0.30 (b.csv)" in lags
+    assert "a.csv; --bias pitch=1" in biases
+    assert "pitch error -1.15 deg, usual 0.11 (b.csv" in biases
+    (told,) = record_warnings([exact])
+    assert told.startswith("without noise")
+    assert "own.csv" in told
+    assert list(record_warnings([record("clean.csv", 1.0, 0.0, 0.0)])) == []
 
 
 def test_figures_beyond_the_records_are_told(own: Path) -> None:

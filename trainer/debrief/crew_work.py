@@ -22,8 +22,8 @@ from trainer.session.crew.manning import REPEATING_ROLES
 REPEAT_LIMIT_S: Final = 10.0  # [s] as the session asks again
 REPORT_LIMIT_S: Final = 60.0  # [s] for a report once an order is carried out; an estimate
 BUSY_ORDERS: Final = 20  # that one station works within a minute, which leaves no eye; an estimate
-CREW: Final = "crew"  # whose a fault is that cannot be attributed
-ALL: Final = "all"  # whom a report informs that is no answer to an order
+WHOLE_CREW: Final = "crew"  # whose a fault is that cannot be attributed
+ALL_INFORMED: Final = "all"  # whom a report informs that is no answer to an order
 SPOKEN_WORDS: Final = CREW_TALK | {"ready", "role"}  # said, where no hand is at a control
 
 
@@ -74,7 +74,7 @@ def judge_crew(
     closing = [_closing(each, reports) for each in spoken]
     told = [(b.repeated.giver.role, b.order.giver.role) for b in spoken if b.repeated]
     answers = {r.id: b.order.giver.role for b, r in zip(spoken, closing, strict=True) if r}
-    told += [(each.giver.role, answers.get(each.id, ALL)) for each in reports]
+    told += [(each.giver.role, answers.get(each.id, ALL_INFORMED)) for each in reports]
     waits = [(b.repeated.tick - b.order.tick) * step for b in spoken if b.repeated]
     loops = zip(spoken, closing, strict=True)
     usual = {(b.axis, b.repeated.giver.role) for b in spoken if b.repeated}
@@ -128,7 +128,7 @@ def _left_open(
         others = [role for role in able if role != order.giver.role]
         if not others or late >= end:
             return faults
-        blamed = others[0] if len(others) == 1 else CREW
+        blamed = others[0] if len(others) == 1 else WHOLE_CREW
         return [*faults, CrewFault(order.tick, blamed, "not repeated", spoken.told)]
     role = repeated.giver.role
     if repeated.tick > late:

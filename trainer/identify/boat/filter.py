@@ -17,7 +17,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.motion import (
-    BODY,
+    BODY_PLACES,
     MOTION_COUNT,
     STATE,
     STATE_COUNT,
@@ -25,16 +25,20 @@ from trainer.identify.boat.motion import (
     product,
     write_rates,
 )
-from trainer.identify.boat.regressors import ATOM
+from trainer.identify.boat.regressors import ATOM_PLACES
 from trainer.identify.kernels.kernel import kernel, lean
 
-CHANNELS: Final = ("speed", "heading", "pitch", "roll", "depth", "p", "q", "r", "ground_speed")
-CHANNEL_COUNT: Final = len(CHANNELS)
-SPEED_CHANNEL, GROUND_CHANNEL = CHANNELS.index("speed"), CHANNELS.index("ground_speed")
+CHANNEL_NAMES: Final = ("speed", "heading", "pitch", "roll", "depth", "p", "q", "r", "ground_speed")
+CHANNEL_COUNT: Final = len(CHANNEL_NAMES)
+SPEED_CHANNEL, GROUND_CHANNEL = CHANNEL_NAMES.index("speed"), CHANNEL_NAMES.index("ground_speed")
 # by channel, of those that read a state as it is: that, and the error of its gauge
-ANGLES: Final = ((STATE.PSI, -1), (STATE.THETA, STATE.PITCH_ERROR), (STATE.PHI, STATE.ROLL_ERROR))
-RATES: Final = ((STATE.P, -1), (STATE.Q, -1), (STATE.R, -1))
-READ_STATES: Final = np.array([(-1, -1), *ANGLES, (STATE.Z, -1), *RATES, (-1, -1)])
+ANGLE_ROWS: Final = (
+    (STATE.PSI, -1),
+    (STATE.THETA, STATE.PITCH_ERROR),
+    (STATE.PHI, STATE.ROLL_ERROR),
+)
+RATE_ROWS: Final = ((STATE.P, -1), (STATE.Q, -1), (STATE.R, -1))
+READ_STATES: Final = np.array([(-1, -1), *ANGLE_ROWS, (STATE.Z, -1), *RATE_ROWS, (-1, -1)])
 DRIVEN_COUNT: Final = 6  # accelerations that a disturbance drives
 # differences for the Jacobian: u v w p q r phi theta, then weight and trim
 SLOPE_STEPS: Final = 1e-5 * np.array([1.0, 0.1, 0.1, 0.01, 0.01, 0.01, 0.1, 0.1, 1e-3, 1e-2])
@@ -112,7 +116,7 @@ def _new_room(count: int) -> PassRoom:
     """Return scratch for a pass with slopes by ``count`` parameters."""
     n, size = STATE_COUNT, MOTION_COUNT
     return PassRoom(
-        np.zeros(ATOM.RDOT + 1),
+        np.zeros(ATOM_PLACES.RDOT + 1),
         np.zeros(6),
         np.zeros(size),
         np.zeros(n),
@@ -251,7 +255,7 @@ def _push_slopes(boat: BoatNumbers, x: Numbers, count: int, room: PassRoom) -> N
     last = count - 1
     for j in range(last):
         room.row[j] = product(boat.factors, j, room.atoms) * boat.scales[j]
-    buoyancy = boat.body[BODY.BUOYANCY]
+    buoyancy = boat.body[BODY_PLACES.BUOYANCY]
     rolling = buoyancy * math.cos(x[STATE.THETA]) * math.sin(x[STATE.PHI])
     pitching = buoyancy * math.sin(x[STATE.THETA])
     for i in range(MOTION_COUNT):

@@ -8,7 +8,7 @@ from trainer.identify.boat.figures import BAND_DRAWS
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import BoatFit, report_fit
-from trainer.identify.boat.search import MOST_STEPS, STOPPED, FitResult, find_delay, fit_trials
+from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, FitResult, find_delay, fit_trials
 from trainer.identify.boat.sheet import html_page
 from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
 from trainer.identify.fitting.minimise import Progress, SearchOptions, ignore_news
@@ -54,7 +54,7 @@ def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
     ConfigError where the prior's boat does not fly a record. A KeyboardInterrupt ends the search.
     """
     found = fit_trials(trials.prior, trials.fitted, SearchOptions(MOST_STEPS, progress))
-    if found.found.doubt == STOPPED:
+    if found.found.doubt == STOPPED_TEXT:
         return found
     try:
         return replace(found, delay=find_delay(found, progress))

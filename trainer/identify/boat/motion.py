@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.regressors import ATOM
+from trainer.identify.boat.regressors import ATOM_PLACES
 from trainer.identify.kernels.kernel import indices, lean
 
 Indices = NDArray[np.int64]
@@ -27,8 +27,8 @@ STATE: Final = indices(
 )
 MOTION_COUNT: Final = 10  # numbers of a state that move; the slow ones follow
 STATE_COUNT: Final = len(STATE_NAMES)
-CONTROL: Final = indices("RUDDER STERN BOW UC")
-BODY: Final = indices(
+CONTROL_PLACES: Final = indices("RUDDER STERN BOW UC")
+BODY_PLACES: Final = indices(
     "MASS WEIGHT BUOYANCY X_G Y_G Z_G X_B Y_B Z_B I_X I_Y I_Z I_XY I_YZ I_XZ ETA_WHOLE"
 )
 
@@ -36,7 +36,7 @@ BODY: Final = indices(
 class BoatNumbers(NamedTuple):
     """A boat as kernels take it."""
 
-    body: Numbers  # of BODY, SI
+    body: Numbers  # of BODY_PLACES, SI
     forces: Numbers  # (terms,) coefficients with rho/2 and the power of L
     scales: Numbers  # (terms,) rho/2 L^n, of which a coefficient is multiplied
     inverse: Numbers  # (6, 6) of the mass matrix
@@ -51,17 +51,27 @@ def write_atoms(body: Numbers, x: Numbers, control: Numbers, atoms: Numbers) -> 
     u, v, w = x[STATE.U], x[STATE.V], x[STATE.W]
     p, q, r = x[STATE.P], x[STATE.Q], x[STATE.R]
     cross = math.sqrt(v * v + w * w)
-    speed = math.sqrt(u * u + cross * cross) if body[BODY.ETA_WHOLE] != 0.0 else u
-    atoms[ATOM.ONE] = 1.0
-    atoms[ATOM.U], atoms[ATOM.V], atoms[ATOM.W] = u, v, w
-    atoms[ATOM.P], atoms[ATOM.Q], atoms[ATOM.R] = p, q, r
-    atoms[ATOM.ABS_U], atoms[ATOM.ABS_W] = abs(u), abs(w)
-    atoms[ATOM.ABS_P], atoms[ATOM.ABS_Q], atoms[ATOM.ABS_R] = abs(p), abs(q), abs(r)
-    atoms[ATOM.SIGN_V], atoms[ATOM.SIGN_W] = np.sign(v), np.sign(w)
-    atoms[ATOM.CROSS] = cross
-    atoms[ATOM.DR], atoms[ATOM.DS] = control[CONTROL.RUDDER], control[CONTROL.STERN]
-    atoms[ATOM.DB], atoms[ATOM.UC] = control[CONTROL.BOW], control[CONTROL.UC]
-    atoms[ATOM.SLIP] = control[CONTROL.UC] / speed - 1.0 if speed != 0.0 else 0.0
+    speed = math.sqrt(u * u + cross * cross) if body[BODY_PLACES.ETA_WHOLE] != 0.0 else u
+    atoms[ATOM_PLACES.ONE] = 1.0
+    atoms[ATOM_PLACES.U], atoms[ATOM_PLACES.V], atoms[ATOM_PLACES.W] = u, v, w
+    atoms[ATOM_PLACES.P], atoms[ATOM_PLACES.Q], atoms[ATOM_PLACES.R] = p, q, r
+    atoms[ATOM_PLACES.ABS_U], atoms[ATOM_PLACES.ABS_W] = abs(u), abs(w)
+    atoms[ATOM_PLACES.ABS_P], atoms[ATOM_PLACES.ABS_Q], atoms[ATOM_PLACES.ABS_R] = (
+        abs(p),
+        abs(q),
+        abs(r),
+    )
+    atoms[ATOM_PLACES.SIGN_V], atoms[ATOM_PLACES.SIGN_W] = np.sign(v), np.sign(w)
+    atoms[ATOM_PLACES.CROSS] = cross
+    atoms[ATOM_PLACES.DR], atoms[ATOM_PLACES.DS] = (
+        control[CONTROL_PLACES.RUDDER],
+        control[CONTROL_PLACES.STERN],
+    )
+    atoms[ATOM_PLACES.DB], atoms[ATOM_PLACES.UC] = (
+        control[CONTROL_PLACES.BOW],
+        control[CONTROL_PLACES.UC],
+    )
+    atoms[ATOM_PLACES.SLIP] = control[CONTROL_PLACES.UC] / speed - 1.0 if speed != 0.0 else 0.0
 
 
 @lean
@@ -69,7 +79,7 @@ def product(factors: Indices, j: int, atoms: Numbers) -> float:
     """Return what term ``j`` multiplies."""
     value = atoms[factors[j, 0]] * atoms[factors[j, 1]]
     for i in range(2, factors.shape[1]):
-        if factors[j, i] == ATOM.ONE:
+        if factors[j, i] == ATOM_PLACES.ONE:
             break
         value *= atoms[factors[j, i]]
     return value
@@ -89,14 +99,14 @@ def write_rates(
     p, q, r = x[STATE.P], x[STATE.Q], x[STATE.R]
     sin_phi, cos_phi = math.sin(x[STATE.PHI]), math.cos(x[STATE.PHI])
     sin_th, cos_th = math.sin(x[STATE.THETA]), math.cos(x[STATE.THETA])
-    m, W, B = body[BODY.MASS], body[BODY.WEIGHT], body[BODY.BUOYANCY]
-    x_g, y_g, z_g = body[BODY.X_G], body[BODY.Y_G], body[BODY.Z_G]
-    I_x, I_y, I_z = body[BODY.I_X], body[BODY.I_Y], body[BODY.I_Z]
-    I_xy, I_yz, I_xz = body[BODY.I_XY], body[BODY.I_YZ], body[BODY.I_XZ]
+    m, W, B = body[BODY_PLACES.MASS], body[BODY_PLACES.WEIGHT], body[BODY_PLACES.BUOYANCY]
+    x_g, y_g, z_g = body[BODY_PLACES.X_G], body[BODY_PLACES.Y_G], body[BODY_PLACES.Z_G]
+    I_x, I_y, I_z = body[BODY_PLACES.I_X], body[BODY_PLACES.I_Y], body[BODY_PLACES.I_Z]
+    I_xy, I_yz, I_xz = body[BODY_PLACES.I_XY], body[BODY_PLACES.I_YZ], body[BODY_PLACES.I_XZ]
     net = W - B + W * x[STATE.WEIGHT]
-    along = x_g * W - body[BODY.X_B] * B + W * x[STATE.TRIM]
-    aside = y_g * W - body[BODY.Y_B] * B
-    below = z_g * W - body[BODY.Z_B] * B
+    along = x_g * W - body[BODY_PLACES.X_B] * B + W * x[STATE.TRIM]
+    aside = y_g * W - body[BODY_PLACES.Y_B] * B
+    below = z_g * W - body[BODY_PLACES.Z_B] * B
 
     force[0] = m * (v * r - w * q + x_g * (q * q + r * r) - y_g * p * q - z_g * p * r)
     force[1] = m * (w * p - u * r + y_g * (r * r + p * p) - z_g * q * r - x_g * q * p)
@@ -122,7 +132,7 @@ def write_rates(
         for j in range(6):
             acceleration += boat.inverse[i, j] * force[j]
         rate[i] = acceleration
-        atoms[ATOM.UDOT + i] = acceleration
+        atoms[ATOM_PLACES.UDOT + i] = acceleration
     turning = q * sin_phi + r * cos_phi
     rate[STATE.PHI] = p + turning * sin_th / cos_th
     rate[STATE.THETA] = q * cos_phi - r * sin_phi
@@ -132,9 +142,11 @@ def write_rates(
 
 def mass_matrix(body: Numbers, added: Numbers) -> Numbers:
     """Return the mass matrix (6, 6) [kg, kg m, kg m2], [ASSES] III-C-8."""
-    m, x, y, z = (body[i] for i in (BODY.MASS, BODY.X_G, BODY.Y_G, BODY.Z_G))
-    I_xy, I_yz, I_xz = body[BODY.I_XY], body[BODY.I_YZ], body[BODY.I_XZ]
+    m, x, y, z = (
+        body[i] for i in (BODY_PLACES.MASS, BODY_PLACES.X_G, BODY_PLACES.Y_G, BODY_PLACES.Z_G)
+    )
+    I_xy, I_yz, I_xz = body[BODY_PLACES.I_XY], body[BODY_PLACES.I_YZ], body[BODY_PLACES.I_XZ]
     lever = m * np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    inertia = np.diag(body[BODY.I_X : BODY.I_Z + 1])
+    inertia = np.diag(body[BODY_PLACES.I_X : BODY_PLACES.I_Z + 1])
     inertia -= np.array([[0.0, I_xy, I_xz], [I_xy, 0.0, I_yz], [I_xz, I_yz, 0.0]])
     return np.block([[m * np.eye(3), lever], [lever.T, inertia]]) - added

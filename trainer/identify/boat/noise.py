@@ -12,9 +12,9 @@ import numpy as np
 
 from trainer.analysis.estimate.uncertainty import SMALL_CRAFT_LENGTH_M
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.filter import CHANNELS, DRIVEN_COUNT, FilterStart
+from trainer.identify.boat.filter import CHANNEL_NAMES, DRIVEN_COUNT, FilterStart
 from trainer.identify.boat.motion import (
-    CONTROL,
+    CONTROL_PLACES,
     MOTION_COUNT,
     STATE,
     STATE_COUNT,
@@ -29,7 +29,7 @@ from trainer.units import DEGREE
 USUAL_DISTURBANCE: Final = np.array([4e-3, 6e-3, 6e-3, 4e-4, 1.5e-4, 1.5e-4])
 DISTURBANCE_DEVIATION: Final = 2.0  # of the logarithm, before a fit
 ERROR_DEVIATION: Final = 0.5
-FLOWS: Final = ("north_flow", "east_flow")
+FLOW_NAMES: Final = ("north_flow", "east_flow")
 
 
 class SlowKind(NamedTuple):
@@ -46,7 +46,7 @@ SLOW_KINDS: Final = {
     "pitch_error": SlowKind("rad", 0.2 * DEGREE, 0.5 * DEGREE),
     "roll_error": SlowKind("rad", 0.5 * DEGREE, 1.0 * DEGREE),
     "log_error": SlowKind("-", 0.02, 0.02),
-    **dict.fromkeys(FLOWS, SlowKind("m/s", 0.3, 0.3)),  # seen where speed over ground is read
+    **dict.fromkeys(FLOW_NAMES, SlowKind("m/s", 0.3, 0.3)),  # seen where speed over ground is read
 }
 
 
@@ -79,13 +79,13 @@ def usual_noise(vessel: FittedVessel) -> Noise:
     fast = (vessel.speed / REFERENCE_SPEED_M_S) ** 1.5
     small = REFERENCE_LENGTH_M / vessel.length
     scale = fast * np.where(np.arange(DRIVEN_COUNT) < 3, small**0.5, small**1.5)
-    sizes = [*(scale * USUAL_DISTURBANCE), *(USUAL_ERRORS[name] for name in CHANNELS)]
+    sizes = [*(scale * USUAL_DISTURBANCE), *(USUAL_ERRORS[name] for name in CHANNEL_NAMES)]
     return Noise(np.log(sizes))
 
 
 def noise_deviations() -> Numbers:
     """Return the standard deviation of each logarithm before a fit (15,)."""
-    parts = [DISTURBANCE_DEVIATION] * DRIVEN_COUNT, [ERROR_DEVIATION] * len(CHANNELS)
+    parts = [DISTURBANCE_DEVIATION] * DRIVEN_COUNT, [ERROR_DEVIATION] * len(CHANNEL_NAMES)
     return np.array([*parts[0], *parts[1]])
 
 
@@ -95,7 +95,7 @@ def slow_deviations(vessel: FittedVessel, trial: Trial) -> Numbers:
     for name, kind in SLOW_KINDS.items():
         long = vessel.length / REFERENCE_LENGTH_M if name == "trim" else 1.0
         usual = kind.small if small else kind.usual * long
-        seen = name not in FLOWS or trial.has("ground_speed")
+        seen = name not in FLOW_NAMES or trial.has("ground_speed")
         sizes[name] = trial.biases.get(name, usual) if seen else 0.0
     return np.array([sizes[name] for name in STATE_NAMES[MOTION_COUNT:]])
 
@@ -103,7 +103,9 @@ def slow_deviations(vessel: FittedVessel, trial: Trial) -> Numbers:
 def start_of(trial: Trial, vessel: FittedVessel, noise: Noise) -> FilterStart:
     """Return the state at a record's first readings, and how far it may be off."""
     state, fast = np.zeros(STATE_COUNT), vessel.speed / REFERENCE_SPEED_M_S
-    state[STATE.U] = trial.first("speed", trial.first("ground_speed", trial.inputs[0, CONTROL.UC]))
+    state[STATE.U] = trial.first(
+        "speed", trial.first("ground_speed", trial.inputs[0, CONTROL_PLACES.UC])
+    )
     for name, index in (("heading", STATE.PSI), ("pitch", STATE.THETA), ("roll", STATE.PHI)):
         state[index] = trial.first(name, 0.0)
     state[STATE.Z] = trial.first("depth", 0.0)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from trainer.identify.boat.figures import FigureBand
-from trainer.identify.boat.report import VERDICTS, BoatFit, FittedCoefficient, RecordFit
+from trainer.identify.boat.report import VERDICT_WORDS, BoatFit, FittedCoefficient, RecordFit
 from trainer.report.columns import figure
 from trainer.report.text import ascii_text, items, table, titled_table, wrap
 
@@ -20,7 +20,7 @@ COEFFICIENT_HEADS: Final = ("", "before", "sd", "after", "sd", "left", "")
 
 def render(report: BoatFit) -> str:
     """Return the page for a terminal."""
-    counts = dict.fromkeys(VERDICTS, 0)
+    counts = dict.fromkeys(VERDICT_WORDS, 0)
     for row in report.coefficients:
         counts[row.verdict] += row.prior_sd > 0.0
     end = "settled" if report.settled else f"NOT settled: {report.doubt}"
@@ -37,7 +37,7 @@ def render(report: BoatFit) -> str:
     rows = map(figure_row, report.before, report.after)
     lines += titled_table("FIGURES", FIGURE_HEADS, rows)
     lines += [*wrap(BAND_NOTE)]
-    told_rows = [row for row in report.coefficients if row.verdict != VERDICTS[-1]]
+    told_rows = [row for row in report.coefficients if row.verdict != VERDICT_WORDS[-1]]
     rows_told = map(coefficient_row, sorted(told_rows, key=lambda row: row.learned))
     lines += titled_table("COEFFICIENTS THAT THE RECORDS TOLD", COEFFICIENT_HEADS, rows_told)
     if report.warnings:

@@ -24,7 +24,7 @@ ATOM_NAMES: Final = (
 )
 # fmt: on
 # the same as names of Python, for kernels
-ATOM: Final = indices(
+ATOM_PLACES: Final = indices(
     "ONE U V W P Q R ABS_U ABS_W ABS_P ABS_Q ABS_R SIGN_V SIGN_W CROSS DR DS DB UC SLIP"
     " UDOT VDOT WDOT PDOT QDOT RDOT"
 )
@@ -65,8 +65,8 @@ def _numbers() -> TermTable:
     for j, term in enumerate(FITTED_TERMS):
         found = [ATOM_NAMES.index(name) for name in split_factors(term)]
         factors[j, : len(found)] = found
-        if max(found) >= ATOM.UDOT:
-            axes[j] = max(found) - ATOM.UDOT
+        if max(found) >= ATOM_PLACES.UDOT:
+            axes[j] = max(found) - ATOM_PLACES.UDOT
     rows = np.array(["XYZKMN".index(term.equation) for term in FITTED_TERMS])
     powers = np.array([term.power for term in FITTED_TERMS])
     return TermTable(factors, rows, powers, np.flatnonzero(axes < 0), axes)

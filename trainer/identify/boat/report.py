@@ -19,7 +19,7 @@ from trainer.identify.boat.figures import (
     flown_outside,
     ranges_of,
 )
-from trainer.identify.boat.filter import CHANNELS, FilterResult, sail_controls
+from trainer.identify.boat.filter import CHANNEL_NAMES, FilterResult, sail_controls
 from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_NAMES
 from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
@@ -28,15 +28,16 @@ from trainer.identify.boat.trial import FLOWN_PLANES_RAD, USUAL_ERRORS, Trial
 from trainer.units import DEGREE
 
 LEARNED_SHARES: Final = (0.5, 0.9)  # of the prior deviation that is left: learned, partly
-VERDICTS: Final = ("from the record", "partly", "not learned")
+VERDICT_WORDS: Final = ("from the record", "partly", "not learned")
 CHI_RANGE: Final = (0.9, 1.1)  # of the mean of squared innovations over their variance
+MAX_NOISELESS_CHI: Final = 0.3  # [-] of each channel of a record whose readings have no errors
 MAX_LAG: Final = 0.15  # [-] correlation of an innovation with the one before
 MAX_ERROR_RATIO: Final = 2.0  # [-] of an error of readings over what it usually is
 MAX_SLOW_DEVIATIONS: Final = 2.5
 MAX_WILD_SHARE: Final = 0.005  # [-] of a record's rows
 MAX_CONFLICT: Final = 1.6  # [-] of z'z over what it should be
 LEAD_IN_S: Final = 10.0  # [s] of a held-out record, from whose end it is simulated
-COMPARED: Final = {  # what is foretold: unit, the state, and the channel that must be read
+FORETOLD_CHANNELS: Final = {  # what is foretold: unit, the state, and the channel that must be read
     "yaw rate": ("rad/s", STATE.R, "heading"),
     "pitch": ("rad", STATE.THETA, "pitch"),
     "roll": ("rad", STATE.PHI, "roll"),
@@ -129,8 +130,8 @@ def report_fit(
         _record_fit(fit, one, found, {}) for one, found in zip(trials, fit.passes, strict=True)
     )
     aside = tuple(_held_out(fit, one) for one in held_out)
-    used = [name for name in CHANNELS if any(one.has(name) for one in trials)]
-    errors = dict(zip(CHANNELS, map(float, fit.noise.errors), strict=True))
+    used = [name for name in CHANNEL_NAMES if any(one.has(name) for one in trials)]
+    errors = dict(zip(CHANNEL_NAMES, map(float, fit.noise.errors), strict=True))
     before = figure_bands(vessel, prior, draws, heard)
     after = figure_bands(vessel, fit.posterior, draws, heard)
     return BoatFit(
@@ -162,7 +163,7 @@ def _coefficients(fit: FitResult) -> Iterator[FittedCoefficient]:
     prior, posterior = fit.prior, fit.posterior
     for i, name in enumerate(PARAMETER_NAMES):
         learned = float(fit.learned[i])
-        verdict = VERDICTS[int(np.searchsorted(LEARNED_SHARES, learned, side="right"))]
+        verdict = VERDICT_WORDS[int(np.searchsorted(LEARNED_SHARES, learned, side="right"))]
         yield FittedCoefficient(
             name,
             float(prior.values[i]),
@@ -179,7 +180,7 @@ def _record_fit(
 ) -> RecordFit:
     """Return how a pass followed a record."""
     vessel, channels, slow = fit.prior.vessel, [], []
-    for i, name in enumerate(CHANNELS):
+    for i, name in enumerate(CHANNEL_NAMES):
         if trial.has(name):
             wild = np.isfinite(trial.readings[:, i]) & np.isnan(found.innovations[:, i])
             scaled = found.innovations[:, i] / np.sqrt(found.variances[:, i])
@@ -252,7 +253,7 @@ def foretell(fit: FitResult, trial: Trial) -> Foretold:
 def _held_out(fit: FitResult, trial: Trial) -> RecordFit:
     """Return how a record is followed that had no part in the fit, and how far foretold."""
     one, explained = foretell(fit, trial), {}
-    for name, (_, at, channel) in COMPARED.items():
+    for name, (_, at, channel) in FORETOLD_CHANNELS.items():
         if trial.has(channel):
             shares = [_explained(one.followed[:, at], by[:, at]) for by in (one.fit, one.prior)]
             explained[name] = (shares[0], shares[1])
@@ -293,8 +294,7 @@ def _warnings(
             "no record flies the planes, they only keep the depth: figures of diving may be off by "
             "more than their bands; sail and fit a vertical zig-zag"
         )
-    for one in records:
-        yield from _record_warnings(one)
+    yield from record_warnings(records)
     for name, error in errors.items():
         if error > MAX_ERROR_RATIO * USUAL_ERRORS[name]:
             yield (
@@ -313,32 +313,71 @@ def _warnings(
         )
 
 
-def _record_warnings(one: RecordFit) -> Iterator[str]:
-    """Yield what is odd about how a record was followed."""
-    for channel in one.channels:
-        name = f"{one.source}: {channel.channel}"
-        if not CHI_RANGE[0] <= channel.chi <= CHI_RANGE[1]:
-            yield (
-                f"{name}: chi is {channel.chi:.2f}, 0.9 to 1.1 is clean: its errors are of another "
-                "size in this record: fit it alone, or leave the column out"
-            )
-        if abs(channel.lag) > MAX_LAG:
-            yield (
-                f"{name}: errors follow each other ({channel.lag:+.2f}): readings are too rare, or "
-                "a gauge is slow: record more often"
-            )
-    wild = [f"{each.wild} of {each.channel}" for each in one.channels if each.wild]
-    if sum(each.wild for each in one.channels) > MAX_WILD_SHARE * one.rows:
+def record_warnings(records: Sequence[RecordFit]) -> Iterator[str]:
+    """Yield what is odd about how records were followed, a sentence a kind.
+
+    A record without noise, as a simulator writes it, is told as that, and its innovations say
+    no more.
+    """
+    exact = [one for one in records if _is_noiseless(one)]
+    if exact:
         yield (
-            f"{one.source}: wild readings are left out, {', '.join(wild)}: look at these gauges, "
-            "and leave cells empty where they do not work"
+            f"without noise, as a simulator writes it: {', '.join(one.source for one in exact)}: "
+            "bands are those of usual gauges, and wider than such a record allows; for a record "
+            "with noise, look whether its columns were smoothed"
         )
-    for slow in one.slow:
-        if abs(slow.value) > MAX_SLOW_DEVIATIONS * slow.prior_sd:
-            factor, unit = (1.0 / DEGREE, "deg") if slow.unit == "rad" else (1.0, slow.unit)
-            name, size = slow.name.removesuffix("_error"), abs(factor * slow.value)
+    read = [(one, channel) for one in records if one not in exact for channel in one.channels]
+    sizes = [
+        f"{channel.channel} {channel.chi:.2f} ({one.source})"
+        for one, channel in read
+        if not CHI_RANGE[0] <= channel.chi <= CHI_RANGE[1]
+    ]
+    if sizes:
+        yield (
+            f"chi is not 0.9 to 1.1 of {', '.join(sizes)}: errors there differ from those of "
+            "other records: fit such a record alone, or leave the column out"
+        )
+    lags = [
+        f"{channel.channel} {channel.lag:+.2f} ({one.source})"
+        for one, channel in read
+        if abs(channel.lag) > MAX_LAG
+    ]
+    if lags:
+        yield (
+            f"errors follow each other, {', '.join(lags)}: readings are too rare, or a gauge is "
+            "slow: record more often"
+        )
+    for one in records:
+        wild = [f"{each.wild} of {each.channel}" for each in one.channels if each.wild]
+        if sum(each.wild for each in one.channels) > MAX_WILD_SHARE * one.rows:
             yield (
-                f"{one.source}: {slow.name.replace('_', ' ')} is {factor * slow.value:.3g} "
-                f"{unit.strip('-')}, usual is {factor * slow.prior_sd:.2g}: look at ballast and "
-                f"gauges; if it is so, fit with --bias {name}={size:.1g}"
+                f"{one.source}: wild readings are left out, {', '.join(wild)}: look at these "
+                "gauges, and leave cells empty where they do not work"
             )
+    slow = [
+        words
+        for one in records
+        for state in one.slow
+        if abs(state.value) > MAX_SLOW_DEVIATIONS * state.prior_sd
+        for words in [_slow_words(one.source, state)]
+    ]
+    if slow:
+        yield (
+            f"unusual of its day: {'; '.join(slow)}: look at ballast and gauges; if it is so, fit "
+            "with the --bias that stands there"
+        )
+
+
+def _is_noiseless(one: RecordFit) -> bool:
+    """Return whether all readings of a record lie closer than errors of their size ever do."""
+    return all(each.chi < MAX_NOISELESS_CHI for each in one.channels if each.readings)
+
+
+def _slow_words(source: str, slow: SlowState) -> str:
+    """Return what a slow state is, what is usual, and the option that allows for it."""
+    factor, unit = (1.0 / DEGREE, "deg") if slow.unit == "rad" else (1.0, slow.unit)
+    name, size = slow.name.removesuffix("_error"), abs(factor * slow.value)
+    return (
+        f"{slow.name.replace('_', ' ')} {factor * slow.value:.3g} {unit.strip('-')}".rstrip()
+        + f", usual {factor * slow.prior_sd:.2g} ({source}; --bias {name}={size:.1g})"
+    )

@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.filter import CHANNELS, DRIVEN_COUNT, FilterResult, filter_record
+from trainer.identify.boat.filter import CHANNEL_NAMES, DRIVEN_COUNT, FilterResult, filter_record
 from trainer.identify.boat.matrices import invert_positive, root_of_covariance
 from trainer.identify.boat.noise import Noise, noise_deviations, start_of, usual_noise
 from trainer.identify.boat.prior import Knowledge, Prior
@@ -40,7 +40,7 @@ SETTLED_MOVE: Final = 0.05  # [-] posterior standard deviations
 SETTLED_PROMISE: Final = 0.1  # [-] of the noise's step: below, it is left alone
 NOISE_NUDGE: Final = 0.05  # of a logarithm
 FREQUENT_STEPS: Final = 4  # after these the noise moves every second step ...
-STOPPED: Final = "stopped; the best so far"
+STOPPED_TEXT: Final = "stopped; the best so far"
 UNGATED_STEPS: Final = 3  # before a boat follows its records, no reading can be told wild
 WILD_DEVIATIONS: Final = 5.0  # standard deviations of an innovation
 MAX_DELAYS: Final = 4  # [readings] by which surfaces are tried late or early
@@ -106,7 +106,7 @@ class _Search:
         size = self.prior.root.shape[1]
         self.z, self.covariance = np.zeros(size), np.eye(size)
         self.start = self.noise = usual_noise(self.prior.vessel)
-        used = [any(trial.has(name) for trial in self.trials) for name in CHANNELS]
+        used = [any(trial.has(name) for trial in self.trials) for name in CHANNEL_NAMES]
         self.used = np.flatnonzero([*[True] * DRIVEN_COUNT, *used])
 
     def values(self, z: Numbers) -> Numbers:
@@ -240,7 +240,7 @@ def fit_trials(
     try:
         settled = search.run()
     except KeyboardInterrupt:
-        settled, search.doubt = False, STOPPED
+        settled, search.doubt = False, STOPPED_TEXT
     V = search.covariance * (1.0 if settled else UNSETTLED_FACTOR**2)
     values = search.values(search.z)
     root = np.einsum("ij,jk->ik", prior.root, root_of_covariance(V))

@@ -14,8 +14,8 @@ from markupsafe import Markup
 from trainer import __version__
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.figures import FigureBand
-from trainer.identify.boat.filter import CHANNELS
-from trainer.identify.boat.motion import CONTROL, STATE
+from trainer.identify.boat.filter import CHANNEL_NAMES
+from trainer.identify.boat.motion import CONTROL_PLACES, STATE
 from trainer.identify.boat.page import (
     BAND_NOTE,
     COEFFICIENT_HEADS,
@@ -24,7 +24,7 @@ from trainer.identify.boat.page import (
     figure_row,
     render,
 )
-from trainer.identify.boat.report import COMPARED, VERDICTS, BoatFit, foretell
+from trainer.identify.boat.report import FORETOLD_CHANNELS, VERDICT_WORDS, BoatFit, foretell
 from trainer.identify.boat.search import FitResult
 from trainer.identify.boat.trial import Trial
 from trainer.identify.sheet import draw_screen, listing, screens_of
@@ -36,9 +36,9 @@ from trainer.units import DEGREE
 BAND_SIZE_PX: Final = (150.0, 16.0)
 BAND_WORDS: Final = "Light: 95 % before the records. Dark: after. Each line has its own scale."
 SURFACES: Final = {
-    "rudder": CONTROL.RUDDER,
-    "stern planes": CONTROL.STERN,
-    "bow planes": CONTROL.BOW,
+    "rudder": CONTROL_PLACES.RUDDER,
+    "stern planes": CONTROL_PLACES.STERN,
+    "bow planes": CONTROL_PLACES.BOW,
 }
 SURE_LEVELS: Final = (-2.0, 0.0, 2.0)  # deviations of an innovation
 
@@ -68,17 +68,17 @@ def html_page(fit: FitResult, held_out: Sequence[Trial], report: BoatFit) -> str
 
 
 def _figures(report: BoatFit) -> Iterator[Markup]:
-    """Yield warnings, then figures of manoeuvres with their bands before and after."""
-    for each in report.warnings:
-        yield html.paragraph(each, "bad")
-    if not report.warnings:
-        yield html.paragraph("Nothing to warn of.", "good")
+    """Yield figures of manoeuvres with their bands before and after, then warnings."""
     rows = []
     for pair in zip(report.before, report.after, strict=True):
         name, *numbers = figure_row(*pair)
         rows.append((name, draw_pair(*pair), *numbers))
     yield html.table(("figure", "bands", *FIGURE_HEADS[1:]), rows, "numbers figures")
     yield html.paragraph(f"{BAND_WORDS} {BAND_NOTE}", "soft")
+    for each in report.warnings:
+        yield html.paragraph(each, "bad")
+    if not report.warnings:
+        yield html.paragraph("Nothing to warn of.", "good")
 
 
 def draw_pair(before: FigureBand, after: FigureBand) -> Markup:
@@ -102,11 +102,11 @@ def _coefficients(report: BoatFit) -> Iterator[Markup]:
     """Yield the coefficients that records told of, the best known first, and name the others."""
     known = sorted(report.coefficients, key=lambda row: row.learned)
     yield html.paragraph("sd: standard deviation. left: its share that the records left.")
-    for verdict in VERDICTS[:-1]:
+    for verdict in VERDICT_WORDS[:-1]:
         told = [coefficient_row(row) for row in known if row.verdict == verdict]
         rows = [(name, left, *numbers) for name, *numbers, left, _ in told]
         yield html.table((verdict, COEFFICIENT_HEADS[-2], *COEFFICIENT_HEADS[1:-2]), rows)
-    rest = sorted(row.name for row in known if row.verdict == VERDICTS[-1])
+    rest = sorted(row.name for row in known if row.verdict == VERDICT_WORDS[-1])
     yield html.paragraph(f"Not learned, as they were before: {', '.join(rest)}")
 
 
@@ -120,7 +120,7 @@ def _record_panels(trial: Trial, states: Numbers, scaled: Numbers) -> Iterator[P
     yield Panel("depth", "time [s]", "[m]", depth, downwards=True)
     off = (
         Curve(name, t, scaled[:, i], points=True)
-        for i, name in enumerate(CHANNELS)
+        for i, name in enumerate(CHANNEL_NAMES)
         if trial.has(name)
     )
     words = "[standard deviations]"
@@ -133,7 +133,7 @@ def _foretold_panels(fit: FitResult, trial: Trial) -> Iterator[Panel]:
     names = {"the boat": one.followed, "fit": one.fit, "prior": one.prior}
     track = (track_of(name, states, trial.interval) for name, states in names.items())
     yield Panel(TRACK_TITLE, "east [m]", "north [m]", tuple(track))
-    for title, (unit, at, _) in COMPARED.items():
+    for title, (unit, at, _) in FORETOLD_CHANNELS.items():
         factor, y = 1.0 / DEGREE if "rad" in unit else 1.0, f"[{unit.replace('rad', 'deg')}]"
         curves = (Curve(name, one.t, factor * states[:, at]) for name, states in names.items())
         yield Panel(title, "time [s]", y, tuple(curves), downwards=title == "depth")

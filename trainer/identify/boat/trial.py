@@ -20,7 +20,7 @@ from trainer.analysis.estimate.uncertainty import deviates
 from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
-from trainer.identify.boat.filter import CHANNELS, RecordNumbers
+from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S, FittedVessel
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
@@ -40,7 +40,7 @@ from trainer.units import DEGREE
 
 # the fields of a record by channel of the filter
 RECORD_FIELDS: Final = {
-    **{name: name for name in CHANNELS},
+    **{name: name for name in CHANNEL_NAMES},
     "p": "roll_rate",
     "q": "pitch_rate",
     "r": "yaw_rate",
@@ -122,11 +122,11 @@ class Trial:
 
     def has(self, channel: str) -> bool:
         """Return whether a channel has readings."""
-        return bool(np.isfinite(self.readings[:, CHANNELS.index(channel)]).any())
+        return bool(np.isfinite(self.readings[:, CHANNEL_NAMES.index(channel)]).any())
 
     def first(self, channel: str, otherwise: float) -> float:
         """Return the first reading of a channel."""
-        values = self.readings[:, CHANNELS.index(channel)]
+        values = self.readings[:, CHANNEL_NAMES.index(channel)]
         known = values[np.isfinite(values)]
         return float(known[0]) if known.size else otherwise
 
@@ -192,7 +192,7 @@ def _without_repeats(record: Record) -> Record:
 
 def _standing(trial: Trial) -> Iterator[str]:
     """Yield which gauges stand still for long while surfaces move."""
-    for name, values in zip(CHANNELS, trial.readings.T, strict=True):
+    for name, values in zip(CHANNEL_NAMES, trial.readings.T, strict=True):
         begins = np.append(0, np.flatnonzero(np.diff(values) != 0.0) + 1)
         counts = np.diff(begins, append=len(values))
         at, count = int(begins[np.argmax(counts)]), int(counts.max())
@@ -221,7 +221,7 @@ def _thinned(record: Record, vessel: FittedVessel) -> Record:
 
 def read_by_instruments(trial: Trial) -> Trial:
     """Return an exact recording as usual instruments would have read it."""
-    sizes = np.array([USUAL_ERRORS[name] for name in CHANNELS])
+    sizes = np.array([USUAL_ERRORS[name] for name in CHANNEL_NAMES])
     errors = deviates(1, trial.readings.size).reshape(trial.readings.shape)
     told = (*trial.told, "exact: the errors of usual instruments are added")
     return replace(trial, readings=trial.readings + sizes * errors, told=told)
@@ -239,8 +239,11 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
             f"the row before, and {interval:.4g} s elsewhere: needs even times, within 2 %"
         )
     at = np.append(0, np.cumsum(np.round(steps).astype(int)))
-    readings, told = np.full((at[-1] + 1, len(CHANNELS)), np.nan), list(map(str, record.findings))
-    for i, name in enumerate(CHANNELS):
+    readings, told = (
+        np.full((at[-1] + 1, len(CHANNEL_NAMES)), np.nan),
+        list(map(str, record.findings)),
+    )
+    for i, name in enumerate(CHANNEL_NAMES):
         values = getattr(record, RECORD_FIELDS[name])
         if values is not None:
             readings[at, i] = values
@@ -314,7 +317,7 @@ def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
 def _correlation(trial: Trial, angle: str, surface: int, span: float) -> float:
     """Return how far an angle's second differences go with a surface [-]; 0 where it is still."""
     lag = max(1, round(SIGN_SPAN_LENGTHS * span / trial.interval))
-    values = trial.readings[:, CHANNELS.index(angle)]
+    values = trial.readings[:, CHANNEL_NAMES.index(angle)]
     bend = values[2 * lag :] - 2.0 * values[lag:-lag] + values[: -2 * lag]
     moved = trial.inputs[lag:-lag, surface]
     known = np.isfinite(bend)
@@ -336,5 +339,5 @@ def without_unflown(trial: Trial) -> Trial:
         told.append("depth only kept: nothing learned of rising and diving")
     readings = trial.readings.copy()
     for name in left_out:
-        readings[:, CHANNELS.index(name)] = np.nan
+        readings[:, CHANNEL_NAMES.index(name)] = np.nan
     return replace(trial, readings=readings, told=tuple(told))

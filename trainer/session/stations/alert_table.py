@@ -23,16 +23,16 @@ from trainer.boat.pilot import LACK_RECALL_S, MIN_LACK_TIME_S
 from trainer.boat.world.encounters import RECALL_CLEAR_S
 from trainer.session.stations.alerts import REMARK_S
 
-HELM, PLANES = ("helm", "pilot"), ("planes", "pilot", "diving")
-BALLAST, SCOPE, INSTRUCTOR = ("ballast", "diving"), ("scope",), ("instructor",)
+HELM_ROLES, PLANES_ROLES = ("helm", "pilot"), ("planes", "pilot", "diving")
+BALLAST_ROLES, SCOPE_ROLES, INSTRUCTOR_ROLES = ("ballast", "diving"), ("scope",), ("instructor",)
 EMERGENCY, ALARM, WARNING, CAUTION = Rank
-BEYOND: Final = f"every {CALL_SPACING_M:g} m beyond it"
-RISEN, SUNK = f"{RECALL_RISE_M:g} m above that", f"{RECALL_SINK_M:g} m deeper"
-AFLOAT, CLEAR = f"{RECALL_AFLOAT_S:g} s off it", f"{RECALL_CLEAR_S:g} s clear"
-COVERED: Final = f"{RECALL_COVER_M:g} m of water over sail and deck"
-INSIDE: Final = f"{RANGE_REENTRY_S:g} s without it"
-SUPPLIED: Final = f"{LACK_RECALL_S:g} s with all that is ordered"
-SHORT: Final = f"after {MIN_LACK_TIME_S:g} s"
+BEYOND_WORDS: Final = f"every {CALL_SPACING_M:g} m beyond it"
+RISEN_WORDS, SUNK_WORDS = f"{RECALL_RISE_M:g} m above that", f"{RECALL_SINK_M:g} m deeper"
+AFLOAT_WORDS, CLEAR_WORDS = f"{RECALL_AFLOAT_S:g} s off it", f"{RECALL_CLEAR_S:g} s clear"
+COVERED_WORDS: Final = f"{RECALL_COVER_M:g} m of water over sail and deck"
+INSIDE_WORDS: Final = f"{RANGE_REENTRY_S:g} s without it"
+SUPPLIED_WORDS: Final = f"{LACK_RECALL_S:g} s with all that is ordered"
+SHORT_WORDS: Final = f"after {MIN_LACK_TIME_S:g} s"
 SOUND_PACES_S: Final = {EMERGENCY: 2.0, ALARM: 10.0, WARNING: 60.0}  # [s] from sound to sound
 
 
@@ -48,37 +48,53 @@ class AlertRow(NamedTuple):
     @property
     def kind(self) -> str:
         """Return the kind of the events that tell of it."""
-        return "watch" if self.roles == INSTRUCTOR else "depth"
+        return "watch" if self.roles == INSTRUCTOR_ROLES else "depth"
 
 
 # fmt: off
 _ROWS: Final[Mapping[str, tuple[str, Rank, str, str, tuple[str, ...]]]] = {
-    "collapse": ("Hull collapsed", EMERGENCY, "at collapse depth", "time goes back", PLANES),
-    "collision": ("Collision", EMERGENCY, "hulls touch", "they part", INSTRUCTOR),
-    "beyond test depth": ("Beyond test depth", EMERGENCY, BEYOND, RISEN, PLANES),
-    "test depth": ("Test depth passed", ALARM, "at test depth", RISEN, PLANES),
-    "near test depth": ("Near test depth", ALARM, f"{FIRST_CALL_M:g} m above it", RISEN, PLANES),
-    "mast out": ("Too much mast", ALARM, "2 m above periscope depth", SUNK, PLANES),
-    "sail near the surface": ("Sail near the surface", ALARM, "4 m above it", SUNK, PLANES),
-    "aground": ("Aground", ALARM, "the ground carries the boat", AFLOAT, PLANES),
-    "approach": ("Closest approach", ALARM, "as `[contacts]` says", CLEAR, INSTRUCTOR),
-    "broached": ("Broached", ALARM, "sail or deck shows", COVERED, INSTRUCTOR),
-    **{name: ("Limit passed", ALARM, words.replace("{:g}", "..."), "not so", INSTRUCTOR)
+    "collapse": ("Hull collapsed", EMERGENCY, "at collapse depth", "time goes back", PLANES_ROLES),
+    "collision": ("Collision", EMERGENCY, "hulls touch", "they part", INSTRUCTOR_ROLES),
+    "beyond test depth": ("Beyond test depth", EMERGENCY, BEYOND_WORDS, RISEN_WORDS, PLANES_ROLES),
+    "test depth": ("Test depth passed", ALARM, "at test depth", RISEN_WORDS, PLANES_ROLES),
+    "near test depth": (
+        "Near test depth", ALARM, f"{FIRST_CALL_M:g} m above it", RISEN_WORDS, PLANES_ROLES,
+    ),
+    "mast out": ("Too much mast", ALARM, "2 m above periscope depth", SUNK_WORDS, PLANES_ROLES),
+    "sail near the surface": (
+        "Sail near the surface", ALARM, "4 m above it", SUNK_WORDS, PLANES_ROLES,
+    ),
+    "aground": ("Aground", ALARM, "the ground carries the boat", AFLOAT_WORDS, PLANES_ROLES),
+    "approach": ("Closest approach", ALARM, "as `[contacts]` says", CLEAR_WORDS, INSTRUCTOR_ROLES),
+    "broached": ("Broached", ALARM, "sail or deck shows", COVERED_WORDS, INSTRUCTOR_ROLES),
+    **{name: ("Limit passed", ALARM, words.replace("{:g}", "..."), "not so", INSTRUCTOR_ROLES)
        for name, words in LIMIT_WORDS.items()},
-    MAST_SPEED_TEXT: ("Mast shakes", WARNING, MAST_SPEED_TEXT, INSIDE, INSTRUCTOR),
-    RANGE_WORDS[2]: ("Outside the equations", WARNING, "validity level 2", INSIDE, INSTRUCTOR),
-    "emergency ascent": ("Emergency ascent", WARNING, "emergency blow", "it has risen", PLANES),
-    "astern": ("Planes amidships", WARNING, "slowly astern", "ahead, or faster", PLANES),
-    "hover lost": ("Hovering given up", WARNING, "the pump cannot", "it hovers", BALLAST),
-    "trim short": ("No water to trim", WARNING, SHORT, "there is some", BALLAST),
-    "speed not reached": ("Speed not reached", WARNING, SHORT, "it is reached", HELM),
-    "engine limited": ("Engine limited", WARNING, "by torque or power", SUPPLIED, HELM),
-    "rudder short on the X-tail": ("Rudder short", WARNING, "fins are shared", SUPPLIED, HELM),
-    "stern short on the X-tail": ("Planes short", WARNING, "fins are shared", SUPPLIED, PLANES),
-    FOLLOWING_SEA_TEXT: ("Following sea", CAUTION, "too fast a sea", INSIDE, INSTRUCTOR),
-    RANGE_WORDS[1]: ("Equations extrapolated", CAUTION, "validity level 1", INSIDE, INSTRUCTOR),
+    MAST_SPEED_TEXT: ("Mast shakes", WARNING, MAST_SPEED_TEXT, INSIDE_WORDS, INSTRUCTOR_ROLES),
+    RANGE_WORDS[2]: (
+        "Outside the equations", WARNING, "validity level 2", INSIDE_WORDS, INSTRUCTOR_ROLES,
+    ),
+    "emergency ascent": (
+        "Emergency ascent", WARNING, "emergency blow", "it has risen", PLANES_ROLES,
+    ),
+    "astern": ("Planes amidships", WARNING, "slowly astern", "ahead, or faster", PLANES_ROLES),
+    "hover lost": ("Hovering given up", WARNING, "the pump cannot", "it hovers", BALLAST_ROLES),
+    "trim short": ("No water to trim", WARNING, SHORT_WORDS, "there is some", BALLAST_ROLES),
+    "speed not reached": ("Speed not reached", WARNING, SHORT_WORDS, "it is reached", HELM_ROLES),
+    "engine limited": ("Engine limited", WARNING, "by torque or power", SUPPLIED_WORDS, HELM_ROLES),
+    "rudder short on the X-tail": (
+        "Rudder short", WARNING, "fins are shared", SUPPLIED_WORDS, HELM_ROLES,
+    ),
+    "stern short on the X-tail": (
+        "Planes short", WARNING, "fins are shared", SUPPLIED_WORDS, PLANES_ROLES,
+    ),
+    FOLLOWING_SEA_TEXT: (
+        "Following sea", CAUTION, "too fast a sea", INSIDE_WORDS, INSTRUCTOR_ROLES,
+    ),
+    RANGE_WORDS[1]: (
+        "Equations extrapolated", CAUTION, "validity level 1", INSIDE_WORDS, INSTRUCTOR_ROLES,
+    ),
     BEYOND_KEY: ("Beyond the chart", CAUTION, "off it", "on it", ()),
-    "surfaced": ("Surfaced", CAUTION, "shows as it means to", COVERED, INSTRUCTOR),
+    "surfaced": ("Surfaced", CAUTION, "shows as it means to", COVERED_WORDS, INSTRUCTOR_ROLES),
     "afloat": ("Afloat", CAUTION, "surfaced", "a depth is ordered", ()),
     "": ("Remark", CAUTION, "said once", f"after {REMARK_S:g} s", ()),
 }
