@@ -6,6 +6,7 @@ import re
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -332,7 +333,7 @@ def test_a_lesson_is_not_done_where_a_step_was_given_up_and_the_course_waits_for
     missed: tuple[Crewed, Line],
 ) -> None:
     ship, trainee = missed
-    ship.conduct.training.barred = None
+    ship.allow_next()
     fly(ship, 3 * 60 + 40)
     after = lessons()[0].name  # of a lesson that is none of the course
     choice = f"step 1 is not done: again, or next {after} to go on"
@@ -378,7 +379,7 @@ def test_a_step_that_was_given_up_stays_so_for_who_goes_back_after_it_or_takes_t
     assert guide.undone == [1, 2]
 
     other = StepGuide(  # as in another process, which has the recording alone
-        *(guide.control, guide.log, guide.work, guide.shown, guide.finish, guide.steps)
+        *(guide.control, guide.log, guide.work, guide.shown, guide.finish, str, guide.steps)
     )
     other.follow(ship.session.history.now())
     assert (other.index, other.undone) == (1, [1, 2])
@@ -393,7 +394,9 @@ def test_the_progress_of_a_lesson_says_done_only_if_each_step_is(
         "trainer.session.exercise.training.begin_aside", lambda words: kept.append(words[-1])
     )
     training = ship.conduct.training
-    training.trainees, training.keeper = ("Ann",), ("keep",)
+    assert training.terms.debriefing
+    keeping = replace(training.terms.debriefing, progress=("keep",))
+    training.terms = replace(training.terms, trainees=("Ann",), debriefing=keeping)
     fly(ship, 3 * 60 + 40)
     ship.settle(lambda: bool(kept))
     assert ship.say(trainee, "again")[0] == "ok"
@@ -436,7 +439,7 @@ def test_who_trains_may_choose_a_lesson_by_its_name(crewed: Begin) -> None:
     ship = crewed(seconds=5.0)
     trainee = ship.comes("trainee")
     ship.leaves(ship.instructor)
-    ship.conduct.training.barred = None
+    ship.allow_next()
     ship.fly(20)
     assert ship.say(trainee, "next trim-by-hand") == ("ok", "next: trim-by-hand")
     assert ship.session.control.following == "trim-by-hand"

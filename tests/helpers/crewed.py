@@ -23,6 +23,7 @@ from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
+from trainer.session.exercise.terms import Terms
 from trainer.session.past.plan import Plan
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
@@ -56,6 +57,7 @@ class Crewed:
             self.boat.world = world_of(self.boat, world or {})
         self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
         self.now = 0.0
+        self.judged = threading.Event()
         self.wake = threading.Event()
         self.sending = prompt_sender(self.boat)
         for each in armed:
@@ -67,20 +69,20 @@ class Crewed:
             monitor=LimitMonitor.over(self.boat, ExerciseLimits()),
             wake=self.wake,
             by_hand={"hand": hand},
+            terms=Terms(
+                plan,
+                losses=[
+                    Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
+                    for text in lost
+                ],
+                seconds=seconds,
+                kept=path,
+                debriefing=DebriefSource(self._judge, self._write),
+            ),
         )
         self.conduct = self.session.conduct
-        self.conduct.guide.steps = plan.steps if plan else ()
-        self.conduct.aids.plan = self.session.dispatch.way.plan = plan
-        losses = [
-            Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
-            for text in lost
-        ]
-        self.conduct.ending.expect(losses, seconds)
-        self.conduct.marks.kept = self.conduct.past.kept = path
         self.conduct.marks.scored = True
-        self.conduct.company.clock = self.conduct.command.clock = lambda: self.now
-        self.judged = threading.Event()
-        self.conduct.marks.debriefing = DebriefSource(self._judge, self._write)
+        self.conduct.muster.clock = self.conduct.command.clock = lambda: self.now
         self.instructor = self.comes("instructor")
 
     def _judge(self, path: Path, branch: int) -> Judgement:
@@ -99,6 +101,11 @@ class Crewed:
         share(0.25)
         page = str(path.with_suffix(f".branch{branch}.html"))
         return WrittenDebrief(page, [(2.0, "0:02: much was lost.")])
+
+    def allow_next(self) -> None:
+        """Let another exercise follow in the same process."""
+        training = self.conduct.training
+        training.terms = replace(training.terms, barred=None)
 
     def comes(self, role: str) -> Line:
         """Let a station come that says who it is."""

@@ -18,6 +18,7 @@ from trainer.session.attendance import Introduction
 from trainer.session.crew.agenda import Agenda
 from trainer.session.crew.crew import CrewTalk
 from trainer.session.crew.manning import HandWork
+from trainer.session.exercise.terms import Terms
 from trainer.session.parts import Monitors
 from trainer.session.past.header import header_of
 from trainer.session.past.history import History
@@ -77,6 +78,7 @@ def session_over(
     introduction: Introduction = Introduction(),  # noqa: B008  frozen
     wake: threading.Event | None = None,
     by_hand: dict[str, Any] | None = None,
+    terms: Terms = Terms(),  # noqa: B008  frozen
 ) -> Session:
     """Return a session of a boat; ``by_hand`` is what HandWork is told of the exercise."""
     return Session(
@@ -85,6 +87,7 @@ def session_over(
         CrewTalk(boat, HandWork(boat, **(by_hand or {}))),
         Monitors.over(boat, monitor or LimitMonitor()),
         wake or threading.Event(),
+        terms,
         introduction,
         ColumnFile(*rows),
     )

@@ -16,7 +16,7 @@ from trainer.io.recording.recording import Recording
 from trainer.session.crew.agenda import Agenda, Plans
 from trainer.session.crew.crew import CrewTalk
 from trainer.session.crew.manning import HandWork
-from trainer.session.crew.standing import StandRecord
+from trainer.session.crew.orders_in_force import OrdersInForce
 from trainer.session.stations.roles import ROLES
 
 CAPTAIN = Giver(GiverKind.STATION, "instructor", "instructor at a desk")
@@ -229,7 +229,7 @@ def by_journal(ship: Crewed) -> Plans:
     session = ship.session
     agenda = Agenda(session.boat)
     crew = CrewTalk(session.boat, HandWork(session.boat))
-    afresh = StandRecord(crew, agenda, session.history)
+    afresh = OrdersInForce(crew, agenda, session.history)
     afresh.read_journal()
     afresh.put_back_plans()
     return agenda.plans

@@ -370,7 +370,7 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(drill: Cr
     helm = drill.comes("helm")
     assert "quit, then trainer run backing" in drill.refused("next backing")
 
-    drill.conduct.training.barred = None
+    drill.allow_next()
     assert "end exercise" in drill.refused("next backing")
     drill.fly(20)
     assert 'no exercise "nothing"' in drill.refused("next nothing")
@@ -398,7 +398,7 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     for place, each in enumerate([run, *done]):
         add_run("Ann", replace(each, branch=place))
     ship = crewed(seconds=5.0)
-    ship.conduct.training.barred = None
+    ship.allow_next()
     trainee = ship.comes("trainee")
     ship.say(ship.instructor, "detach")
     ship.fly(20)
@@ -410,11 +410,12 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     assert answer() == "next: the one after this"  # nobody's progress is kept
     assert ship.session.control.following == first
 
-    ship.conduct.training.trainees = ("Ann",)
+    training = ship.conduct.training
+    training.terms = replace(training.terms, trainees=("Ann",))
     assert answer().startswith("next: 12 marks ")
     assert ship.session.control.following == "backing"
 
-    ship.conduct.training.exercise = "backing"  # which is not offered again
+    training.terms = replace(training.terms, exercise="backing")  # which is not offered again
     assert answer() == "next: no marks in it yet, and the next of the course"
     assert ship.session.control.following == course()[0].name
 
@@ -743,7 +744,7 @@ def test_an_alarm_wakes_once_at_the_earliest_time_asked_for() -> None:
 def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the_end_too(
     drill: Crewed,
 ) -> None:
-    drill.conduct.company.visitors = True
+    drill.conduct.muster.visitors = True
     visitor = drill.comes("visitor")
     begun = drill.boat.plain.tobytes()
     drill.fly(4)

@@ -21,7 +21,7 @@ from trainer.io.recording.recording import Recording
 from trainer.session.crew.agenda import Agenda
 from trainer.session.crew.crew import CrewTalk
 from trainer.session.crew.manning import HandWork
-from trainer.session.crew.standing import StandRecord
+from trainer.session.crew.orders_in_force import OrdersInForce
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 
@@ -188,7 +188,7 @@ def test_what_stands_after_a_jump_is_what_the_journal_tells_from_its_beginning(
     session = here.session
     for jump in ("backtrack 2 s", "branch 1", "backtrack 5 s", "reset", "branch 3", "branch 1"):
         here.say("instructor", jump)
-        afresh = StandRecord(
+        afresh = OrdersInForce(
             CrewTalk(here.boat, HandWork(here.boat)), Agenda(here.boat), session.history
         )
         afresh.read_journal()

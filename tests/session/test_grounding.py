@@ -161,7 +161,7 @@ def test_clearance_is_the_keel_s_and_a_limit(boat: Boat) -> None:
 def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over: bool) -> None:
     ship = crewed(seconds=600.0)
     sinking(ship.boat, 1.0, 0.3, grounding=how)
-    ship.conduct.hull.ground = GroundMonitor(ship.boat)
+    ship.conduct.damage_watch.ground = GroundMonitor(ship.boat)
     ship.fly(100)
     stands = ship.boat.ticks < 100
     assert stands is (how != "free")
@@ -172,7 +172,7 @@ def test_grounding_does_what_the_exercise_says(crewed: Begin, how: str, *, over:
 
 def test_a_grounding_is_called_again_after_a_jump_to_before_it(ship: Crewed) -> None:
     sinking(ship.boat, 1.0, 0.3, grounding="free")
-    ship.conduct.hull.ground = GroundMonitor(ship.boat)
+    ship.conduct.damage_watch.ground = GroundMonitor(ship.boat)
     moment = ship.session.history.now()
     for times in (1, 2):
         ship.fly(20)

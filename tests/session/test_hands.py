@@ -92,7 +92,7 @@ def test_a_recording_tells_who_had_an_axis(pair: Pair) -> None:
     ship, planes, pilot = pair
     ship.say(planes, "stern planes dive 3")
     ship.say(pilot, "depth 70")
-    standing = ship.session.standing
+    standing = ship.session.in_force
     ship.session.crew.bill.hands.clear()
     standing.read(ship.recording.orders(1, 0))
 

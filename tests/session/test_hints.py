@@ -196,7 +196,7 @@ def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
     line: Line, jam: Crewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("trainer.session.exercise.second_boat.follow_run", lambda *_: 1 // 0)
+        patch.setattr("trainer.session.exercise.reference_flight.follow_run", lambda *_: 1 // 0)
         assert asks(jam, line) == (
             "no",
             "no hint: ZeroDivisionError: integer division or modulo by zero",

@@ -27,8 +27,8 @@ CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes th
         *("PilotMonitor", "TailMonitor", "EngineMonitor"),
     ),
     "ExerciseEnd": ("LossMonitor",),
-    "HullWatch": ("GroundMonitor",),
-    "StandRecord": ("CrewTalk", "HandWork", "WatchBill", "PumpMonitor", "Agenda"),
+    "DamageWatch": ("GroundMonitor",),
+    "OrdersInForce": ("CrewTalk", "HandWork", "WatchBill", "PumpMonitor", "Agenda"),
     "EventLog": ("OwnAlerts", "AlertBook"),
 }
 LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not follow
@@ -54,7 +54,7 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
 GROWING: Final = {  # of followers, and kept for all branches
     *(f"EventLog.{name}" for name in ("news", "_branch", "_counts")),
     "AlertBook.number",
-    *("StandRecord._by_order", "StandRecord._latest"),
+    *("OrdersInForce._by_order", "OrdersInForce._latest"),
 }
 CHANGES: Final = (  # methods that change a container
     *("add", "append", "appendleft", "clear", "discard", "extend", "insert", "pop", "popitem"),

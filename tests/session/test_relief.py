@@ -36,8 +36,8 @@ def test_a_relief_is_kept_by_a_new_line_of_the_station_and_put_back_by_a_jump(
 
     assert ship.session.crew.bill.watch == {"planes": "Ott"}
     ship.session.crew.bill.watch.clear()
-    ship.session.standing.read_journal()
-    ship.session.standing.follow(ship.session.history.now())
+    ship.session.in_force.read_journal()
+    ship.session.in_force.follow(ship.session.history.now())
     assert ship.session.crew.bill.watch == {"planes": "Ott"}
 
 

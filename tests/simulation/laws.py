@@ -25,9 +25,10 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
-from trainer.session.attendance import Attendance
+from trainer.session.attendance import Attendance, Introduction
 from trainer.session.crew.agenda import Plans
 from trainer.session.dispatch import Dispatch
+from trainer.session.exercise.terms import Terms
 from trainer.session.past.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
@@ -123,8 +124,8 @@ class Witness:
         tick, answer_left = Session.tick, Dispatch.answer_left_orders
         greet = Attendance.greet
 
-        def begin(session: Session, introduction: object) -> None:
-            init(session, introduction)  # type: ignore[arg-type]
+        def begin(session: Session, terms: Terms, introduction: Introduction) -> None:
+            init(session, terms, introduction)
             self.session = session
             self.docket.log.see_start(session)
 

@@ -29,7 +29,7 @@ from trainer.io.recording import file
 from trainer.io.recording.durability import NEVER_DUE, Syncer
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session import dispatch, jump, resume
-from trainer.session.crew.standing import StandRecord
+from trainer.session.crew.orders_in_force import OrdersInForce
 from trainer.session.dispatch import Dispatch
 from trainer.session.exercise.conduct import Conduct
 from trainer.session.nmea.outlets import SteadySubscription
@@ -67,14 +67,14 @@ def gather_answers(patch: pytest.MonkeyPatch) -> None:
 
 def plan_refused(patch: pytest.MonkeyPatch) -> None:
     """Plan again what the journal has, whether it was refused or not."""
-    read = StandRecord.read
+    read = OrdersInForce.read
 
     def read_all(
-        self: StandRecord, given: Iterable[RecordedOrder], tick: int = 0, after: int = 0
+        self: OrdersInForce, given: Iterable[RecordedOrder], tick: int = 0, after: int = 0
     ) -> None:
         read(self, [replace(order, accepted=True) for order in given], tick, after)
 
-    patch.setattr(StandRecord, "read", read_all)
+    patch.setattr(OrdersInForce, "read", read_all)
 
 
 def answer_before_journal(patch: pytest.MonkeyPatch) -> None:
@@ -178,7 +178,7 @@ def take_end_back(patch: pytest.MonkeyPatch) -> None:
 
     def follow_unseen(session: Parts) -> None:
         with pytest.MonkeyPatch.context() as blind:
-            blind.setattr(Conduct, "judge_moment", lambda conduct: conduct.hull.look())
+            blind.setattr(Conduct, "judge_moment", lambda conduct: conduct.damage_watch.look())
             follow_jump(session)
 
     for module in (dispatch, jump):

@@ -37,6 +37,7 @@ from trainer.io.recording.recording import Moment, RecordedOrder
 from trainer.io.status_line import course
 from trainer.io.tables import MOTION_COLUMNS, Cell
 from trainer.session.crew.agenda import Agenda
+from trainer.session.exercise.terms import Terms
 from trainer.session.jump import jump_to
 from trainer.session.parts import Monitors
 from trainer.session.past.header import header_of, refusing_damage
@@ -172,9 +173,9 @@ class Boat:
             Agenda(boat, plan.schedule),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
+            terms=Terms(plan),
             rows=ColumnFile(self._rows, MOTION_COLUMNS),
         )
-        session.conduct.marks.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)
         self._rows.row(boat.numbers(MOTION_COLUMNS))
         return session
@@ -218,7 +219,7 @@ class Boat:
             self._refuse_closed()
             if self.lost:
                 raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
-            hull, hull.halted = self._session.conduct.hull, ""
+            hull, hull.halted = self._session.conduct.damage_watch, ""
             self._session.last_tick = self._last_tick(seconds)
             self._session.run()
         if self.lost:
@@ -378,7 +379,7 @@ class Boat:
     def _take_over(self, flown: Flown) -> None:
         """Be where another boat of this plan is."""
         self._keeper = self._session.history.recording = OrderMemory(flown.orders)
-        self._session.standing.read(flown.orders)
+        self._session.in_force.read(flown.orders)
         with np.errstate(all="ignore"):
             jump_to(self._session, flown.moment, "copied")
         self._rows.numbers[:] = flown.rows

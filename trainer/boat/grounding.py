@@ -1,6 +1,6 @@
 """The ground as the boat notices it: clearance, how it was touched, and the calls.
 
-``session/exercise/hull`` and ``limits`` call them after a tick, and debriefs ask them of a
+``session/exercise/damage_watch`` and ``limits`` call them after a tick, and debriefs ask them of a
 recording. The core computes the forces of the ground. These functions say in words what has
 happened.
 """

@@ -45,7 +45,7 @@ from trainer.io.orders.table import FORMS, NAME_SLOTS, SIDE_SIGNS, WORD_SETS
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.io.sides import SURFACE_SIDES
 from trainer.session.doors.warm_up import warm_boat
-from trainer.session.exercise.second_boat import follow_run
+from trainer.session.exercise.reference_flight import follow_run
 from trainer.session.past.header import differences, layout_of, open_whole_recording, plan_of
 from trainer.session.past.journal import order_of
 from trainer.session.past.layout import read_state

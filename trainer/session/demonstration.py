@@ -1,8 +1,8 @@
 """The reference crew shows the way from a frozen moment.
 
 It does so on a branch that counts for no mark. A thread has the crew follow the run so far, mute
-(``second_boat``). Then it comes aboard and speaks: its orders go the road of all orders, are told
-to everybody, and move the controls that all screens show. Afterwards the boat is back at the
+(``reference_flight``). Then it comes aboard and speaks: its orders go the road of all orders, are
+told to everybody, and move the controls that all screens show. Afterwards the boat is back at the
 moment, frozen.
 """
 
@@ -15,10 +15,9 @@ from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError
-from trainer.session.exercise.second_boat import crew_so_far
+from trainer.session.exercise.reference_flight import crew_so_far
 from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
-from trainer.session.past.plan import Plan
 from trainer.session.past.run_modes import ShownRun
 from trainer.session.stations.station import Fact, Request
 
@@ -31,7 +30,6 @@ class Demonstration:
 
     session: Parts
     carry_out: Callable[[Order, Giver], Reply]
-    plan: Plan | None = None
     origin: Moment | None = None  # where the crew goes on afterwards
     crew: ReferenceCrew | None = None
     preparing: bool = False  # the crew follows the run so far
@@ -49,10 +47,11 @@ class Demonstration:
         history, moment = self.session.history, self.session.history.now()
         why = f"{order.text}, by {asked.station.giver.words}"
         until = moment.tick + round(order.value / self.session.boat.method.step)
-        assert self.plan is not None  # noqa: S101 (else it is barred)
+        plan = self.session.conduct.terms.plan
+        assert plan is not None  # noqa: S101 (else it is barred)
         self.session.conduct.work.begin(
             "way",
-            crew_so_far(self.plan, history),
+            crew_so_far(plan, history),
             lambda mute: self._begin(mute, moment, until, why),
             lambda e: self._give_up(f"the way cannot be shown: {type(e).__name__}: {e}"),
         )
@@ -66,8 +65,9 @@ class Demonstration:
             return flown.barred
         if self.preparing:
             return Refused("the reference crew is coming aboard already")
-        if self.plan is None or not self.plan.crew.rules:
-            kind = "exercise" if self.plan and self.plan.title else "free run"
+        plan = session.conduct.terms.plan
+        if plan is None or not plan.crew.rules:
+            kind = "exercise" if plan and plan.title else "free run"
             return Refused(f"this {kind} has no reference crew to show the way")
         if not session.time.frozen or session.control.steps:
             return Refused("time runs: freeze first, or go back to a moment; then demonstrate")

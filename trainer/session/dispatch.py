@@ -84,12 +84,12 @@ def command_gate(order: Order, station: Station | None, session: Parts) -> Refus
 def quit_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that others are attached, for whom ``quit`` ends the session only when said twice."""
     quits = order.name == "quit"
-    return session.conduct.company.unconfirmed(station) if station and quits else None
+    return session.conduct.muster.unconfirmed(station) if station and quits else None
 
 
 def visitor_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return why a visitor may not begin this run again."""
-    asked = order.name == "restart" and not session.conduct.company.visitors
+    asked = order.name == "restart" and not session.conduct.muster.visitors
     return not_for_visitors(station.role) if station and asked else None
 
 
@@ -216,7 +216,7 @@ class Dispatch:
         shut = refusal(crew_order, None, session)
         if shut and giver.kind is GiverKind.PLAN:
             session.history.answered(session.history.order(giver, crew_order), shut)
-            session.standing.keep()
+            session.in_force.keep()
         return shut or self._carried_out(crew_order, giver)
 
     def carry_out(
@@ -233,7 +233,7 @@ class Dispatch:
         answer, fact = self._obeyed(order, giver, entry, speaker)
         if number is not None:
             session.history.answered(number, answer, fact)
-            session.standing.keep()
+            session.in_force.keep()
         if word.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
             follow_jump(session)
         if word.obeyer in (Obeyer.PAST, Obeyer.TIME):
@@ -248,7 +248,7 @@ class Dispatch:
             if order is not None:
                 answer, fact = self._obeyed(order, left.giver, left.entry)
                 session.history.answered(left.id, answer, fact)
-                session.standing.keep()
+                session.in_force.keep()
 
     def _obeyed(
         self, order: Order, giver: Giver, entry: int | None, speaker: Station | None = None
@@ -346,7 +346,7 @@ class Dispatch:
             if order.name in BOAT_ORDERS | CREW_TALK:
                 self.obey(order, giver)
         if session.history.after != before:
-            session.standing.put_back_plans()
+            session.in_force.put_back_plans()
 
     def tell_plans(self, station: Station | None = None) -> None:
         """Send an instructor the orders ahead; without a station all of them, if changed."""

@@ -51,9 +51,9 @@ def followers(session: Parts) -> Sequence[Follower]:
         session.monitors,
         conduct.ending,
         conduct.marks,
-        conduct.hull,
-        conduct.company,
-        session.standing,
+        conduct.damage_watch,
+        conduct.muster,
+        session.in_force,
         conduct.guide,
         session.event_log,
         session.evaluation,
@@ -91,7 +91,7 @@ def repeat_step(session: Parts, moment: Moment, why: str) -> None:
 def end_replay(session: Parts) -> None:
     """Freeze time where a replay has come to its end. The run can go on from there."""
     session.event_log.tell("moment", session.history.end_replay())
-    session.standing.put_back_plans()
+    session.in_force.put_back_plans()
     session.conduct.judge_moment()
     session.control.stop()
     session.shown.show()

@@ -1,7 +1,7 @@
 """The objects that make up a session. ``session``, ``dispatch`` and ``jump`` use them."""
 
 import threading
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthMonitor
@@ -10,9 +10,10 @@ from trainer.boat.pilot import PilotMonitor
 from trainer.io.recording.recording import Moment
 from trainer.session.crew.agenda import Agenda
 from trainer.session.crew.crew import CrewTalk
-from trainer.session.crew.standing import StandRecord
+from trainer.session.crew.orders_in_force import OrdersInForce
 from trainer.session.exercise.conduct import Conduct
 from trainer.session.exercise.evaluation import Evaluation
+from trainer.session.exercise.terms import Terms
 from trainer.session.past.control import Control
 from trainer.session.past.history import History
 from trainer.session.people.shown import ScreenOutput
@@ -63,22 +64,23 @@ class Parts:
     crew: CrewTalk
     monitors: Monitors
     wake: threading.Event = field(default_factory=threading.Event)
+    terms: InitVar[Terms] = Terms()  # noqa: RUF009  frozen
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, terms: Terms) -> None:
         self.event_log = EventLog(self.history, self.monitors.counting)
         self.control = Control(self.boat, self.time, self.history, self.agenda.schedule)
         self.shown = ScreenOutput(self.history, self.time, self.crew, self.sending)
-        self.conduct = Conduct(self.control, self.event_log, self.shown, self.wake.set)
+        self.conduct = Conduct(*(self.control, self.event_log, self.shown, self.wake.set), terms)
         self.evaluation = Evaluation(
             *(self.history, self.event_log, self.conduct.work, self.crew.work.refuse),
             over=lambda: self.conduct.ending.over or self.control.failure,
         )
         self.shown.seen = self.evaluate_frozen
-        self.standing = StandRecord(self.crew, self.agenda, self.history)
+        self.in_force = OrdersInForce(self.crew, self.agenda, self.history)
 
     def holding(self) -> set[str]:
         """Return the keys of all alerts called that hold still."""
-        monitors, hull = self.monitors, self.conduct.hull
+        monitors, hull = self.monitors, self.conduct.damage_watch
         known = monitors.limits.holding | monitors.depths.holding | hull.holding
         return known | monitors.pilot.holding(self.boat.time)
 

@@ -83,7 +83,7 @@ class QuietTicks:
         session, boat = self._session, self._session.boat
         flown, monitors = FlownTicks(rows, boat.method.step), session.monitors
         counts = [count_before(has_collapsed(boat, flown))] if len(rows) else [0]
-        ground = session.conduct.hull.ground
+        ground = session.conduct.damage_watch.ground
         for monitor in (monitors.depths, monitors.pilot, ground, monitors.limits):
             if counts[-1]:
                 counts.append(monitor.quiet_ticks(boat, flown))
@@ -104,7 +104,7 @@ class QuietTicks:
         session, self._flown = self._session, flown
         session.monitors.pilot.pass_over(session.boat, flown)
         session.monitors.limits.pass_over(session.boat, flown)
-        session.conduct.hull.ground.pass_over(session.boat, flown)
+        session.conduct.damage_watch.ground.pass_over(session.boat, flown)
         session.conduct.look()
 
     def _keep(self) -> None:

@@ -12,7 +12,6 @@ import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -40,7 +39,7 @@ from trainer.session.doors.ports import PORT_TIMEOUT_S, Ports, keeps_no_time
 from trainer.session.doors.warm_up import refuse_unstable, set_garbage_aside, warm_boat
 from trainer.session.exercise.aids import GHOST
 from trainer.session.exercise.marks import DebriefSource
-from trainer.session.exercise.training import SINGLE_REFUSAL
+from trainer.session.exercise.terms import SINGLE_REFUSAL, Terms
 from trainer.session.parts import Monitors
 from trainer.session.past.header import header_of
 from trainer.session.past.history import History
@@ -230,7 +229,6 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
-    briefing = briefing_of(plan, options)
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH_ROWS)
     endless = plan.duration is None or lives_on(options)
     last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
@@ -242,12 +240,6 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
         stack.callback(publisher.close, PORT_TIMEOUT_S)  # also where a port cannot be opened
-        here = situation(plan, boat)
-        introduction = Introduction(
-            (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
-            (*briefing.heading(STRANGER_ROLE), *here),
-            briefing,
-        )
         session = Session(
             boat,
             time,
@@ -257,12 +249,19 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
             wake,
-            introduction,
+            terms_of(prepared, options),
+            introduction_of(plan, boat, options),
             ColumnFile(recorder, MOTION_COLUMNS if options.csv_path else ()),
             last_tick,
         )
         session.attendance.until_left = options.until_left
-        conduct_of(session, prepared, options)
+        if boat.ticks:
+            session.event_log.news.extend(recalled_past(history))
+        if not INTERPRETED:
+            judge = session.conduct.terms.debriefing
+            session.evaluation.begin(
+                judge.evaluator if judge else (), session.conduct.terms.kept, plan
+            )
         if log:
             session.event_log.hearers.append(log.hear)
         crowd, work = session.event_log.strangers, session.conduct.work
@@ -280,13 +279,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             with quiet, shown as session.progress, time.attended():
                 session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND_NS
-        session.dispatch.way.end_in_time()  # so that its last branch is the crew's
-        session.evaluation.finish()
-        session.conduct.training.remember()
-        session.conduct.work.finish()
-        session.event_log.strangers.close()
-        if not session.control.following:  # else whoever is there comes back for it
-            session.event_log.tell("time", SESSION_OVER, fact=Fact("over"))
+        wind_up(session)
         sending.close(PORT_TIMEOUT_S)
         for station in session.event_log.stations:
             station.close(PORT_TIMEOUT_S)
@@ -299,34 +292,34 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         return RunResult(code, session.control.following)
 
 
+def wind_up(session: Session) -> None:
+    """End what goes on beside a session, and say that it is over."""
+    session.dispatch.way.end_in_time()  # so that its last branch is the crew's
+    session.evaluation.finish()
+    session.conduct.training.remember()
+    session.conduct.work.finish()
+    session.event_log.strangers.close()
+    if not session.control.following:  # else whoever is there comes back for it
+        session.event_log.tell("time", SESSION_OVER, fact=Fact("over"))
+
+
 def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
     """Return the crew's talk before any word, with the axes that are worked by hand."""
     hand, allowed = frozenset(plan.hand), frozenset(plan.allowed)
     return CrewTalk(boat, HandWork(boat, hand, plan.hand_from, allowed, plan.guard))
 
 
-def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
-    """Set the exercise's end, its judge and the next exercises in a session's conduct."""
-    plan, conduct, debriefing = prepared.plan, session.conduct, prepared.begun.debriefing
-    kept = Path(prepared.kept) if prepared.kept else None
-    marks, training = conduct.marks, conduct.training
-    marks.debriefing, marks.kept, marks.scored = debriefing, kept, bool(plan.scores)
-    conduct.past.kept = kept
-    training.trainees, training.barred = options.trainee, prepared.barred
-    training.exercise = Path(options.exercise).stem if options.exercise else ""
-    if debriefing and debriefing.progress and kept:
-        training.keeper = *debriefing.progress, str(kept)
-    conduct.company.visitors = plan.visitors
-    conduct.guide.steps = plan.steps
-    conduct.aids.plan = session.dispatch.way.plan = plan
-    if lives_on(options):
-        conduct.ending.expect(plan.lost, plan.duration)
-    if prepared.boat.ticks:
-        session.event_log.news.extend(recalled_past(prepared.history))
-    words = debriefing.evaluator if debriefing else ()
-    evaluate = partial(session.evaluation.begin, words, kept, plan)
-    if not INTERPRETED:
-        evaluate()
+def terms_of(prepared: PreparedRun, options: RunOptions) -> Terms:
+    """Return what is settled of a session before it begins."""
+    plan = prepared.plan
+    ending = (plan.lost, plan.duration) if lives_on(options) else ((), None)
+    return Terms(
+        *(plan, Path(options.exercise).stem if options.exercise else "", *ending),
+        kept=Path(prepared.kept) if prepared.kept else None,
+        debriefing=prepared.begun.debriefing,
+        trainees=options.trainee,
+        barred=prepared.barred,
+    )
 
 
 def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
@@ -394,6 +387,16 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         aids=plan.aids if plan.crew.rules else tuple(each for each in plan.aids if each != GHOST),
         way=bool(plan.crew.rules),
         hint_marks=plan.hint_marks,
+    )
+
+
+def introduction_of(plan: Plan, boat: Boat, options: RunOptions) -> Introduction:
+    """Return what newcomers are told: the briefing, and where the boat is."""
+    briefing, here = briefing_of(plan, options), situation(plan, boat)
+    return Introduction(
+        (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
+        (*briefing.heading(STRANGER_ROLE), *here),
+        briefing,
     )
 
 

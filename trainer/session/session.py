@@ -15,6 +15,7 @@ from trainer.boat.boat import TICK_OFFSET
 from trainer.io.tables import ColumnSink, NoFile
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.dispatch import Dispatch
+from trainer.session.exercise.terms import Terms
 from trainer.session.jump import repeat_step
 from trainer.session.parts import Parts
 from trainer.session.questions import Questions
@@ -43,8 +44,8 @@ class Session(Parts):
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
 
-    def __post_init__(self, introduction: Introduction) -> None:
-        super().__post_init__()
+    def __post_init__(self, terms: Terms, introduction: Introduction) -> None:
+        super().__post_init__(terms)
         self.attendance = Attendance(
             self.event_log,
             self.history,
@@ -64,8 +65,8 @@ class Session(Parts):
         self.conduct.guide.give = self.dispatch.obey_step
         self.conduct.guide.go_back = partial(repeat_step, self)
         self.quiet = QuietTicks(self)
-        self.standing.read_journal()  # a recorded run goes on
-        self.standing.follow(self.history.now())
+        self.in_force.read_journal()  # a recorded run goes on
+        self.in_force.follow(self.history.now())
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can say run."""
@@ -155,7 +156,7 @@ class Session(Parts):
         """Announce that nobody is left to say run, unless the exercise is over."""
         if self.conduct.ending.over:
             return
-        halted = self.conduct.hull.halted
+        halted = self.conduct.damage_watch.halted
         where = f"{self.boat.time:g} s by {halted}" if halted else f"{self.boat.time:g} s"
         self.control.deserted = f"frozen at {where}, and nobody is left to say run"
         self.event_log.tell("time", self.control.deserted)
@@ -189,7 +190,7 @@ class Session(Parts):
         for call in self.monitors.pilot.look(self.boat):
             self.event_log.alert("pilot", call)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
-            self.conduct.hull.tell_depth(passed.call, Fact("depth", f"{passed.depth:g}"))
+            self.conduct.damage_watch.tell_depth(passed.call, Fact("depth", f"{passed.depth:g}"))
         self.conduct.judge_tick(self.monitors.limits.encounters)
         self.event_log.settle(self.holding())
         self.evaluation.look()

@@ -6,9 +6,9 @@ rightly; after 10 s without a repeat it sends the order once more. The numbers o
 in the boat's state (``boat/crew_orders``), because the panels show them.
 
 ``dispatch`` calls ``obey`` and then ``note`` for each order, so ``note`` alone changes the talk:
-after a jump in time ``standing`` calls it again for the journalled orders. Nothing here moves the
-boat. Where the watch itself gives an order, such as rudder amidships when a swing has been met,
-``due_by_hand`` returns it, and ``dispatch`` has it obeyed like any other.
+after a jump in time ``orders_in_force`` calls it again for the journalled orders. Nothing here
+moves the boat. Where the watch itself gives an order, such as rudder amidships when a swing has
+been met, ``due_by_hand`` returns it, and ``dispatch`` has it obeyed like any other.
 """
 
 import math

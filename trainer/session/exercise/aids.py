@@ -11,7 +11,7 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.session.aside import BackgroundTask
-from trainer.session.exercise.second_boat import fly_ghost
+from trainer.session.exercise.reference_flight import fly_ghost
 from trainer.session.past.history import History
 from trainer.session.past.plan import Plan
 from trainer.session.people.shown import ScreenOutput

@@ -1,10 +1,10 @@
 """Help with a price: ``hint`` tells what is overdue, and why.
 
 It is what the reference crew would have ordered by now. A thread has that crew follow the run so
-far, mute (``second_boat``). What it tells is in the journal, so that marks can charge for it: what
-an exercise file says under ``hint_marks``. Where nothing is overdue, and in a lesson, which has no
-marks, a hint costs nothing. The hands of that crew believe their gauges: where one of these is
-broken, a hint tells to compare them, and never what the hand would order.
+far, mute (``reference_flight``). What it tells is in the journal, so that marks can charge for it:
+what an exercise file says under ``hint_marks``. Where nothing is overdue, and in a lesson, which
+has no marks, a hint costs nothing. The hands of that crew believe their gauges: where one of these
+is broken, a hint tells to compare them, and never what the hand would order.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from trainer.io.recording.recording import Moment
 from trainer.io.status_line import clock
 from trainer.session.aside import BackgroundTask
 from trainer.session.exercise.aids import Aids
-from trainer.session.exercise.second_boat import crew_so_far
+from trainer.session.exercise.reference_flight import crew_so_far
 from trainer.session.exercise.step_guide import StepGuide
 from trainer.session.past.history import History
 from trainer.session.stations.event_log import EventLog

@@ -97,9 +97,9 @@ class Marks:
     log: EventLog
     work: BackgroundTask
     ending: ExerciseEnd
-    debriefing: DebriefSource | None = None
-    kept: Path | None = None  # where the session is recorded
-    scored: bool = False  # there is something to judge
+    debriefing: DebriefSource | None
+    kept: Path | None  # where the session is recorded
+    scored: bool  # there is something to judge
     found: Judgement | None = None  # once they are there
     released: bool = False
     debrief: WrittenDebrief | None = None  # once it is written

@@ -36,11 +36,11 @@ class StepGuide:
     work: BackgroundTask  # calls between two ticks
     shown: ScreenOutput
     finish: Callable[[Outcome], object]  # the last step is over
+    following: Callable[[], str]  # the name of what comes after the lesson
     steps: Sequence[Step] = ()
     give: Callable[[Order], object] = bool  # an order of the exercise
     go_back: Callable[[Moment, str], object] = lambda _moment, _why: None
     index: int = -1  # of the present step; -1 before the first
-    following: Callable[[], str] = str  # the name of what comes after the lesson
     _begun: dict[int, Moment] = field(default_factory=dict)  # by index
     _missed: dict[int, Moment] = field(default_factory=dict)  # by index: given up, and when
     _repeats: dict[int, int] = field(default_factory=dict)  # by index

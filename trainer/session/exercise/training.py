@@ -6,12 +6,10 @@ the session ends. From these files ``next`` suggests to who trains what is weake
 
 import contextlib
 import subprocess
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Final
 
-from trainer.config.course import course, following, lessons
+from trainer.config.course import course, lessons
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
@@ -20,12 +18,11 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.aside import BackgroundTask, begin_aside, hear_out
 from trainer.session.exercise.exercise import ExerciseEnd
 from trainer.session.exercise.step_guide import StepGuide
+from trainer.session.exercise.terms import Terms
 from trainer.session.past.control import Control
 from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
 from trainer.session.stations.station import Fact, LongAnswer, Request
-
-SINGLE_REFUSAL: Final = Refused("this session is one run")
 
 
 @dataclass
@@ -37,23 +34,23 @@ class Training:
     work: BackgroundTask
     ending: ExerciseEnd
     guide: StepGuide
-    trainees: tuple[str, ...] = ()  # whose progress is kept
-    exercise: str = ""  # its name, "" for none
-    keeper: Sequence[str] = ()  # the command that keeps progress, with the recording
-    barred: Refused | None = SINGLE_REFUSAL  # why another exercise needs another process
+    terms: Terms
     _remembered: tuple[int, int] | None = None  # branch and tick
 
     def remember(self) -> None:
         """Have a process put this run into the files of its trainees."""
         recording, boat = self.control.history.recording, self.control.boat
         here = recording.branch, boat.ticks
-        if not (self.keeper and self.trainees and boat.ticks) or here == self._remembered:
+        if (
+            not (self.terms.keeper and self.terms.trainees and boat.ticks)
+            or here == self._remembered
+        ):
             return
         self._remembered = here
         recording.flush()
         ended = self.ending.outcome or Outcome.LEFT
         how = Outcome.DONE if self.guide.done and ended is not Outcome.LOST else ended
-        whole = (*self.keeper, str(recording.branch), how)
+        whole = (*self.terms.keeper, str(recording.branch), how)
 
         def hear() -> str:
             process = begin_aside(whole)
@@ -97,11 +94,6 @@ class Training:
         best = ((each.name, progress.best(each.name)) for each in lessons())
         return ",".join(f"{name}:{how}" for name, how in best if how)
 
-    def following(self) -> str:
-        """Return the name of what comes after this exercise; "" after the last."""
-        after = following(self.exercise)
-        return after.name if after else ""
-
     def _suggested(self) -> tuple[str, str]:
         """Return what is best flown next, and why; "" for none.
 
@@ -109,21 +101,21 @@ class Training:
         """
         offered = [*lessons(), *course()]
         if progress := self._progress():
-            others = [each for each in offered if each.name != self.exercise]
+            others = [each for each in offered if each.name != self.terms.exercise]
             if suggestion := progress.suggest(others, datetime.now(UTC).date()):
                 return suggestion.lesson.name, suggestion.reason
-        name = self.following()
+        name = self.terms.following()
         return name, "the one after this" if name else ""
 
     def _progress(self) -> Progress | None:
         """Return the progress of who trains; None for nobody, or a file that cannot be read."""
         with contextlib.suppress(ConfigError):
-            return read_progress(self.trainees[0]) if self.trainees else None
+            return read_progress(self.terms.trainees[0]) if self.terms.trainees else None
         return None
 
     def _problem(self, name: str) -> Refused | None:
         """Return why that exercise cannot follow, None if it can."""
-        elsewhere = self.barred
+        elsewhere = self.terms.barred
         if not elsewhere and not all(each.visits for each in self.log.stations):
             elsewhere = Refused("this session has lines of its own")
         if elsewhere:

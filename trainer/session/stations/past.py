@@ -53,9 +53,11 @@ class TickSpan(NamedTuple):
 class PastReader:
     """The answers to the order ``history``."""
 
-    def __init__(self, history: History, work: BackgroundTask, log: EventLog) -> None:
+    def __init__(
+        self, history: History, work: BackgroundTask, log: EventLog, kept: Path | None = None
+    ) -> None:
         self.aids = NO_AIDS  # that are on: the ghost was there at all times
-        self.kept: Path | None = None  # the recording
+        self.kept = kept  # the recording
         self._history = history
         self._log = log
         self._boat = history.boat

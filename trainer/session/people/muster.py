@@ -24,7 +24,7 @@ NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visito
 
 
 @dataclass
-class Company:
+class Muster:
     """The stations of one session, as they see each other."""
 
     log: EventLog

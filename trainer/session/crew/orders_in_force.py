@@ -22,7 +22,7 @@ EMPTY_STAND: Stand = Talk(), Plans()
 
 
 @dataclass
-class StandRecord:
+class OrdersInForce:
     """The words and plans of one session, by the order that they stand after."""
 
     crew: CrewTalk

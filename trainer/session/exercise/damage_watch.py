@@ -20,7 +20,7 @@ from trainer.session.stations.station import Fact
 
 
 @dataclass
-class HullWatch:
+class DamageWatch:
     """The watch over one hull."""
 
     control: Control
