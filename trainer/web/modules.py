@@ -26,6 +26,7 @@ COMMENT_LINES: Final = re.compile(
     r"^[ \t]*(?://[^\n]*|/\*\*(?:(?!\*/).)*\*/[ \t]*)\n", re.MULTILINE | re.DOTALL
 )
 
+FONT_URL: Final = re.compile(r'url\("\./fonts/(\S+?)"\)')  # in a style
 STYLESHEET_TAG: Final = re.compile(r'<link rel="stylesheet" href="\./assets/(\S+)">\n?')
 SCRIPT_TAG: Final = re.compile(r'<script type="module" src="\./assets/(\S+)"></script>\n?')
 
@@ -34,6 +35,11 @@ Sources = dict[str, str]  # of modules, by their paths; what a module imports st
 
 class UnknownFormError(Exception):
     """A module with an import or export of a kind that is not known."""
+
+
+def read_font(name: str) -> bytes:
+    """Return a font of the pages."""
+    return (ASSETS_FOLDER / "fonts" / name).read_bytes()
 
 
 def collect_modules(

@@ -16,15 +16,21 @@ from typing import Final
 from trainer.web.modules import (
     ASSETS_FOLDER,
     EXPORTED_NAME,
+    FONT_URL,
     SCRIPT_TAG,
     STYLESHEET_TAG,
     Sources,
     collect_modules,
+    read_font,
     wrap_modules,
 )
 
 ASSETS_ROOT: Final = "./assets/"  # of the plain names too, which no request asks for
-MEDIA_TYPES: Final = {".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
+MEDIA_TYPES: Final = {
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".woff2": "font/woff2",
+}
 HASH_DIGITS: Final = 16
 # What each station has of these, all have: state, alerts, briefing, orders, the line, words.
 SHARED_ENTRIES: Final = ("js/frame.js", "js/model/session.js", "js/protocol/link.js", "js/words.js")
@@ -47,7 +53,7 @@ class Assets:
         self._shared: Sources = {}
         for entry in SHARED_ENTRIES:
             collect_modules(entry, {}, self._shared)
-        self._shared_address = self._keep("shared.js", join_shared(self._shared))
+        self._shared_address = self._keep("shared.js", join_shared(self._shared).encode())
 
     def link(self, html: str) -> tuple[str, str]:
         """Return a page that asks for hashed files, and its import map."""
@@ -55,8 +61,15 @@ class Assets:
         name = PurePosixPath(entry).stem
         sheets = STYLESHEET_TAG.findall(html)
         sheet = "".join((ASSETS_FOLDER / each).read_text(encoding="utf-8") for each in sheets)
+        fonts = {each: self._keep(each, read_font(each)) for each in FONT_URL.findall(sheet)}
+        sheet = FONT_URL.sub(lambda url: f'url("{PurePosixPath(fonts[url[1]]).name}")', sheet)
         tags, script_map = self._script(name, entry)
-        head = f'<link rel="stylesheet" href="{self._keep(f"{name}.css", sheet)}">\n{tags}'
+        first = "".join(
+            f'<link rel="preload" as="font" type="font/woff2" crossorigin href="{address}">\n'
+            for address in fonts.values()
+        )
+        address = self._keep(f"{name}.css", sheet.encode())
+        head = f'{first}<link rel="stylesheet" href="{address}">\n{tags}'
         html = SCRIPT_TAG.sub("", STYLESHEET_TAG.sub("", html))
         return html.replace("</title>\n", f"</title>\n{head}", 1), script_map
 
@@ -65,7 +78,7 @@ class Assets:
         sources = collect_modules(entry, {})
         own = {path: source for path, source in sources.items() if path not in self._shared}
         shared = self._shared_address
-        address = self._keep(f"{name}.js", join_own(own, self._shared)) if own else shared
+        address = self._keep(f"{name}.js", join_own(own, self._shared).encode()) if own else shared
         modules = dict.fromkeys((ASSETS_ROOT + path for path in self._shared), shared)
         script_map = json.dumps({"imports": modules}, separators=(",", ":"))
         return (
@@ -74,9 +87,8 @@ class Assets:
             f'<script type="module" src="{address}"></script>\n'
         ), script_map
 
-    def _keep(self, name: str, text: str) -> str:
+    def _keep(self, name: str, body: bytes) -> str:
         """Keep a file under its hashed name; return its address."""
-        body = text.encode()
         path = PurePosixPath(name)
         digits = hashlib.sha256(body).hexdigest()[:HASH_DIGITS]
         hashed = f"{path.stem}.{digits}{path.suffix}"

@@ -18,9 +18,11 @@ from typing import Any, Final
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.web.modules import (
     ASSETS_FOLDER,
+    FONT_URL,
     SCRIPT_TAG,
     STYLESHEET_TAG,
     collect_modules,
+    read_font,
     wrap_modules,
 )
 from trainer.web.pages import PAGES, order_words, render
@@ -54,6 +56,11 @@ def pack_data(data: bytes) -> str:
     return base64.b64encode(zlib.compress(data, 9)).decode("ascii")
 
 
+def data_url(font: str) -> str:
+    """Return the address of a font that holds it whole."""
+    return f"data:font/woff2;base64,{base64.b64encode(read_font(font)).decode('ascii')}"
+
+
 def digest(text: str) -> str:
     """Return the source expression of an inline script or style."""
     hash_bytes = hashlib.sha256(text.encode()).digest()
@@ -65,7 +72,7 @@ def policy(scripts: list[str], sheet: str) -> str:
     hashes = " ".join(map(digest, scripts))
     return (
         f"default-src 'none'; script-src {hashes} 'wasm-unsafe-eval'; style-src {digest(sheet)}; "
-        "worker-src blob:; img-src data:; base-uri 'none'; form-action 'none'"
+        "worker-src blob:; img-src data:; font-src data:; base-uri 'none'; form-action 'none'"
     )
 
 
@@ -86,6 +93,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     sheet = "\n".join(
         (ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in STYLESHEET_TAG.findall(html)
     )
+    sheet = FONT_URL.sub(lambda url: f'url("{data_url(url[1])}")', sheet)
     entry = SCRIPT_TAG.findall(html)[0]
     script = close_text(bundle(entry))
     policed = policy([script], sheet)

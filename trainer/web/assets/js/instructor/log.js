@@ -13,14 +13,20 @@ const SHOWN = 150; // entries
 const PACE = 250; // [ms]
 const CHOOSER = "chooser"; // what the first page is called: nobody is aboard by it
 
-/** Fills the log up to the moment, newest first. @param {Desk} desk */
+/** Fills the log up to the moment, newest first; who comes and goes by a key. @param {Desk} desk */
 export function showLog({ session, moment }) {
-  const list = one("#log");
+  const [list, comings] = [one("#log"), one("#log-stations")];
   const draw = paced(PACE, () => {
     const at = list.scrollTop;
-    list.replaceChildren(...moment.log.slice(-SHOWN).reverse().map(entryRow));
+    const all = comings.getAttribute("aria-pressed") === "true";
+    const told = all ? moment.log : moment.log.filter(({ kind }) => kind !== "station");
+    list.replaceChildren(...told.slice(-SHOWN).reverse().map(entryRow));
     list.scrollTop = at;
   });
+  comings.onclick = () => {
+    comings.setAttribute("aria-pressed", String(comings.getAttribute("aria-pressed") !== "true"));
+    draw();
+  };
   session.on("log", draw);
   moment.addEventListener("look", draw);
 }
