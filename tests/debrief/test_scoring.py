@@ -9,11 +9,11 @@ import pytest
 from helpers.boats import make_boat
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
+from helpers.passages import BB2, trajectory
 
 from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.config.score_rules import ScoreRule
-from trainer.core.casualties import CODES
 from trainer.debrief import measures
 from trainer.debrief.scoring import (
     formula_of,
@@ -23,35 +23,12 @@ from trainer.debrief.scoring import (
     unit_of,
 )
 from trainer.debrief.ships_met import Detection, LookOut
-from trainer.debrief.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
+from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.recording import RecordedOrder
 from trainer.units import KNOT
 
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 MARKS = {"full": 0, "zero": 10}
-
-
-BB2 = make_boat("bb2", "modified")
-
-
-def trajectory(
-    limits: ExerciseLimits | None = None, orders: Any = (), **columns: Any
-) -> Trajectory:
-    """Return a passage at 0.5 s a tick, whose columns but those given are zero."""
-    given = {name: np.asarray(values, float) for name, values in columns.items()}
-    count = max((values.size for values in given.values()), default=5)
-    flat = np.zeros(count)
-    slots = given.pop("jam", flat)
-    whole = (
-        dict.fromkeys(PASSAGE_COLUMNS, flat)
-        | given
-        | {CASUALTY_SLOTS[0]: slots * CODES["stern-stuck"]}
-    )
-    untimed = np.full(count, np.nan)
-    ticks = np.arange(count)
-    return Trajectory(
-        BB2, limits or ExerciseLimits(), tuple(orders), ticks, whole, untimed, untimed
-    )
 
 
 def rules(text: str) -> tuple[ScoreRule, ...]:

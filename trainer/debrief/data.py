@@ -47,6 +47,7 @@ from trainer.debrief.reference import Reference, can_fly, fly_reference, join_ru
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
+from trainer.debrief.station_marks import TaskMarks, attribute_marks
 from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.debrief.watches import Watch, stood_watches
 from trainer.io.recording.facts import OVER_WORDS, REFERENCE_GIVER, BranchCause, Giver, GiverKind
@@ -167,6 +168,17 @@ class DebriefData:
     def total(self) -> float | None:
         """Return the marks of all [%], None where nothing counts or the run is free."""
         return self.final.total
+
+    @property
+    def task_marks(self) -> tuple[TaskMarks, ...]:
+        """Return whose the marks of each task are; a free run has none."""
+        return () if self.free else attribute_marks(self.trajectory, self.final, self.watches)
+
+    @property
+    def manned(self) -> bool:
+        """Return whether it makes a difference who did what: several stations, or named watches."""
+        roles = {each.giver.role for each in self.crew}
+        return len(roles) > 1 or bool(self.watches)
 
     @property
     def free(self) -> bool:
@@ -485,6 +497,13 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
             for each in compare_forms(debrief.forms, debrief.final)
         ],
         "scores": [_score(each, step) for each in debrief.card.scores],
+        "task_marks": [
+            {"name": each.name, "marks": each.marks, "able": list(each.able)}
+            | {"hands": [hand._asdict() for hand in each.hands]}
+            | {"station": each.own.role if each.own else "", "person": each.person}
+            | {"whose": each.whose}
+            for each in debrief.task_marks
+        ],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
         "crew_work": debrief.crew_work and asdict(debrief.crew_work),
         "watches": [_watch(each, step) for each in debrief.watches],

@@ -129,6 +129,8 @@ def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
     yield section("casualties", "Casualties", content)
     if debrief.card.scores:
         yield section("scores", "Measures", sections.scores(debrief))
+        if debrief.manned and debrief.task_marks:
+            yield section("whose", "Whose the marks are", sections.task_marks(debrief))
     if met := sections.ships(debrief):
         yield section("ships", "Ships", met)
     if debrief.of_kind("mark"):
@@ -240,6 +242,8 @@ def as_text(debrief: DebriefData) -> str:
     lines += sections.branch_notes(debrief)
     lines += [] if sections.is_of_today(debrief) else [sections.OLDER_RULES]
     lines += [each.told for each in debrief.costs]
+    if debrief.manned:
+        lines += [f"{one.name}: {one.marks:.0f}, {one.whose}" for one in debrief.task_marks]
     lines += compared_lines(debrief.forms, debrief.final)
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)
     return "\n".join(wrapped)

@@ -384,6 +384,15 @@ def _score(
     )
 
 
+def task_marks(debrief: DebriefData) -> Markup:
+    """Return the table of whose the marks of each task are."""
+    rows = (
+        (each.name, f"{each.marks:.0f}", ", ".join(each.able) or "-", each.whose)
+        for each in debrief.task_marks
+    )
+    return table(("task", "marks", "stations that move it", "whose"), rows, "")
+
+
 def value_of(each: RuleScore) -> str:
     """Return the value of a score with its unit."""
     unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
