@@ -1,11 +1,12 @@
 """Whose the marks of a task are: a station's and its person's, the crew's, or nobody's."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
 from helpers.givers import journalled
-from helpers.passages import trajectory
+from helpers.passages import alert, trajectory
 from helpers.recorded import record
 
 from trainer.config.derived import ALL_QUANTITIES
@@ -175,3 +176,11 @@ def test_a_debrief_tells_whose_the_marks_are_where_a_watch_was_named(tmp_path: P
     assert f"{first['name']}: {first['marks']:.0f}, {first['whose']}" in as_text(debrief)
     silent = record(tmp_path / "alone.trainer", "first-depth-change", said[1:], duration=20.0)
     assert "Whose the marks are" not in render(read_dossier(silent, None))
+
+
+def test_an_answer_to_an_alert_is_of_who_acknowledged_it() -> None:
+    text = "[[scores]]\nname = 'Seen'\nmeasure = 'alert-response'\nfull = 5\nzero = 20\n"
+    orders = [journalled(1, 4, "planes", "stern planes dive 5")]
+    flown = replace(trajectory(orders=orders, z=[5.0] * 60), alerts=(alert(6, 12, "ballast"),))
+    (seen,) = attribute_marks(flown, score_rules(flown, rules(text)), ())
+    assert seen.whose == "ballast"

@@ -43,7 +43,7 @@ MOVING_AXES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("north", "east", "closest-approach"), ("rudder", "speed")),
     **dict.fromkeys(("eye", "exposed", "exposed-raise"), (SCOPE_AXIS, *DEPTH_AXES)),
     **dict.fromkeys(("aground", "beyond-limits", "response"), HAND_AXES),
-    **dict.fromkeys(("time", "wave"), ()),
+    **dict.fromkeys(("time", "wave", "alert-response"), ()),
     **{
         name: ("ballast",)
         for name in ("heavy", "reserve-air", *STATE_QUANTITIES)

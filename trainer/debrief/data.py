@@ -7,7 +7,7 @@ is drawn, so that page, terminal and ``--json`` have the same figures.
 # long: one record of a debrief, and all that is gathered for it
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -61,6 +61,7 @@ from trainer.io.recording.recording import (
 from trainer.session.past.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
 from trainer.session.past.journal import restore_world
 from trainer.session.past.plan import Plan
+from trainer.session.stations.alerts import Alert, AlertNote, recorded_alerts
 
 NO_MARKS: Final = Scorecard((), None)
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
@@ -239,6 +240,12 @@ def gather_debrief(
     trajectory = replace(
         read_passage(recording, wanted, layout_of(header), boat, plan.limits),
         marks=tuple(each for each in events if each.kind == "mark"),
+        alerts=tuple(
+            recorded_alerts(
+                AlertNote.of(each, plan.method.step)
+                for each in within_past(recording.notes(), branches, branch)
+            )
+        ),
     )
     familiarisation = FAMILIARISATION_KEY in header
     if familiarisation:
@@ -426,14 +433,22 @@ def order_givers(trajectory: Trajectory) -> tuple[GiverCount, ...]:
 def events_of(
     recording: Recording, branches: list[Branch], branch: Branch
 ) -> Iterator[RecordedEvent]:
-    """Yield the events of a branch and of its past, up to each next beginning."""
+    """Return the events of a branch's past, without those that repeat an order."""
+    events = within_past(recording.first_events(), branches, branch)
+    return (each for each in events if each.kind not in ECHO_EVENTS)
+
+
+def within_past(
+    events: Iterable[RecordedEvent], branches: list[Branch], branch: Branch
+) -> Iterator[RecordedEvent]:
+    """Yield what is of a branch and of its past, up to each next beginning."""
     ends: dict[int, int | None] = {}
     end: int | None = None
     for here in _ancestry(branches, branch):
         ends[here.id] = end
         end = here.tick
-    for event in recording.first_events():
-        if event.branch not in ends or event.kind in ECHO_EVENTS:
+    for event in events:
+        if event.branch not in ends:
             continue
         last = ends[event.branch]
         if last is None or event.tick <= last:
@@ -507,6 +522,7 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
         "crew_work": debrief.crew_work and asdict(debrief.crew_work),
         "watches": [_watch(each, step) for each in debrief.watches],
+        "alerts": [_alert(each) for each in debrief.trajectory.alerts],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "ships": [
             {"name": name, "closest_m": apart, "seconds": tick * step}
@@ -555,6 +571,20 @@ def _casualty(each: CasualtyAnswer, step: float) -> dict[str, Any]:
         "order_s": each.order and each.order.tick * step,
         "deflected": each.deflection and each.deflection.surface,
         "deflected_s": each.deflection and each.deflection.tick * step,
+    }
+
+
+def _alert(each: Alert) -> dict[str, Any]:
+    """Return an alert and what became of it."""
+    return {
+        "number": each.number,
+        "rank": each.rank.value,
+        "alert": each.words,
+        "raised_s": each.raised.seconds,
+        "silenced": [{"at": role, "seconds": when.seconds} for role, when in each.silenced],
+        "acknowledged_s": each.seen.seconds if each.seen and each.seen_by else None,
+        "acknowledged_by": each.seen_by,
+        "over_s": each.over and each.over.seconds,
     }
 
 

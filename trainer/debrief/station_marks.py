@@ -1,8 +1,8 @@
 """Whose the marks of each task are: a station's, the crew's, or nobody's.
 
-All is from the journal. A task is of a station and its person alone if only this station worked the task's axes
-(``controls``) in its time. Else the crew shared it, and it is told with whom. It is nobody's where
-an instructor worked an axis, or where an automatic alone held it.
+All is from the journal. A task is of a station and its person alone if only this station worked
+the task's axes (``controls``) in its time. Else the crew shared it, and it is told with whom. It is
+nobody's where an instructor worked an axis, or where an automatic alone held it.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -137,16 +137,14 @@ def _hands(
     """Yield who had the axes of a task in its time.
 
     The first axis steers it: it is somebody's also while he lets it stand. Another one counts where
-    somebody worked it. An answer to a casualty is of who gave it.
+    somebody worked it. An answer to a casualty is of who gave it, one to an alert
+    of who acknowledged it.
     """
     spans: dict[str, list[tuple[int, int]]] = {}
     begin, end = _time_of(trajectory, score)
-    if score.rule.casualty and (episode := first_spell(trajectory, score.rule.casualty)):
-        begin = episode.begun
-        if answer := answer_to(trajectory, episode, score.rule.score.orders):
-            spans = {answer.giver.role: [(answer.tick, answer.tick)]}
-            axes = ()
-    for place, axis in enumerate(axes):
+    for role, tick in _answers(trajectory, score, begin, end):
+        spans.setdefault(role, []).append((tick, tick))
+    for place, axis in enumerate(() if spans else axes):
         for role, first, last in _spells(holds, axis, begin, end, carried=place == 0):
             if role and not (place and role == AUTOMATIC):
                 spans.setdefault(role, []).append((first, last))
@@ -159,6 +157,20 @@ def _hands(
     for role, times in spans.items():
         first, last = min(each[0] for each in times), max(each[1] for each in times)
         yield TaskHand(role, persons_at(watches, role, first, last))
+
+
+def _answers(
+    trajectory: Trajectory, score: RuleScore, begin: int, end: int
+) -> Iterator[tuple[str, int]]:
+    """Yield who answered the casualty that a task is about, or its alerts, and at which tick."""
+    rule = score.rule.score
+    if rule.casualty and (episode := first_spell(trajectory, score.rule.casualty)):
+        if answer := answer_to(trajectory, episode, rule.orders):
+            yield answer.giver.role, answer.tick
+    elif rule.measure == "alert-response":
+        for alert in trajectory.alerts:
+            if alert.seen and alert.seen_by and begin <= alert.raised.tick <= end:
+                yield alert.seen_by, alert.seen.tick
 
 
 def _time_of(trajectory: Trajectory, score: RuleScore) -> tuple[int, int]:
