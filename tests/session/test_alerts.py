@@ -176,6 +176,39 @@ def test_a_run_that_goes_on_has_its_alerts_as_they_were(ship: Crewed) -> None:
     assert log.alerts.listed[0].number == second + 1  # numbers go on
 
 
+def test_a_replay_has_its_alerts_as_they_were_and_makes_none_of_its_own(ship: Crewed) -> None:
+    planes = ship.comes("planes")
+    ship.order("autopilot off")
+    ship.boat.state.z = 219.0
+    ship.order("snapshot above")
+    ship.order("restore above")
+    ship.order("blow stop")
+    ship.order("stern planes dive 10")
+    while not ship.session.event_log.alerts.listed:
+        ship.fly(1)
+    (known,) = ship.session.event_log.alerts.listed
+    ship.fly(2)
+    acknowledge_all(ship, planes)
+    ship.fly(2)
+    flown, noted = ship.session.history.tick, [*ship.session.event_log.alerts.notes]
+    ship.order("freeze")
+
+    ship.order(f"replay {flown * ship.boat.method.step:g} s")
+    ship.fly(1)
+    assert open_alerts(ship, planes) == {}
+    ship.fly(known.raised.tick - 1)
+    assert open_alerts(ship, planes) == {NEAR: "active"}
+    assert [*ship.session.event_log.alerts.open] == [known.number]
+    assert ship.events(planes, "depth")[-1].endswith(f" [{known.number}]")
+    acknowledge_all(ship, planes)  # of what is replayed nothing is changed
+    assert [*ship.session.event_log.alerts.notes] == noted
+    ship.fly(flown)
+
+    assert ship.session.history.tick == flown
+    assert open_alerts(ship, planes) == {NEAR: "acknowledged"}
+    assert [each.number for each in ship.session.event_log.alerts.listed] == [known.number]
+
+
 def test_a_note_of_an_alert_that_is_damaged_is_told() -> None:
     for text in ("{", "[]", '["seen"]', '["gone", 1]', '["raised", 1]', '["seen", null]'):
         event = RecordedEvent(1, 7, "alert-note", "", text, "")

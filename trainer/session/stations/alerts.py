@@ -198,6 +198,13 @@ class AlertBook:
             if alert.over is None and not (alert.key in holding if alert.key else stands):
                 yield self._write(AlertNote(AlertStep.OVER, alert.number, now))
 
+    def noted(self, kind: str, call: MonitorCall, now: Instant) -> Alert | None:
+        """Return the alert that came at this tick by the notes, None if none did."""
+        alike = (each for each in self.all if (each.raised.tick, each.kind) == (now.tick, kind))
+        return next(
+            (each for each in alike if (each.key, each.text) == (call.key, call.text)), None
+        )
+
     def recall(self, notes: Iterable[AlertNote]) -> None:
         """Take the notes of an earlier process; ``follow`` makes alerts of them."""
         self.notes.extend(notes)
@@ -218,8 +225,7 @@ class AlertBook:
         return sorted([*self.past, *self.open.values()], key=lambda alert: alert.number)
 
     def _write(self, note: AlertNote) -> Alert:
-        """Keep a note of now; return the alert that it makes, or changes."""
-        self.notes.append(note)
+        """Have a note of now kept; return the alert that it makes, or changes."""
         self.keep(note)
         self.number = max(self.number, note.number)
         return self._take(note)

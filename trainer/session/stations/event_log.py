@@ -98,9 +98,12 @@ class EventLog:
 
         It is kept for as long as its condition holds, or somebody owes it a look.
         """
-        for alert in [*self.alerts.supersede(call.key, self._now)]:
+        self._replay_alerts()
+        known = self.alerts.noted(kind, call, self._now) if self.history.flown.replaying else None
+        replaced = [] if known else [*self.alerts.supersede(call.key, self._now)]
+        for alert in replaced:
             self._tell_state(alert)
-        alert = self.alerts.add(kind, call, self._now)
+        alert = known or self.alerts.add(kind, call, self._now)
         news = self._news_of(alert)._replace(fact=fact, branch=alert.raised.branch)
         self.history.recording.event(news.tick, kind, "", news.text)
         for hear in self.hearers:  # they get it as it is recorded, without the alert's number
@@ -112,6 +115,7 @@ class EventLog:
 
     def settle(self, holding: set[str]) -> None:
         """Tell which alerts are over, by the keys of those that hold after a tick."""
+        self._replay_alerts()
         remark_ticks = self.history.boat.ticks_in(REMARK_S)
         for alert in [*self.alerts.end(holding, self._now, remark_ticks)]:
             if alert.rank is not Rank.CAUTION:
@@ -230,9 +234,22 @@ class EventLog:
             )
         )
 
+    def _replay_alerts(self) -> None:
+        """In a replay, have the alerts become again what they became at this tick."""
+        tick, alerts = self.history.tick, self.alerts
+        if not self.history.flown.replaying or all(n.when.tick != tick for n in alerts.notes):
+            return
+        before = {**alerts.open}
+        self._follow_alerts(self.history.now())
+        if alerts.open != before:
+            for station in self.stations:
+                self.note_alerts(station)
+
     def _keep_note(self, note: AlertNote) -> None:
         """Record what has become of an alert; a replay has it already."""
-        self.history.flown.talk.event(note.when.tick, NOTE_KIND, note.by, note.line, note.by)
+        if not self.history.flown.replaying:
+            self.alerts.notes.append(note)
+            self.history.recording.event(note.when.tick, NOTE_KIND, note.by, note.line, note.by)
 
     def _note_branches(self, station: Station) -> None:
         """Send a program the branches, before it hears of a jump to one of them."""
