@@ -291,7 +291,8 @@ def shows(vessel: Any, row: dict[str, float]) -> float:
 
 def test_every_measure_is_judged_in_one_run(kept: Kept) -> None:
     around = {"aground", "closest-approach", "exposed", "exposed-raise", "time-to-detect"}
-    assert {keys["measure"] for keys in RULES} == set(SCORE_MEASURES) - around  # tests/boat/world
+    around |= {"alert-response"}  # below; the others in tests/boat/world
+    assert {keys["measure"] for keys in RULES} == set(SCORE_MEASURES) - around
     values = [each.attained.value for each in kept.voyage.debrief.card.scores]
     assert sum(value is not None and abs(value) > 1e-3 for value in values) >= 20
 
@@ -729,3 +730,35 @@ def test_an_ordered_course_is_drawn_without_a_jump_where_the_heading_passes_nort
     # still 190 to go by the side that was ordered
     ordered, heading = np.full(2, 200.0), np.array([5.0, 10.0])
     np.testing.assert_array_equal(unwrap_ordered_courses(ordered, heading), ordered)
+
+
+def test_a_debrief_tells_what_became_of_each_alert(tmp_path: Path) -> None:
+    deep = tmp_path / "deep.toml"
+    deep.write_text(
+        'schema = "exercise/1"\nname = "Deep"\nbriefing = "Deep."\nvessel = "bb2"\n'
+        "duration_s = 30\n[initial]\ndepth_m = 230\n"
+        "[[scores]]\nname = 'Alerts seen'\nmeasure = 'alert-response'\nfull = 2\nzero = 6\n",
+        encoding="utf-8",
+    )
+    said = "1 relief Ott\n2 ack silent 1\n4 ack 1\n5 blow all"
+    fly(tmp_path / "deep.trainer", {"planes": said, "ballast": "6 blow all"}, exercise=str(deep))
+    debrief = read_dossier(tmp_path / "deep.trainer", None)
+    figures = debrief_figures(debrief)
+    assert figures["alerts"] == [
+        {
+            "number": 1,
+            "rank": "alarm",
+            "alert": "Near test depth: 30 m above it",
+            "raised_s": 0.0,
+            "silenced": [{"at": "planes", "seconds": 2.0}],
+            "acknowledged_s": 4.0,
+            "acknowledged_by": "planes",
+            "over_s": None,
+        }
+    ]
+    assert [each["marks"] for each in figures["scores"]] == [pytest.approx(50.0)]
+    assert figures["task_marks"][0]["whose"] == "planes (Ott)"
+    page = render(debrief)
+    assert "<td>planes (Ott) after 2 s</td>" in page
+    assert "<td>planes (Ott) after 4 s</td>" in page
+    assert "alert-note" not in page

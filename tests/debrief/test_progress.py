@@ -25,7 +25,8 @@ from trainer.config.progress import (
     trainees_folder,
 )
 from trainer.debrief.attainable_changes import ChangeCause, MarkChange
-from trainer.debrief.progress import costs_of, remember_run
+from trainer.debrief.page import read_dossier
+from trainer.debrief.progress import costs_of, own_marks_of, remember_run
 from trainer.debrief.progress_words import progress_lines
 from trainer.session.past.header import names_of
 
@@ -40,6 +41,7 @@ LOST = ProgressRun(
     total=40.0,
     costs={"late": 35.0, "trim": 5.0},
     standard_error=24.5,
+    own_marks=62.0,
 )
 WON = replace(
     LOST,
@@ -49,6 +51,7 @@ WON = replace(
     total=91.0,
     costs={},
     standard_error=None,
+    own_marks=None,
 )
 LESSON = replace(
     WON, exercise="wheel-and-course", outcome=Outcome.DONE, total=None, recording="c.trainer"
@@ -84,6 +87,19 @@ def test_a_run_is_kept_with_its_marks_and_what_cost_most(tmp_path: Path) -> None
         assert run.total is not None
         assert 90.0 < sum(run.costs.values()) < 110.0  # of the 100 that it had at its start
         assert max(run.costs, key=lambda kind: run.costs[kind]) == "overshoot"
+
+
+def test_a_trainee_has_the_marks_of_the_tasks_that_this_person_alone_worked(tmp_path: Path) -> None:
+    dive = [(0.0, "relief Ann O Briain"), (1.0, "stern planes dive 10")]
+    path = record(tmp_path / "d.trainer", "first-depth-change", dive, trainee=(ANN, "Bob"))
+    debrief = read_dossier(path, None)
+    tasks = debrief.task_marks
+    assert {each.person for each in tasks} == {ANN}
+    mean = sum(each.marks * each.weight for each in tasks) / sum(each.weight for each in tasks)
+    assert own_marks_of(debrief, ANN) == pytest.approx(mean)
+    assert own_marks_of(debrief, "Bob") is None
+    alone = replace(debrief, watches=(), trainees=("Bob",))
+    assert own_marks_of(alone, "Bob") == pytest.approx(mean)
 
 
 def test_a_lesson_has_no_marks_but_is_done(tmp_path: Path) -> None:
@@ -247,11 +263,11 @@ def test_a_class_is_a_table_with_a_row_for_each_run(
     assert "3 runs of 2 trainees" in text
     assert "left out" in text
     rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
-    columns = ("trainee", "marks", "standard_error", "late")
+    columns = ("trainee", "marks", "standard_error", "own_marks", "late")
     assert [tuple(row[column] for column in columns) for row in rows] == [
-        (ANN, "40.0", "24.5", "35.0"),
-        (ANN, "91.0", "", ""),  # neither is known
-        ("Bob", "40.0", "24.5", "35.0"),
+        (ANN, "40.0", "24.5", "62.0", "35.0"),
+        (ANN, "91.0", "", "", ""),  # none is known
+        ("Bob", "40.0", "24.5", "62.0", "35.0"),
     ]
 
 

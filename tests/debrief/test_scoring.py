@@ -9,12 +9,14 @@ import pytest
 from helpers.boats import make_boat
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
+from helpers.passages import BB2, alert, trajectory
 
+from trainer.boat.calls import Rank
 from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
-from trainer.config.score_rules import ScoreRule
-from trainer.core.casualties import CODES
+from trainer.config.score_rules import ALERT_RANKS, ScoreRule
 from trainer.debrief import measures
+from trainer.debrief.reference import alerts_until
 from trainer.debrief.scoring import (
     formula_of,
     marks_of,
@@ -23,35 +25,13 @@ from trainer.debrief.scoring import (
     unit_of,
 )
 from trainer.debrief.ships_met import Detection, LookOut
-from trainer.debrief.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
+from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.recording import RecordedOrder
+from trainer.session.stations.alerts import SEEN_RANKS, Alert
 from trainer.units import KNOT
 
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 MARKS = {"full": 0, "zero": 10}
-
-
-BB2 = make_boat("bb2", "modified")
-
-
-def trajectory(
-    limits: ExerciseLimits | None = None, orders: Any = (), **columns: Any
-) -> Trajectory:
-    """Return a passage at 0.5 s a tick, whose columns but those given are zero."""
-    given = {name: np.asarray(values, float) for name, values in columns.items()}
-    count = max((values.size for values in given.values()), default=5)
-    flat = np.zeros(count)
-    slots = given.pop("jam", flat)
-    whole = (
-        dict.fromkeys(PASSAGE_COLUMNS, flat)
-        | given
-        | {CASUALTY_SLOTS[0]: slots * CODES["stern-stuck"]}
-    )
-    untimed = np.full(count, np.nan)
-    ticks = np.arange(count)
-    return Trajectory(
-        BB2, limits or ExerciseLimits(), tuple(orders), ticks, whole, untimed, untimed
-    )
 
 
 def rules(text: str) -> tuple[ScoreRule, ...]:
@@ -79,6 +59,48 @@ def order(number: int, tick: int, text: str, who: str = "diving at panel") -> Re
 
 
 # The measures by hand
+
+
+def seen_after(*alerts: Alert, **keys: Any) -> tuple[float | None, str]:
+    """Return the mean time to acknowledge, in a passage of 100 ticks of 0.5 s."""
+    flown = replace(trajectory(z=[60.0] * 100), alerts=alerts)
+    attained = take_measure(flown, rule(measure="alert-response", full=5, zero=20, **keys))
+    return attained.value, attained.why
+
+
+def test_the_time_to_acknowledge_is_the_mean_of_all_alerts_that_are_owed_it() -> None:
+    first, second = alert(10, 30, "planes"), alert(20, 50, "helm")
+    assert seen_after(first) == (10.0, "")
+    assert seen_after(first, second) == (12.5, "")
+    assert seen_after(first, alert(20)) == (15.0, "")  # nobody saw it: 20 s
+    assert seen_after(first, alert(70)) == (10.0, "")  # the record ends too early for it
+    assert seen_after(first, alert(70, 90, "planes")) == (10.0, "")
+    assert seen_after(first, alert(20, 21)) == (10.0, "")  # a graver one replaced it
+    assert seen_after(first, alert(20, rank=Rank.EMERGENCY)) == (10.0, "")  # it takes none
+    assert seen_after(alert(0, 2, "planes")) == (5.0, "")  # no better than full
+
+
+def test_the_time_to_acknowledge_looks_at_a_rank_and_a_time() -> None:
+    alarm, warning = alert(10, 30, "planes"), alert(20, 50, "helm", Rank.WARNING)
+    assert seen_after(alarm, warning, rank="warning") == (15.0, "")
+    assert seen_after(alarm, warning, to_s=8) == (10.0, "")
+    assert seen_after(alarm, rank="warning") == (None, "no such alert came")
+    assert not take_measure(trajectory(), rule(measure="alert-response", full=5, zero=20)).counts
+    assert [each.value for each in SEEN_RANKS] == [*ALERT_RANKS]
+    told = formula_of(rule(measure="alert-response", full=5, zero=20, rank="alarm"))
+    assert told.startswith("mean time from each alert of rank alarm to its acknowledgement")
+    assert rule(measure="alert-response", full=5, zero=20).part == "answer"
+
+
+def test_who_takes_over_acknowledges_what_is_owed_then() -> None:
+    flown = replace(
+        trajectory(z=[60.0] * 100), alerts=(alert(10, 30, "planes"), alert(50), alert(20, 90, "x"))
+    )
+    kept = alerts_until(flown, 40)
+    assert [(each.raised.tick, each.seen and each.seen.tick) for each in kept] == [
+        (10, 30),
+        (20, 40),
+    ]
 
 
 def test_overshoot_is_how_far_it_went_beyond_seen_from_where_it_began() -> None:
@@ -397,6 +419,8 @@ def test_a_run_without_rules_has_no_marks() -> None:
     [
         ("measure='overshot'", 'measure = "overshot": no such measure; nearest is overshoot'),
         ("measure='rms'", "[scores[0]] rms lacks quantity"),
+        ("measure='alert-response'\nrank='alarms'", 'rank = "alarms"'),
+        ("measure='response'\ncasualty='stern-stuck'\nrank='alarm'", "response has no use for it"),
         ("measure='rms'\nquantity='deph'", 'quantity = "deph": no such quantity; nearest is depth'),
         ("measure='rms'\nquantity='pitch'", "nobody orders it as such (depth, course, speed are)"),
         ("measure='broaches'\nquantity='depth'", 'quantity = "depth": broaches has no use for it'),

@@ -204,7 +204,7 @@ def measure_table() -> str:
             measure.unit or "the quantity's",
             ", ".join(measure.needs) or "nothing",
             ", ".join((*measure.may, *timed)),
-            measure.formula.format(**spoken, o=" (of the orders named)"),
+            measure.formula.format(**spoken, o=" (of the orders named)", k=" (of the rank named)"),
             measure.moment,
         )
         rows.append(f"| {' | '.join(cells)} |")

@@ -1,5 +1,6 @@
 """An alert lasts as long as its condition, and until somebody has seen it."""
 
+import pytest
 from helpers.crewed import Crewed
 from helpers.line import Line
 
@@ -15,8 +16,16 @@ from trainer.boat.limits import (
 )
 from trainer.boat.pilot import GIVEN_UP_TEXTS, REMARK_NAMES, SHARED_SURFACES
 from trainer.config.exercise import ExerciseLimits
+from trainer.config.files import ConfigError
+from trainer.io.recording.recording import RecordedEvent
 from trainer.session.stations.alert_table import ALERT_TABLE, alert_row
-from trainer.session.stations.alerts import MAX_OPEN_ALERTS, REMARK_S, AlertBook, Instant
+from trainer.session.stations.alerts import (
+    MAX_OPEN_ALERTS,
+    REMARK_S,
+    AlertBook,
+    AlertNote,
+    Instant,
+)
 
 
 def hold(ship: Crewed, depth: float, ticks: int = 2) -> None:
@@ -121,6 +130,90 @@ def test_a_jump_tells_all_that_holds_then_as_it_was_then_and_nothing_later(ship:
     # a moment holds no later remark: it was seen in the same tick
     assert open_alerts(ship, planes) == open_alerts(ship, ship.comes("diving"))
     assert open_alerts(ship, planes).keys() == {NEAR}
+
+
+def test_each_branch_has_its_alerts_as_they_were_acknowledged_there(ship: Crewed) -> None:
+    planes = ship.comes("planes")
+    hold(ship, 230.0)
+    ship.order("snapshot near")
+    hold(ship, 230.0)
+    acknowledge_all(ship, planes)
+    hold(ship, 230.0)
+    ship.order("freeze")
+    ship.order("restore near")
+    assert open_alerts(ship, planes) == {NEAR: "active"}
+    hold(ship, 251.0)
+    ship.order("freeze")
+    ship.order("branch 1")
+    assert open_alerts(ship, planes) == {NEAR: "acknowledged"}
+    ship.order("branch 2")
+    assert open_alerts(ship, planes) == {NEAR: "active", AT: "active"}
+
+
+def test_a_run_that_goes_on_has_its_alerts_as_they_were(ship: Crewed) -> None:
+    """As where a session is resumed from its recording."""
+    planes = ship.comes("planes")
+    hold(ship, 230.0)
+    hold(ship, 251.0)
+    first, second = (each.number for each in ship.session.event_log.alerts.listed[::-1])
+    assert ship.say(planes, f"ack {first}")[0] == "ok"
+    assert ship.say(planes, f"ack silent {second}")[0] == "ok"
+    log, lists = ship.session.event_log, ship.session.event_log.account_alerts
+    station = log.stations[0]
+    ship.recording.flush()
+    before = lists(station)
+    log.alerts = AlertBook()
+    log.__post_init__()
+    log.own_alerts.by_role.clear()
+
+    log.recall_alerts()
+    log.take_up(ship.session.holding())
+
+    assert [line.replace("silenced", "active") for line in before] == lists(station)
+    assert [each.number for each in log.alerts.listed] == [second, first]
+    assert log.alerts.open[first].seen_by == "planes"
+    hold(ship, 301.0)
+    assert log.alerts.listed[0].number == second + 1  # numbers go on
+
+
+def test_a_replay_has_its_alerts_as_they_were_and_makes_none_of_its_own(ship: Crewed) -> None:
+    planes = ship.comes("planes")
+    ship.order("autopilot off")
+    ship.boat.state.z = 219.0
+    ship.order("snapshot above")
+    ship.order("restore above")
+    ship.order("blow stop")
+    ship.order("stern planes dive 10")
+    while not ship.session.event_log.alerts.listed:
+        ship.fly(1)
+    (known,) = ship.session.event_log.alerts.listed
+    ship.fly(2)
+    acknowledge_all(ship, planes)
+    ship.fly(2)
+    flown, noted = ship.session.history.tick, [*ship.session.event_log.alerts.notes]
+    ship.order("freeze")
+
+    ship.order(f"replay {flown * ship.boat.method.step:g} s")
+    ship.fly(1)
+    assert open_alerts(ship, planes) == {}
+    ship.fly(known.raised.tick - 1)
+    assert open_alerts(ship, planes) == {NEAR: "active"}
+    assert [*ship.session.event_log.alerts.open] == [known.number]
+    assert ship.events(planes, "depth")[-1].endswith(f" [{known.number}]")
+    acknowledge_all(ship, planes)  # of what is replayed nothing is changed
+    assert [*ship.session.event_log.alerts.notes] == noted
+    ship.fly(flown)
+
+    assert ship.session.history.tick == flown
+    assert open_alerts(ship, planes) == {NEAR: "acknowledged"}
+    assert [each.number for each in ship.session.event_log.alerts.listed] == [known.number]
+
+
+def test_a_note_of_an_alert_that_is_damaged_is_told() -> None:
+    for text in ("{", "[]", '["seen"]', '["gone", 1]', '["raised", 1]', '["seen", null]'):
+        event = RecordedEvent(1, 7, "alert-note", "", text, "")
+        with pytest.raises(ConfigError, match="alert-note at tick 7: damaged"):
+            AlertNote.of(event, 0.5)
 
 
 def test_what_holds_where_nobody_has_flown_is_told_without_news(ship: Crewed) -> None:

@@ -260,6 +260,18 @@ def test_a_collapse_resumed_is_a_collapse_until_somebody_goes_back(
     assert "simulated   600.0 s" in ran.stderr
 
 
+@pytest.mark.process
+def test_a_run_that_is_resumed_has_the_alerts_that_were_acknowledged(tmp_path: Path) -> None:
+    exercise_at(tmp_path, 230.0)
+    words = ("run", "deep.toml", "--record", "deep.trainer", "--duration", "60", "--frozen")
+    ran = trainer(tmp_path, *words, typed="step 4\nack 1\nstep 2\nquit\n")
+    assert ran.returncode == 0, ran.stderr
+    resumed = trainer(tmp_path, "resume", "deep.trainer", "--frozen", typed="alerts\nquit\n")
+    seen = "1 alarm at 00:00:00, acknowledged: Near test depth: 30 m above it; acknowledged by "
+    assert f"{seen}instructor after 2 s" in resumed.stdout, resumed.stdout
+    assert "00:00:03, active" not in resumed.stdout
+
+
 def exercise_at(folder: Path, depth: float) -> RunOptions:
     """Return the options of an exercise of BB2 that begins at a depth [m]."""
     path = folder / "deep.toml"

@@ -53,7 +53,7 @@ LASTING: Final[Mapping[str, Sequence[str]]] = {  # by the reason why they do not
 }
 GROWING: Final = {  # of followers, and kept for all branches
     *(f"EventLog.{name}" for name in ("news", "_branch", "_counts")),
-    "AlertBook.number",
+    *("AlertBook.number", "AlertBook.notes"),
     *("OrdersInForce._by_order", "OrdersInForce._latest"),
 }
 CHANGES: Final = (  # methods that change a container

@@ -52,6 +52,7 @@ class ProgressRun:
     aids: str = ""
     costs: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))  # marks [%]
     standard_error: float | None = None  # [%] of the mark, from run to run; None: unknown
+    own_marks: float | None = None  # [%] of the tasks that this trainee alone worked; None: none
 
     @property
     def passed(self) -> bool:
@@ -209,9 +210,10 @@ def _run(row: Mapping[str, Any]) -> ProgressRun:
     known = {each.name for each in fields(ProgressRun)}
     run = ProgressRun(**{name: value for name, value in row.items() if name in known})
     total, costs = run.total, {str(kind): float(marks) for kind, marks in run.costs.items()}
-    marks, error = (None if n is None else float(n) for n in (total, run.standard_error))
+    figures = total, run.standard_error, run.own_marks
+    marks, error, own = (None if n is None else float(n) for n in figures)
     run = replace(run, costs=costs, seconds=float(run.seconds), outcome=Outcome(run.outcome))
-    return replace(run, total=marks, standard_error=error)
+    return replace(run, total=marks, standard_error=error, own_marks=own)
 
 
 def all_progress() -> Iterator[Progress | ConfigError]:

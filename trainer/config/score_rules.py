@@ -40,6 +40,8 @@ ORDERED_QUANTITIES: Final[Mapping[str, str]] = {  # offsets of the state that ho
     "speed": "ordered_speed",
 }
 AIR_BANKS: Final = ("bank_main", "bank_emergency")
+ALERT_RANKS: Final = ("alarm", "warning")  # that somebody has to acknowledge
+ANSWER_MEASURES: Final = ("response", "alert-response")  # else task is the part
 TIMELESS_MEASURES: Final = ("response",)  # they take the whole record, without a window
 WINDOW_KEYS: Final = ("since", "from_s", "to_s", "when")
 VALUE_LIMITS: Final = within(-1e9, 1e9)
@@ -51,7 +53,7 @@ ANSWER_ORDERS: Final = tuple(
 )
 VALUE_MEASURES: Final = ("final", "largest")  # of the quantity itself, if there is no target
 # Keys that only some measures take.
-OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW_KEYS)
+OPTIONAL_KEYS: Final = ("quantity", "target", "band", "casualty", "orders", "rank", *WINDOW_KEYS)
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class ScoreMeasure:
     """One measure: what a rule must and may say, its unit, and its formula."""
 
     unit: str  # OWN_UNIT: that of the quantity
-    formula: str  # {q} the quantity, {t} its target, {b} its band, {u} their unit, {c} the casualty
+    formula: str  # {q} the quantity, {t} its target, {b} its band, {c} the casualty, {k} the rank
     moment: str  # which moment is told
     needs: tuple[str, ...] = ()
     may: tuple[str, ...] = ()
@@ -180,6 +182,13 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
         needs=("casualty",),
         may=("orders",),
     ),
+    "alert-response": ScoreMeasure(
+        "s",
+        "mean time from each alert{k} to its acknowledgement; each from full to zero, which one "
+        "that nobody acknowledged has",
+        "the slowest acknowledgement",
+        may=("rank",),
+    ),
     "reserve-air": ScoreMeasure(
         "%",
         "least of the air in {q} as a share of full",
@@ -205,6 +214,7 @@ class ScoreRow:
     orders: tuple[str, ...] | None = optional(
         Choices(ANSWER_ORDERS, "which orders answer it, by docs/orders.md; else any")
     )
+    rank: str | None = optional(Choice(ALERT_RANKS, "of the alerts; else both"))
     since: str | None = optional(
         Text(40, "a casualty: from_s and to_s count from when it first came; else from the start")
     )
@@ -217,7 +227,10 @@ class ScoreRow:
     )
     weight: float | None = optional(Quantity("-", above(0, 1000), "in the total; else 1"))
     part: str | None = optional(
-        Choice(MARK_PARTS, "of the marks; else answer for a response, and task for all others")
+        Choice(
+            MARK_PARTS,
+            "of the marks; else answer for responses, and task for all others",
+        )
     )
 
 
@@ -254,7 +267,7 @@ class ScoreRule:
     @property
     def part(self) -> str:
         """Return which part of the marks it belongs to."""
-        return self.score.part or ("answer" if self.score.measure == "response" else "task")
+        return self.score.part or ("answer" if self.score.measure in ANSWER_MEASURES else "task")
 
     @property
     def weight(self) -> float:

@@ -284,6 +284,7 @@ class Console(App[Refused], inherit_bindings=False):
         model, exercise, timeline = self.model, self.model.exercise, self.model.timeline
         evaluated = bool(timeline.attainable or timeline.unevaluated) and not exercise.outcome
         self.screen_stack[0].set_class(evaluated, "evaluated")
+        self.screen_stack[0].set_class(bool(model.alerts.alerts), "alerted")
         if not model.trains:
             return
         self.screen_stack[0].set_class(bool(exercise.step.text), "lesson")

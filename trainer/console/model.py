@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from trainer.console.alerts import AlertList
 from trainer.console.charts import Charts, Quantity
 from trainer.console.client import Greeting, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.crew import CrewOrders
@@ -109,11 +110,13 @@ class SessionModel:
     vessel: Vessel = field(default_factory=Vessel)
     crew: CrewOrders = field(default_factory=CrewOrders)
     exercise: Exercise = field(default_factory=Exercise)
+    alerts: AlertList = field(init=False)
     charts: Charts = field(init=False)
     sent: SentOrders = field(init=False)
 
     def __post_init__(self) -> None:
         self.sent = SentOrders(self.journal)
+        self.alerts = AlertList(self.clock)
         self.charts = Charts(self.quantities, self.gauges, self.picture, self.past, self.ask)
         self._awaited = -math.inf  # [s] on the clock, until which the next exercise may take
         self._early: list[str] = []  # orders that wait for the first line
@@ -132,6 +135,10 @@ class SessionModel:
             "planned": timeline.take_plan,
             "attainable": timeline.take_attainable,
             "no-attainable": timeline.take_unevaluated,
+            "alerts": self.alerts.begin,
+            "alert-rank": self.alerts.take_rank,
+            "alert": self.alerts.take,
+            "alert-state": self.alerts.take_state,
             "range": vessel.take_range,
             "casualty": lambda _, text: vessel.coming.append(CasualtyOffer(*text.split(",", 2))),
             "crew-order": self._take_crew_order,

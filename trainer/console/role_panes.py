@@ -11,6 +11,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 
 from trainer.console.dialogs import DialogSubject
+from trainer.console.drawing.alerts import alerts
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.evaluation import evaluation
 from trainer.console.drawing.event_log import log, time_at, time_line
@@ -59,6 +60,7 @@ class RolePanes:
         model, layout = self._model, LAYOUTS[self._model.role]
         charts = [Pane(partial(self._chart, n), f"chart{n}") for n in range(len(layout.charts))]
         yield Pane(partial(top, model), "top", moving=True)
+        yield Pane(partial(alerts, model), "alerts", moving=True)
         yield Horizontal(*map(self._pane, layout.upper), id="upper")
         if layout.lower:
             yield Horizontal(*map(self._pane, layout.lower), id="lower")

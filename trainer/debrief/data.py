@@ -7,7 +7,7 @@ is drawn, so that page, terminal and ``--json`` have the same figures.
 # long: one record of a debrief, and all that is gathered for it
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -47,6 +47,7 @@ from trainer.debrief.reference import Reference, can_fly, fly_reference, join_ru
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.scoring import RuleScore, Scorecard
 from trainer.debrief.ships_met import meet_ships
+from trainer.debrief.station_marks import TaskMarks, attribute_marks
 from trainer.debrief.trajectory import Trajectory, read_passage
 from trainer.debrief.watches import Watch, stood_watches
 from trainer.io.recording.facts import OVER_WORDS, REFERENCE_GIVER, BranchCause, Giver, GiverKind
@@ -60,6 +61,7 @@ from trainer.io.recording.recording import (
 from trainer.session.past.header import FAMILIARISATION_KEY, layout_of, plan_of, trainees_of
 from trainer.session.past.journal import restore_world
 from trainer.session.past.plan import Plan
+from trainer.session.stations.alerts import Alert, AlertNote, recorded_alerts
 
 NO_MARKS: Final = Scorecard((), None)
 ECHO_EVENTS: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
@@ -169,6 +171,17 @@ class DebriefData:
         return self.final.total
 
     @property
+    def task_marks(self) -> tuple[TaskMarks, ...]:
+        """Return whose the marks of each task are; a free run has none."""
+        return () if self.free else attribute_marks(self.trajectory, self.final, self.watches)
+
+    @property
+    def manned(self) -> bool:
+        """Return whether it makes a difference who did what: several stations, or named watches."""
+        roles = {each.giver.role for each in self.crew}
+        return len(roles) > 1 or bool(self.watches)
+
+    @property
     def free(self) -> bool:
         """Return whether the run is flown without marks."""
         return bool(self.final.verdict and self.final.verdict.free)
@@ -227,6 +240,12 @@ def gather_debrief(
     trajectory = replace(
         read_passage(recording, wanted, layout_of(header), boat, plan.limits),
         marks=tuple(each for each in events if each.kind == "mark"),
+        alerts=tuple(
+            recorded_alerts(
+                AlertNote.of(each, plan.method.step)
+                for each in within_past(recording.notes(), branches, branch)
+            )
+        ),
     )
     familiarisation = FAMILIARISATION_KEY in header
     if familiarisation:
@@ -414,14 +433,22 @@ def order_givers(trajectory: Trajectory) -> tuple[GiverCount, ...]:
 def events_of(
     recording: Recording, branches: list[Branch], branch: Branch
 ) -> Iterator[RecordedEvent]:
-    """Yield the events of a branch and of its past, up to each next beginning."""
+    """Return the events of a branch's past, without those that repeat an order."""
+    events = within_past(recording.first_events(), branches, branch)
+    return (each for each in events if each.kind not in ECHO_EVENTS)
+
+
+def within_past(
+    events: Iterable[RecordedEvent], branches: list[Branch], branch: Branch
+) -> Iterator[RecordedEvent]:
+    """Yield what is of a branch and of its past, up to each next beginning."""
     ends: dict[int, int | None] = {}
     end: int | None = None
     for here in _ancestry(branches, branch):
         ends[here.id] = end
         end = here.tick
-    for event in recording.first_events():
-        if event.branch not in ends or event.kind in ECHO_EVENTS:
+    for event in events:
+        if event.branch not in ends:
             continue
         last = ends[event.branch]
         if last is None or event.tick <= last:
@@ -485,9 +512,17 @@ def debrief_figures(debrief: DebriefData) -> dict[str, Any]:
             for each in compare_forms(debrief.forms, debrief.final)
         ],
         "scores": [_score(each, step) for each in debrief.card.scores],
+        "task_marks": [
+            {"name": each.name, "marks": each.marks, "able": list(each.able)}
+            | {"hands": [hand._asdict() for hand in each.hands]}
+            | {"station": each.own.role if each.own else "", "person": each.person}
+            | {"whose": each.whose}
+            for each in debrief.task_marks
+        ],
         "orders_to_crew": [_read_back(each, step) for each in debrief.read_backs],
         "crew_work": debrief.crew_work and asdict(debrief.crew_work),
         "watches": [_watch(each, step) for each in debrief.watches],
+        "alerts": [_alert(each) for each in debrief.trajectory.alerts],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "ships": [
             {"name": name, "closest_m": apart, "seconds": tick * step}
@@ -536,6 +571,20 @@ def _casualty(each: CasualtyAnswer, step: float) -> dict[str, Any]:
         "order_s": each.order and each.order.tick * step,
         "deflected": each.deflection and each.deflection.surface,
         "deflected_s": each.deflection and each.deflection.tick * step,
+    }
+
+
+def _alert(each: Alert) -> dict[str, Any]:
+    """Return an alert and what became of it."""
+    return {
+        "number": each.number,
+        "rank": each.rank.value,
+        "alert": each.words,
+        "raised_s": each.raised.seconds,
+        "silenced": [{"at": role, "seconds": when.seconds} for role, when in each.silenced],
+        "acknowledged_s": each.seen.seconds if each.seen and each.seen_by else None,
+        "acknowledged_by": each.seen_by,
+        "over_s": each.over and each.over.seconds,
     }
 
 

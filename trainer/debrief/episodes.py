@@ -225,18 +225,21 @@ def asked_of_hands(trajectory: Trajectory, tick: int) -> dict[str, int]:
 
 def ordered_beyond(orders: Iterable[RecordedOrder]) -> tuple[RecordedOrder, ...]:
     """Return the instructor's orders to the crew that ask for something else than the exercise."""
+    changed = (entry for axis, entry in changed_orders(orders) if axis in CREW_ORDERS)
+    return tuple(entry for entry in changed if entry.giver.role == INSTRUCTOR_ROLE)
+
+
+def changed_orders(orders: Iterable[RecordedOrder]) -> Iterator[tuple[str, RecordedOrder]]:
+    """Yield the orders to the crew that differ from what stands, each with its axis."""
     stands: dict[str, str] = {}
-    beyond = []
     for entry in orders:
         order = parse(entry.text)
         if entry.crew.news is not CrewNews.ORDERED or not isinstance(order, Order):
             continue
         axis = axis_of(order)
-        other = entry.crew.order != stands.get(axis)
-        if entry.giver.role == INSTRUCTOR_ROLE and axis in CREW_ORDERS and other:
-            beyond.append(entry)
+        if entry.crew.order != stands.get(axis):
+            yield axis, entry
         stands[axis] = entry.crew.order
-    return tuple(beyond)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
 from trainer.debrief.ships_met import look_out, meet_ships, shown_rows
 from trainer.debrief.trajectory import RowMask, Trajectory, shown_height
+from trainer.session.stations.alerts import SEEN_RANKS
 
 NO_TEST_DEPTH: Final = "this boat has no test depth"
 PLANE_NAMES: Final = ("stern", "bow")
@@ -317,6 +318,29 @@ def response(trajectory: Trajectory, _rows: RowMask, rule: ScoreRule) -> Measure
     if answer is None:
         return Measurement(None, None, "it was not answered")
     return Measurement((answer.tick - episode.begun) * trajectory.boat.method.step, answer.tick)
+
+
+def alert_response(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:
+    """Return the mean time [s] from an alert to its acknowledgement.
+
+    An alert that a graver one of its kind has replaced is owed none, nor one that came so late that
+    the record ends before the rule's ``zero``.
+    """
+    step, score, end = trajectory.boat.method.step, rule.score, int(trajectory.ticks[-1])
+    low, high = sorted((score.full, score.zero))
+    looked_at = set(trajectory.ticks[rows].tolist())
+    times: list[tuple[float, int]] = []
+    for alert in trajectory.alerts:
+        named = alert.rank in SEEN_RANKS and score.rank in (None, alert.rank.value)
+        if not named or alert.raised.tick not in looked_at or (alert.seen and not alert.seen_by):
+            continue
+        answered = alert.seen.tick if alert.seen else None
+        if answered is not None or (end - alert.raised.tick) * step >= high:
+            late = high if answered is None else (answered - alert.raised.tick) * step
+            times.append((min(max(late, low), high), answered or alert.raised.tick))
+    if not times:
+        return Measurement(None, None, "no such alert came", counts=False)
+    return Measurement(math.fsum(late for late, _ in times) / len(times), max(times)[1])
 
 
 def reserve_air(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Measurement:

@@ -125,10 +125,8 @@ def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
         )
     yield section("charts", "Ordered and actual", _drawings(debrief))
     yield from _talk(debrief)
-    content = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
-    yield section("casualties", "Casualties", content)
-    if debrief.card.scores:
-        yield section("scores", "Measures", sections.scores(debrief))
+    yield from _troubles(debrief)
+    yield from _measured(debrief)
     if met := sections.ships(debrief):
         yield section("ships", "Ships", met)
     if debrief.of_kind("mark"):
@@ -149,6 +147,22 @@ def _talk(debrief: DebriefData) -> Iterator[Markup]:
     if debrief.crew_work:
         content = sections.crew_work(debrief, debrief.crew_work)
         yield section("crew", "How this crew worked", content)
+
+
+def _troubles(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield what broke, and the alerts."""
+    content = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
+    yield section("casualties", "Casualties", content)
+    if debrief.trajectory.alerts:
+        yield section("alerts", "Alerts", sections.alerts(debrief))
+
+
+def _measured(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the scores, and whose they are."""
+    if debrief.card.scores:
+        yield section("scores", "Measures", sections.scores(debrief))
+        if debrief.manned and debrief.task_marks:
+            yield section("whose", "Whose the marks are", sections.task_marks(debrief))
 
 
 def _drawings(debrief: DebriefData) -> Markup:
@@ -240,6 +254,8 @@ def as_text(debrief: DebriefData) -> str:
     lines += sections.branch_notes(debrief)
     lines += [] if sections.is_of_today(debrief) else [sections.OLDER_RULES]
     lines += [each.told for each in debrief.costs]
+    if debrief.manned:
+        lines += [f"{one.name}: {one.marks:.0f}, {one.whose}" for one in debrief.task_marks]
     lines += compared_lines(debrief.forms, debrief.final)
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)
     return "\n".join(wrapped)

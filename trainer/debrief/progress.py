@@ -20,6 +20,7 @@ from trainer.debrief.attainable_changes import ChangeCause, MarkChange
 from trainer.debrief.controls import SURFACE_ORDERS
 from trainer.debrief.data import DebriefData, compare_debrief, standard_error_of
 from trainer.debrief.page import read_dossier
+from trainer.debrief.station_marks import marks_of_person
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.past.header import exercise_of
@@ -50,6 +51,15 @@ def run_of(debrief: DebriefData, how: Outcome) -> ProgressRun:
         aids=", ".join(debrief.aids),
         standard_error=standard_error_of(debrief) if debrief.plan.scores else None,
     )
+
+
+def own_marks_of(debrief: DebriefData, name: str) -> float | None:
+    """Return the marks [%] of the tasks that a trainee alone worked, None for none.
+
+    Who is alone aboard needs no relief to be known by name.
+    """
+    lone = len(debrief.trainees) == 1 and not debrief.manned
+    return marks_of_person(debrief.task_marks, "" if lone else name)
 
 
 def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
@@ -100,11 +110,12 @@ def remember_run(path: Path, branch: int, how: Outcome) -> list[str]:
         if debrief.shown:  # by the reference crew
             return []
         run = run_of(debrief, how)
-        texts = [add_run(name, run) for name in debrief.trainees]
+        own = {name: own_marks_of(debrief, name) for name in debrief.trainees}
+        texts = [add_run(name, replace(run, own_marks=own[name])) for name in own]
         comparison = compare_debrief(debrief).compared if debrief.total is not None else None
     if comparison is not None and comparison.curve is not None:
         run = replace(run, costs=costs_of(comparison.curve.changes))
-        texts += [add_run(name, run) for name in debrief.trainees]
+        texts += [add_run(name, replace(run, own_marks=own[name])) for name in own]
     return [each for each in texts if each]
 
 

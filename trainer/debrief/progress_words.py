@@ -39,7 +39,9 @@ WORD_COLUMNS: Final = 11  # of outcomes and kinds
 MAX_COLUMNS: Final = 80
 CSV_HEADER: Final = (
     *("trainee", "exercise", "title", "started", "minutes", "outcome", "marks", "standard_error"),
-    *("counts", "aids", *(kind.replace(" ", "_") for kind in COST_KINDS), "recording", "branch"),
+    *("own_marks", "counts", "aids"),
+    *(kind.replace(" ", "_") for kind in COST_KINDS),
+    *("recording", "branch"),
 )
 
 
@@ -143,11 +145,15 @@ def write_class(path: Path, name: str | None) -> None:
     click.echo(f"{path}: {runs} runs of {len(known)} trainees")
 
 
+def _figures(run: ProgressRun) -> Iterable[float | None]:
+    return run.total, run.standard_error, run.own_marks
+
+
 def class_rows(found: Iterable[Progress]) -> Iterator[tuple[object, ...]]:
     """Yield the row of each run."""
     for progress in found:
         for run in progress.runs:
-            figures = ("" if n is None else f"{n:.1f}" for n in (run.total, run.standard_error))
+            figures = ("" if n is None else f"{n:.1f}" for n in _figures(run))
             known = run.costs  # nothing before they are known: a flight of its own finds them
             costs = (f"{known.get(kind, 0.0):.1f}" if known else "" for kind in COST_KINDS)
             yield (

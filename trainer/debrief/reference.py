@@ -18,6 +18,7 @@ from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.session.past.plan import Plan
+from trainer.session.stations.alerts import Alert, Instant
 
 MAX_REFERENCE_TICKS: Final = 400_000  # [ticks] flown while somebody waits for a debrief
 INSTRUCTOR_GIVER: Final = Giver(GiverKind.STATION, INSTRUCTOR_ROLE, INSTRUCTOR_ROLE)
@@ -55,6 +56,21 @@ def nobody_of(card: Scorecard) -> dict[str, float]:
     return {each.name: each.nobody or 0.0 for each in card.scores}
 
 
+def alerts_until(flown: Trajectory, tick: int) -> tuple[Alert, ...]:
+    """Return the alerts of a run up to a tick.
+
+    Who takes over then acknowledges those that are owed it.
+    """
+    there = [each for each in flown.alerts if each.raised.tick < tick]
+    joint = Instant(0, tick, tick * flown.boat.method.step)
+    return tuple(
+        replace(each, seen=joint, seen_by=INSTRUCTOR_ROLE)
+        if each.seen is None or each.seen.tick > tick
+        else each
+        for each in there
+    )
+
+
 def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
     """Return a run up to where another begins, and that other, as one.
 
@@ -72,6 +88,7 @@ def join_runs(before: Trajectory, after: Trajectory) -> Trajectory:
         after,
         orders=(*orders, *taken),
         marks=(*(each for each in before.marks if each.tick < after.ticks[0]), *after.marks),
+        alerts=alerts_until(before, int(after.ticks[0])),
         ticks=np.concatenate((before.ticks[rows], after.ticks)),
         columns={
             name: np.concatenate((before.columns[name][rows], values))

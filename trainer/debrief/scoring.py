@@ -44,6 +44,7 @@ def formula_of(rule: ScoreRule) -> str:
         "by": f" by {score.band:g} {unit}" if score.band is not None else "",
         "f": "" if score.target is None else f", its distance from {score.target:g} {unit}",
         "c": score.casualty or "",
+        "k": f" of rank {score.rank}" if score.rank else "",
         "o": f" of {', '.join(score.orders)}" if score.orders else "",
     }
     return measure.formula.format(**words) + _window(rule)

@@ -32,6 +32,7 @@ from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
+from trainer.session.stations.alerts import Alert, Instant
 
 MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
 INLINE_CODE: Final = Markup("<code>{}</code>")
@@ -384,6 +385,15 @@ def _score(
     )
 
 
+def task_marks(debrief: DebriefData) -> Markup:
+    """Return the table of whose the marks of each task are."""
+    rows = (
+        (each.name, f"{each.marks:.0f}", ", ".join(each.able) or "-", each.whose)
+        for each in debrief.task_marks
+    )
+    return table(("task", "marks", "stations that move it", "whose"), rows, "")
+
+
 def value_of(each: RuleScore) -> str:
     """Return the value of a score with its unit."""
     unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
@@ -416,6 +426,30 @@ def _casualty(debrief: DebriefData, i: int, each: CasualtyAnswer) -> tuple[str, 
         after(order.tick) if order else "-",
         moved.surface if moved else "none",
         after(moved.tick) if moved else "-",
+    )
+
+
+def alerts(debrief: DebriefData) -> Markup:
+    """Return the table of the alerts, and of who silenced and acknowledged them."""
+    every = debrief.trajectory.alerts
+    rows = (_alert(debrief, each) for each in every[:MAX_TABLE_ROWS])
+    headings = ("rank", "alert", "came", "silenced", "acknowledged", "over")
+    return table(headings, rows, "") + _more(len(every), JSON_HINT)
+
+
+def _alert(debrief: DebriefData, each: Alert) -> tuple[str, ...]:
+    def after(role: str, when: Instant) -> str:
+        by = named(debrief.watches, role, when.tick)
+        return f"{by} after {when.seconds - each.raised.seconds:g} s"
+
+    seen = after(each.seen_by, each.seen) if each.seen and each.seen_by else "-"
+    return (
+        each.rank.value,
+        each.words,
+        format_moment(debrief, each.raised.tick),
+        ", ".join(after(role, when) for role, when in each.silenced) or "-",
+        "no" if each.owed else seen,
+        format_moment(debrief, each.over.tick) if each.over else "at the end still there",
     )
 
 

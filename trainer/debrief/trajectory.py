@@ -37,6 +37,7 @@ from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import MAX_CASUALTIES
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, RecordedTick, Recording
 from trainer.session.past.layout import numbers_of
+from trainer.session.stations.alerts import Alert
 
 RowMask = NDArray[np.bool_]  # which ticks of a passage
 
@@ -86,6 +87,7 @@ class Trajectory:
     lateness: Numbers  # [ns], NaN where nobody measured it
     work: Numbers  # [ns]
     marks: tuple[RecordedEvent, ...] = ()  # moments that somebody has marked
+    alerts: tuple[Alert, ...] = ()  # of a session's run, as they became
 
     @property
     def seconds(self) -> Numbers:

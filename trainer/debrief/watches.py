@@ -43,9 +43,23 @@ def stood_watches(trajectory: Trajectory) -> tuple[Watch, ...]:
     return tuple(stood)
 
 
+def persons_at(watches: Iterable[Watch], role: str, first: int, last: int) -> tuple[str, ...]:
+    """Return who had the watch at a station from tick to tick.
+
+    "" comes first where none was named yet.
+    """
+    there = [
+        each
+        for each in watches
+        if each.role == role and each.begun <= last and (each.ended is None or each.ended > first)
+    ]
+    unnamed = ("",) * (bool(there) and there[0].begun > first)
+    return (*unnamed, *(each.person for each in there))
+
+
 def named(watches: Iterable[Watch], role: str, tick: int) -> str:
     """Return a role with the person who had its watch at a tick: "planes (Berg)"."""
-    there = [each.person for each in watches if each.role == role and each.begun <= tick]
+    there = persons_at(watches, role, tick, tick)
     return f"{role} ({there[-1]})" if there else role
 
 

@@ -257,6 +257,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         session.attendance.until_left = options.until_left
         if boat.ticks:
             session.event_log.news.extend(recalled_past(history))
+            session.event_log.recall_alerts()
         if not INTERPRETED:
             judge = session.conduct.terms.debriefing
             session.evaluation.begin(

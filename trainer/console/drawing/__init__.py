@@ -6,4 +6,4 @@ the charts of each station, or ``chart``. What a panel consists of (``dials``, `
 """
 
 # The modules that other rooms may use.
-__all__ = ["attitude", "chart", "evaluation", "event_log", "gauges", "panels", "tanks"]
+__all__ = ["alerts", "attitude", "chart", "evaluation", "event_log", "gauges", "panels", "tanks"]

@@ -70,6 +70,10 @@ class NoRecording:
         """Return nothing."""
         return iter(())
 
+    def notes(self) -> Iterator[RecordedEvent]:
+        """Return nothing."""
+        return iter(())
+
     def last_tick(self, _branch: int) -> int:
         """Return the tick of the start, since no later one is recorded."""
         return 0

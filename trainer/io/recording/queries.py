@@ -19,6 +19,7 @@ from trainer.io.orders.grammar import KEPT_ORDERS, name_of
 from trainer.io.recording import format_1
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
+    NOTE_KIND,
     BranchCause,
     CrewFact,
     CrewNews,
@@ -305,8 +306,19 @@ class Past:
             yield self._next(row, branch, tick, row[0])
 
     def events(self) -> Iterator[RecordedEvent]:
-        """Yield the events in order."""
-        query = f"SELECT {self._event_columns} FROM events ORDER BY id"  # noqa: S608 our own
+        """Yield the events in order, without notes that are for programs alone."""
+        return self._events("!=")
+
+    def notes(self) -> Iterator[RecordedEvent]:
+        """Yield the notes in order: what became of each alert, for programs."""
+        return self._events("=")
+
+    def _events(self, are: str) -> Iterator[RecordedEvent]:
+        """Yield the events that are notes, or those that are none."""
+        query = (
+            f"SELECT {self._event_columns} FROM events "  # noqa: S608 our own
+            f"WHERE kind {are} '{NOTE_KIND}' ORDER BY id"
+        )
         for row in self._rows(query):
             branch, tick, kind, who, text, wall, *roles = row
             role = roles[0] if roles else format_1.giver_of(who).role

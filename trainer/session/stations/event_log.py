@@ -17,11 +17,12 @@ from trainer.boat.calls import MonitorCall, Rank
 from trainer.io.noise_log import CrowdLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import TRAINEE
+from trainer.io.recording.facts import NOTE_KIND
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.status_line import clock
 from trainer.session.past.history import History
 from trainer.session.stations.alert_table import alert_row
-from trainer.session.stations.alerts import REMARK_S, Alert, AlertBook, Instant
+from trainer.session.stations.alerts import REMARK_S, Alert, AlertBook, AlertNote, Instant
 from trainer.session.stations.own_alerts import SILENCE_S, OwnAlerts
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, Role, hears_kind
 from trainer.session.stations.station import Fact, News, Saying, Station
@@ -63,6 +64,7 @@ class EventLog:
     def __post_init__(self) -> None:
         self._branch = self.history.recording.branch
         self.strangers = CrowdLog(self.tell, time.monotonic)
+        self.alerts.keep = self._keep_note
 
     def tell(
         self,
@@ -96,9 +98,12 @@ class EventLog:
 
         It is kept for as long as its condition holds, or somebody owes it a look.
         """
-        for alert in [*self.alerts.supersede(call.key, self._now)]:
+        self._replay_alerts()
+        known = self.alerts.noted(kind, call, self._now) if self.history.flown.replaying else None
+        replaced = [] if known else [*self.alerts.supersede(call.key, self._now)]
+        for alert in replaced:
             self._tell_state(alert)
-        alert = self.alerts.add(kind, call, self._now)
+        alert = known or self.alerts.add(kind, call, self._now)
         news = self._news_of(alert)._replace(fact=fact, branch=alert.raised.branch)
         self.history.recording.event(news.tick, kind, "", news.text)
         for hear in self.hearers:  # they get it as it is recorded, without the alert's number
@@ -110,6 +115,7 @@ class EventLog:
 
     def settle(self, holding: set[str]) -> None:
         """Tell which alerts are over, by the keys of those that hold after a tick."""
+        self._replay_alerts()
         remark_ticks = self.history.boat.ticks_in(REMARK_S)
         for alert in [*self.alerts.end(holding, self._now, remark_ticks)]:
             if alert.rank is not Rank.CAUTION:
@@ -185,7 +191,7 @@ class EventLog:
         if alert is None or not alert.calls or not hears_kind(by.role, alert.kind):
             return Refused(f"no alert {number} sounds here")
         self.own_alerts.silence(str(number), by.role.name, self.history.tick)
-        self._tell_state(alert)
+        self._tell_state(self.alerts.silence(alert, by.role.name, self._now))
         return f"alert {number} is silent here for {SILENCE_S:g} s"
 
     def note_own_alert(self, order: Order, by: Station) -> Reply:
@@ -198,14 +204,7 @@ class EventLog:
 
     def follow(self, moment: Moment) -> None:
         """Forget alerts and counts later than a moment to which time has jumped."""
-        ends: dict[int, float] = {}
-        with contextlib.suppress(RecordingError):
-            ends = self.history.ends()
-        self.alerts.follow(
-            lambda when: (
-                when.tick <= min(moment.tick, ends.get(when.branch, -1 if ends else math.inf))
-            )
-        )
+        self._follow_alerts(moment)
         self.own_alerts.follow(moment)
         left_branch, self._branch = self._branch, self.history.recording.branch
         self._counts[left_branch] = [each.times for each in self.counters]
@@ -217,6 +216,40 @@ class EventLog:
         for station in self.stations:
             if station.role is INSTRUCTOR_ROLE:
                 self._note_branches(station)
+
+    def recall_alerts(self) -> None:
+        """Have the alerts of a recorded run as they were; ConfigError if damaged."""
+        step = self.history.boat.method.step
+        self.alerts.recall(AlertNote.of(each, step) for each in self.history.recording.notes())
+        self._follow_alerts(self.history.now())
+
+    def _follow_alerts(self, moment: Moment) -> None:
+        """Have the alerts as they were at a moment."""
+        ends: dict[int, float] = {}
+        with contextlib.suppress(RecordingError):
+            ends = self.history.ends()
+        self.alerts.follow(
+            lambda when: (
+                when.tick <= min(moment.tick, ends.get(when.branch, -1 if ends else math.inf))
+            )
+        )
+
+    def _replay_alerts(self) -> None:
+        """In a replay, have the alerts become again what they became at this tick."""
+        tick, alerts = self.history.tick, self.alerts
+        if not self.history.flown.replaying or all(n.when.tick != tick for n in alerts.notes):
+            return
+        before = {**alerts.open}
+        self._follow_alerts(self.history.now())
+        if alerts.open != before:
+            for station in self.stations:
+                self.note_alerts(station)
+
+    def _keep_note(self, note: AlertNote) -> None:
+        """Record what has become of an alert; a replay has it already."""
+        if not self.history.flown.replaying:
+            self.alerts.notes.append(note)
+            self.history.recording.event(note.when.tick, NOTE_KIND, note.by, note.line, note.by)
 
     def _note_branches(self, station: Station) -> None:
         """Send a program the branches, before it hears of a jump to one of them."""
