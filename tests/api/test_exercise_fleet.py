@@ -14,6 +14,7 @@ from trainer.core.kernel import Numbers
 from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import ByReference, Flight
 from trainer.debrief.tick_judge import nobody_aboard
+from trainer.units import KNOT
 
 LIKENESS = 1e-9  # [%]
 FLOWN = (
@@ -97,6 +98,18 @@ def test_a_boat_that_begins_anew_leaves_the_others_as_they_are() -> None:
     assert np.array_equal(before[others], after[others])
     assert after[1, SIGHTS.index("time left")] == pytest.approx(600.0 / 120.0)
     assert fleet.begun.tolist() == [True, False, True, True]
+
+
+def test_one_is_the_limit_of_a_control_and_right_rise_and_ahead_are_positive() -> None:
+    boat = drill_of("emergency-deep"), drill_of("heavy-boat")
+    planes = np.radians(30.0)
+
+    assert boat[0].controls == ("stern", "bow", "turns")
+    full = boat[0].values([[1.0, -1.0, 2.0], [0.5, -0.5, -1.0]])
+    assert full == pytest.approx(
+        np.array([[planes, -planes, 20.0 * KNOT], [planes / 2, -planes / 2, -8.0 * KNOT]])
+    )
+    assert boat[1].values([0.3, -0.2]).tolist() == [3000.0, -2000.0]
 
 
 def test_the_same_draw_is_the_same_sea_and_another_is_not() -> None:

@@ -47,29 +47,40 @@ def test_a_return_is_the_mark_and_a_seed_is_the_same_sea() -> None:
     assert not np.array_equal(flights[0], flights[2])
 
 
-def steps_of(mode: AutoresetMode, vectorization: str, **options: Any) -> list[tuple[Any, ...]]:
-    """Return what 250 steps of three boats give, by one way to have many."""
-    many = gymnasium.make_vec(SEA, num_envs=3, vectorization_mode=vectorization, **options)
+def steps_of(
+    name: str, mode: AutoresetMode, vectorization: str, **options: Any
+) -> list[tuple[Any, ...]]:
+    """Return what 125 steps of three boats give, by one way to have many."""
+    many = gymnasium.make_vec(name, num_envs=3, vectorization_mode=vectorization, **options)
     assert many.metadata["autoreset_mode"] is mode
-    first, _ = many.reset(seed=3)
-    many.action_space.seed(5)
-    return [(first,), *(many.step(0.5 * many.action_space.sample()) for _ in range(250))]
+    seen, _ = many.reset(seed=3)
+    steps: list[tuple[Any, ...]] = [(seen,)]
+    for _ in range(125):  # planes for the depth, and half speed where it is theirs
+        planes = (0.25 * seen[:, 13] - 0.4 * seen[:, 5]) * (1.0, 0.5, 1.5)
+        actions = np.column_stack((planes, planes, np.full(3, 0.5)))
+        actions = actions[:, : many.action_space.sample().shape[1]]
+        steps.append(many.step(np.clip(actions, -1.0, 1.0).astype(np.float32)))
+        seen = steps[-1][0]
+    return steps
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
 def test_many_boats_in_one_call_are_gymnasium_s_own_many_of_one(mode: AutoresetMode) -> None:
-    ours = steps_of(mode, "vector_entry_point", autoreset_mode=mode)
-    theirs = steps_of(mode, "sync", vector_kwargs={"autoreset_mode": mode})
+    ours, theirs = [], []
+    for name in (PLANES, SEA):
+        ours += steps_of(name, mode, "vector_entry_point", autoreset_mode=mode)
+        theirs += steps_of(name, mode, "sync", vector_kwargs={"autoreset_mode": mode})
 
-    ends = 0
+    ends, earned = 0, 0.0
     for own, other in zip(ours, theirs, strict=True):
         for one, two in zip(own[:4], other[:4], strict=True):
             assert one.dtype == two.dtype
             assert np.array_equal(one, two)
         if len(own) == 5:
-            ends += bool(own[4])
+            ends, earned = ends + bool(own[4]), earned + float(own[1].sum())
             assert_alike(own[4], other[4])
     assert ends >= 2
+    assert earned > 60.0
 
 
 def assert_alike(own: Any, other: Any) -> None:

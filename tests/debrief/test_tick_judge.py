@@ -14,7 +14,13 @@ from trainer.boat.reference_crew import ReferenceCrew
 from trainer.config.files import ConfigError, shipped_names
 from trainer.core.kernel import Numbers
 from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import ByReference, Flight, last_tick, stretches
+from trainer.debrief.rehearsal import (
+    ByReference,
+    Flight,
+    fly_rehearsal,
+    last_tick,
+    stretches,
+)
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import Giver, GiverKind
@@ -156,6 +162,30 @@ def test_boats_side_by_side_are_judged_as_each_alone() -> None:
     assert math.isnan(totals[1])
     together.begin(1, rows[1, 0], nobody)
     assert together.look(rows[:, 1:], ~resting)[1] == alone[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value", "seconds", "most"),
+    [
+        ("first-depth-change", "theta", math.radians(16.0), 20.0, 99.0),
+        ("depth-changes", "z", 106.0, 1.5, 100.0),  # too short to cost
+        ("depth-changes", "z", 110.0, 40.0, 92.0),
+        ("rise-jam-shallow", "u", 1.0, 2.0, 25.0),  # less than 6 kn before 90 s loses it
+    ],
+)
+def test_a_broken_limit_and_a_loss_leave_what_the_debrief_leaves(
+    name: str, field: str, value: float, seconds: float, most: float
+) -> None:
+    plan = planned(name)
+    flown = fly_rehearsal(plan, plan.crew).trajectory
+    broken = flown.columns[field].copy()
+    broken[150 : 150 + round(2.0 * seconds)] = value
+    flown = replace(flown, columns={**flown.columns, field: broken})
+
+    *_, (_, ours, theirs) = compared(name, flown, [160, len(broken) - 1])
+
+    assert ours == pytest.approx(theirs, abs=LIKENESS)
+    assert 20.0 < ours <= most
 
 
 def test_a_boat_that_turned_over_has_ended_without_marks() -> None:

@@ -86,7 +86,7 @@ def _time_learning() -> LearningCost:
             if fleet.over[0]:
                 fleet.reset()
 
-    works = [look, fly]
+    works: list[Callable[[int], None]] = [look, fly]
     if find_spec("gymnasium") is not None:
         works.append(_gymnasium_s_steps(drill.plan.method.step))
     looked, flown, *stepped = time_batches(works)
