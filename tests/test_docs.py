@@ -57,6 +57,7 @@ def cases(page: Path) -> list[str]:
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in cases(page)}
 # what takes minutes, and has tests of its own
 SLOW = re.compile(
+    r"dev learn |"
     r"bench --(footprint|machines|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
     r"|guide bb2 (--uncertainty )?--html|estimate small-boat|export-core (core|arm|risc|m7)"
     r"|identify --example|ship prbs bb2|run periscope-depth --web|run --web-at|guide mariner"

@@ -15,6 +15,7 @@ __version__ = "0.2.0"
 __all__ = [
     "Answer",
     "Boat",
+    "ExerciseFleet",
     "Fleet",
     "Recording",
     "Snapshot",
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         sweep,
         vessels,
     )
+    from trainer.api.exercise_fleet import ExerciseFleet
     from trainer.api.fleet import Fleet
     from trainer.config.files import ConfigError as TrainerError
     from trainer.debrief.recording_export import Recording, read_recording
@@ -49,6 +51,7 @@ else:
     _MODULE_BY_NAME = {  # the module of each name, and what it is called there
         **dict.fromkeys(("Recording", "read_recording"), "trainer.debrief.recording_export"),
         **dict.fromkeys(("Boat", "Snapshot"), "trainer.api.boat"),
+        "ExerciseFleet": "trainer.api.exercise_fleet",
         "Fleet": "trainer.api.fleet",
         "TrainerError": "trainer.config.files",
     }

@@ -1,4 +1,4 @@
-"""The page of the Python face and its notebook, run as they stand."""
+"""The pages of the Python face and its notebook, run as they stand."""
 
 import json
 import re
@@ -11,7 +11,9 @@ from helpers import notebooks, python_reference
 from helpers.lanes import sample_cases
 from helpers.places import ROOT, TESTS, environment
 
-PAGE = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+PAGE, LEARNING_PAGE = (
+    (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("python.md", "learning.md")
+)
 MOST = 100_000  # [bytes] of a notebook with its outputs
 
 
@@ -39,6 +41,16 @@ def test_the_blocks_of_the_page_run_one_after_the_other(tmp_path: Path) -> None:
 
     assert "80.0 m" in told
     assert "collapse at 450 m" in told
+
+
+@pytest.mark.process
+def test_the_blocks_of_the_page_for_programs_that_learn_run_too(tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", LEARNING_PAGE, re.DOTALL)
+
+    told = ran("\n".join(blocks), tmp_path).splitlines()
+
+    assert [line.endswith("marks") for line in told] == [True, False]
+    assert float(told[0].split()[0]) > 30.0
 
 
 def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None:

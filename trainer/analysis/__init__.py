@@ -11,7 +11,7 @@ Begin with ``manoeuvres``: most others fly them. A program and its page are what
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "bench", "check", "check_cases", "check_page", "estimate", "gains", "guide", "manoeuvres",
-    "programs", "reduce", "seaway", "sweep",
+    "bench", "check", "check_cases", "check_page", "estimate", "gains", "guide", "learning",
+    "manoeuvres", "programs", "reduce", "seaway", "sweep",
 ]
 # fmt: on

@@ -36,7 +36,8 @@ class BoatByNumber:
     ``Boat.by_number`` gives one. ``orders`` and ``reads`` are the names of its columns, and
     ``ticks`` says how far a step goes. ``low`` and ``high`` are the limits of the orders, those of
     their words; right, rise, ahead, in and forward are positive. It is the same boat: ``order``,
-    ``state``, ``snapshot`` and ``restore`` go on, but ``columns`` has no rows of its steps.
+    ``state``, ``snapshot`` and ``restore`` go on, but ``columns`` has no rows of its steps. With
+    as many ``rows`` as ticks a step reads after each of them, one row behind the other.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class BoatByNumber:
         orders: Sequence[str],
         reads: Sequence[str],
         ticks: int,
+        rows: int = 1,
     ) -> None:
         chosen, offsets = choose_orders(boat, orders), choose_reads(reads)
         refuse_ticks(ticks)
@@ -54,7 +56,7 @@ class BoatByNumber:
         self.high = np.array([order.high for order in chosen])
         self._boat = boat
         self._values = np.zeros((1, len(chosen)))
-        self._out = np.zeros((1, 1 + len(reads)))
+        self._out = np.zeros((1, 1 + rows * len(reads)))
         self._shape, self._row = self.low.shape, self._values[0]
         # a step takes little more than its tick: so what it calls is found once
         self._copy, self._acquire, self._release = self._out[0, 1:].copy, lock.acquire, lock.release
@@ -68,6 +70,7 @@ class BoatByNumber:
             self._out,
         )
         self._steer = bind(steer, *arguments)
+        self.places = offsets.astype(np.int64)  # of what is read, in a state
 
     def step(self, values: ArrayLike) -> Numbers:
         """Obey a row of numbers, advance by ``ticks``, and return a row of ``reads``.

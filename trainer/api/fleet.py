@@ -9,19 +9,23 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final, TypedDict, Unpack
+from typing import Any, Final, Self, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.api.boat import BoatOptions, Snapshot, plan_boat
 from trainer.api.by_number import choose_orders, choose_reads, refuse_ticks, rules_of
+from trainer.boat.boat import Boat as CoreBoat
+from trainer.boat.due_orders import obey_all
 from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.config.files import ConfigError, quote
 from trainer.core.entry import steer
 from trainer.core.kernel import Numbers
 from trainer.core.state import SCRATCH, STATE
+from trainer.io.orders.grammar import Order
 from trainer.io.recording.recording import Moment
+from trainer.session.past.plan import Plan
 from trainer.session.run import ready_boat
 
 MAX_BOATS: Final = 1_000_000
@@ -67,18 +71,44 @@ class Fleet:
         reads: Sequence[str],
         **options: Unpack[FleetOptions],
     ) -> None:
-        ticks, threads = options.get("ticks", 1), options.get("threads", 1)
-        rows = ticks if options.get("each_tick") else 1
         start = {name: given for name, given in options.items() if name in START_NAMES}
+        chosen_options, plan = plan_boat({"vessel": vessel, **start})
+        self._begin(plan, ready_boat(plan, chosen_options), count, (orders, reads), options)
+
+    @classmethod
+    def of_plan(
+        cls,
+        plan: Plan,
+        count: int,
+        *,
+        orders: Sequence[str],
+        reads: Sequence[str],
+        **options: Unpack[FleetOptions],
+    ) -> Self:
+        """Return many boats of a plan; its scheduled orders are the caller's."""
+        fleet = cls.__new__(cls)
+        begun = plan, plan.launch_boat(), count, (orders, reads), options
+        fleet._begin(*begun)  # noqa: SLF001  its own kind
+        return fleet
+
+    def _begin(
+        self,
+        plan: Plan,
+        boat: CoreBoat,
+        count: int,
+        names: tuple[Sequence[str], Sequence[str]],
+        options: FleetOptions,
+    ) -> None:
+        ticks, threads = options.get("ticks", 1), options.get("threads", 1)
         for name, given, most in (("count", count, MAX_BOATS), ("threads", threads, 1024)):
             if not (isinstance(given, int) and 0 < given <= most):
                 raise ConfigError(f"Fleet: {name} must be 1 to {most}, not {quote(given)}")
         refuse_ticks(ticks)
-        chosen_options, self.plan = plan_boat({"vessel": vessel, **start})
-        self._boat = ready_boat(self.plan, chosen_options)
-        if self._boat.world.acts:
+        rows = ticks if options.get("each_tick") else 1
+        self.plan, self._boat = plan, boat
+        if boat.world.acts:
             raise ConfigError("Fleet: a current and ships are moved by run() of one Boat alone")
-        chosen = choose_orders(self._boat, orders)
+        chosen, (orders, reads) = choose_orders(boat, names[0]), names
         self.orders, self.reads, self.ticks, self.count = tuple(orders), tuple(reads), ticks, count
         self.low = np.array([order.low for order in chosen])
         self.high = np.array([order.high for order in chosen])
@@ -115,6 +145,11 @@ class Fleet:
     def status(self) -> NDArray[np.int64]:
         """Return 0 for each boat that goes on. A lost one rests until it is reset."""
         return self._out[:, 0].astype(np.int64)
+
+    @property
+    def places(self) -> NDArray[np.int64]:
+        """Return where in a state stands what is read."""
+        return self._offsets.astype(np.int64)
 
     def column(self, name: str) -> Numbers:
         """Return a copy of one number of the state of all boats."""
@@ -164,7 +199,7 @@ class Fleet:
                 self._starts[index] = self._boat.plain
         self._whole[chosen] = self._starts[chosen]
         self._out[chosen, 0] = 0.0
-        rows = self._whole[:, self._offsets.astype(int)]
+        rows = self._whole[:, self.places]
         return rows.copy()
 
     def snapshot(self, index: int) -> Snapshot:
@@ -176,8 +211,19 @@ class Fleet:
 
     def restore(self, index: int, snapshot: Snapshot) -> None:
         """Bring one boat to a moment of any boat of the same file."""
-        self._whole[index] = np.frombuffer(snapshot.moment_for(self.plan).state, float)
+        self.put(index, np.frombuffer(snapshot.moment_for(self.plan).state, float))
+
+    def put(self, index: int, whole: Numbers) -> None:
+        """Bring one boat to the whole numbers of a state; it goes on from there."""
+        self._whole[index] = whole
         self._out[index, 0] = 0.0
+
+    def obey(self, index: int, orders: Sequence[Order]) -> None:
+        """Have one boat obey orders in words, with its state as it is now."""
+        plain = np.asarray(self._boat.plain)
+        plain[:] = self._whole[index]
+        obey_all(self._boat, orders)
+        self._whole[index] = plain
 
     def _mask(self, which: Any) -> Mask:
         mask = np.asarray(which)

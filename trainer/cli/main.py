@@ -83,6 +83,7 @@ COMMAND_GROUPS: Final = (
         "dev",
         places=(
             "trainer.cli.workshop.bench.bench",
+            "trainer.cli.workshop.learn.learn",
             "trainer.cli.conform.conform",
             "trainer.cli.listings.instruments",
             "trainer.cli.schema.schema",

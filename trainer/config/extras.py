@@ -16,6 +16,7 @@ EXTRA_BY_LIBRARY: Final = {  # what is imported, by the extra that brings it
     "pandas": "pandas",
     "distributed": "cluster",
     "scipy": "identify",
+    "gymnasium": "gym",
     "tifffile": "bottom",
     "starlette": "web",
     "uvicorn": "web",

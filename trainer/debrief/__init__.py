@@ -16,6 +16,6 @@ rooms judge a run, rehearse an exercise, or write a page; what a page consists o
 __all__ = [
     "attainable", "beside", "boat_page", "controls", "episodes", "evaluator", "forms", "history",
     "judgement", "page", "progress", "progress_words", "recording_export", "rehearsal", "scoring",
-    "trajectory",
+    "tick_judge", "trajectory",
 ]
 # fmt: on

@@ -1,11 +1,12 @@
-"""The cost of a step by numbers, beside the bare tick and words.
+"""The cost of a step by numbers, beside words, and of marks at each tick.
 
 ``trainer dev bench --numbers`` measures it, in one run, in a calm and in a sea.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from importlib.util import find_spec
 from typing import Final
 
 import numpy as np
@@ -21,11 +22,15 @@ from trainer.analysis.bench.tick import (
 from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
+from trainer.debrief.tick_judge import TickJudge
 from trainer.io.orders.grammar import Order, parse
 
 ORDER_WORDS: Final = ("stern planes rise 1", "rudder right 1", "depth 60")
 READ_NAMES: Final = ("z", "theta", "w", "q", "u", "psi")
 SEA_NAMES: Final = ("calm", "sea-state-5")
+EXERCISE_NAME: Final = "emergency-deep"  # in sea state 3
+FLEET_BOATS: Final = 256
+EVERY_S: Final = 5.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -41,15 +46,79 @@ class StepCost:
 
 
 @dataclass(frozen=True)
+class LearningCost:
+    """The cost of what a program learns by, in a shipped exercise."""
+
+    exercise: str
+    judge: BatchCost  # of a tick of one boat of a fleet
+    fleet: BatchCost  # of a boat's step of EVERY_S, judged and seen
+    env: BatchCost | None  # of Gymnasium's step of one tick, None where it is not installed
+
+
+@dataclass(frozen=True)
 class NumbersCost:
-    """The costs of a step in each sea."""
+    """The costs of a step in each sea, and in an exercise."""
 
     seas: Sequence[StepCost]
+    learning: LearningCost
 
 
 def time_numbers(file: VesselFile) -> NumbersCost:
     """Return what steps by numbers and by words cost."""
-    return NumbersCost([_time_in(file, sea) for sea in SEA_NAMES])
+    return NumbersCost([_time_in(file, sea) for sea in SEA_NAMES], _time_learning())
+
+
+def _time_learning() -> LearningCost:
+    """Return what steps in an exercise cost, with its marks."""
+    fleet = trainer.ExerciseFleet(EXERCISE_NAME, FLEET_BOATS, step_s=EVERY_S)
+    judge, drill = TickJudge(fleet.drill.plan, FLEET_BOATS), fleet.drill
+    rows = np.zeros((FLEET_BOATS, drill.ticks, len(judge.reads)))
+    actions = np.zeros((FLEET_BOATS, len(fleet.controls)))
+
+    def look(count: int) -> None:
+        for _ in range(count):
+            rows[:, :, 0] += drill.ticks
+            judge.look(rows)
+
+    def fly(count: int) -> None:
+        for _ in range(count):
+            fleet.step(actions)
+            if fleet.over[0]:
+                fleet.reset()
+
+    works: list[Callable[[int], None]] = [look, fly]
+    if find_spec("gymnasium") is not None:
+        works.append(_gymnasium_s_steps(drill.plan.method.step))
+    looked, flown, *stepped = time_batches(works)
+    one_tick, one_boat = FLEET_BOATS * drill.ticks, FLEET_BOATS
+    return LearningCost(
+        EXERCISE_NAME,
+        _each(looked, one_tick),
+        _each(flown, one_boat),
+        stepped[0] if stepped else None,
+    )
+
+
+def _gymnasium_s_steps(step_s: float) -> Callable[[int], None]:
+    """Return what takes steps of a tick in Gymnasium's environment, as ``make`` gives it."""
+    import gymnasium  # noqa: PLC0415  it may be lacking
+
+    env = gymnasium.make(f"trainer.gym:trainer/{EXERCISE_NAME}-v0", step_s=step_s)
+    action = env.action_space.sample() * 0.0
+    env.reset(seed=1)
+
+    def step(count: int) -> None:
+        for _ in range(count):
+            *_, lost, over, _ = env.step(action)
+            if lost or over:
+                env.reset()
+
+    return step
+
+
+def _each(cost: BatchCost, count: int) -> BatchCost:
+    """Return the cost of one of so many that a repetition has."""
+    return replace(cost, median_ns=cost.median_ns / count, least_ns=cost.least_ns / count)
 
 
 def _time_in(file: VesselFile, sea: str) -> StepCost:
@@ -89,4 +158,16 @@ def lines(cost: NumbersCost) -> list[str]:
         f"{each.words_over_step:7.0f}"
         for each in cost.seas
     ]
-    return [head, columns, *rows]
+    learning = cost.learning
+    costs = [
+        ("marks of a tick", learning.judge),
+        (f"step of {EVERY_S:g} s", learning.fleet),
+        ("Env.step, a tick", learning.env),
+    ]
+    told = [
+        f"  {what:18}{each.least_ns / 1e3:8.3f}  {1e9 / each.least_ns:12,.0f} a second"
+        for what, each in costs
+        if each is not None
+    ]
+    said = f"In {learning.exercise}, {FLEET_BOATS} boats and one [us each, least of batches]"
+    return [head, columns, *rows, "", said, *told]

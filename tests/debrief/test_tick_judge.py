@@ -1,0 +1,202 @@
+"""The marks at each tick are those that the debrief gives a record that ends there."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from trainer.api.boat import plan_boat
+from trainer.boat.due_orders import entries_due
+from trainer.boat.reference_crew import ReferenceCrew
+from trainer.config.files import ConfigError, shipped_names
+from trainer.core.kernel import Numbers
+from trainer.debrief.judgement import judge_run
+from trainer.debrief.rehearsal import (
+    ByReference,
+    Flight,
+    fly_rehearsal,
+    last_tick,
+    stretches,
+)
+from trainer.debrief.tick_judge import TickJudge, nobody_aboard
+from trainer.debrief.trajectory import Trajectory
+from trainer.io.recording.facts import Giver, GiverKind
+from trainer.io.recording.recording import RecordedOrder
+from trainer.session.past.plan import Plan
+
+BY_DEBRIEF_ALONE = ("bottoming", "canyon", "crossing-traffic")  # ground and ships
+BY_NUMBERS = [name for name in shipped_names("exercises") if name not in BY_DEBRIEF_ALONE]
+CREW = Giver(GiverKind.STATION, "planesman", "tester")
+LIKENESS = 1e-9  # [%]
+# fmt: off
+WORDS = (
+    "stern planes rise {}", "stern planes dive {}", "bow planes rise {}", "bow planes dive {}",
+    "rudder left {}", "rudder right {}", "turns {}", "stern planes auto", "bow planes auto",
+    "rudder auto", "bell stop", "bell back full", "blow all", "emergency blow", "vent all open",
+    "flood auxiliary {}", "pump auxiliary {}", "pump trim forward {}", "depth {}0", "course {}0",
+    "drain aft", "hover on", "surface", "speed {}",
+)
+# fmt: on
+
+
+@cache
+def planned(name: str) -> Plan:
+    return plan_boat({"exercise": name})[1]
+
+
+@cache
+def nobody_in(name: str) -> dict[str, float]:
+    return nobody_aboard(planned(name))
+
+
+def flight_of(name: str, seed: int) -> Trajectory:
+    """Return a flight by orders drawn at random, half of them with the reference crew as well."""
+    drawn, plan = np.random.default_rng(seed), planned(name)
+    boat, last = plan.launch_boat(), last_tick(plan)
+    crew = ReferenceCrew(boat, plan.crew, None) if seed % 2 else None
+    flight = Flight(plan, boat, ByReference(crew))
+    given: dict[int, list[RecordedOrder]] = {}
+    for _ in range(int(drawn.choice((1, 3, 30)))):
+        tick = int(drawn.integers(last))
+        text = str(drawn.choice(WORDS)).format(drawn.integers(1, 31))
+        given.setdefault(tick, []).append(RecordedOrder(0, 1, tick, CREW, text, None, None, ""))
+    due = entries_due(boat, plan.schedule)
+    for tick, until in stretches(0, last, {*due, *given}):
+        flight.give_scheduled(due.get(tick, ()))
+        flight.give_again(given.get(tick, ()))
+        if not flight.fly_to(until):
+            break
+    return flight.rehearsal().trajectory
+
+
+def cut(flown: Trajectory, row: int) -> Trajectory:
+    """Return a flight as its record is when a row is the last."""
+    return replace(
+        flown,
+        ticks=flown.ticks[: row + 1],
+        columns={name: column[: row + 1] for name, column in flown.columns.items()},
+        lateness=flown.lateness[: row + 1],
+        work=flown.work[: row + 1],
+        orders=tuple(each for each in flown.orders if each.tick < row),
+    )
+
+
+def rows_of(judge: TickJudge, flown: Trajectory) -> Numbers:
+    columns = {"tick": flown.ticks.astype(float), **flown.columns}
+    return np.array([columns[name] for name in judge.reads]).T.copy()
+
+
+def compared(name: str, flown: Trajectory, ends: list[int]) -> Iterator[tuple[int, float, float]]:
+    """Yield each end with the judge's total and the debrief's."""
+    plan, nobody = planned(name), nobody_in(name)
+    judge = TickJudge(plan)
+    rows, heard, begun = rows_of(judge, flown), list(flown.orders), 0
+    yield 0, judge.begin(0, rows[0], nobody), judged(cut(flown, 0), plan, nobody)
+    for end in ends:
+        while heard and heard[0].tick < end:
+            judge.hear(0, heard.pop(0))
+        total = float(judge.look(rows[None, begun + 1 : end + 1])[0])
+        begun = end
+        yield end, total, judged(cut(flown, end), plan, nobody)
+
+
+def judged(flown: Trajectory, plan: Plan, nobody: dict[str, float]) -> float:
+    return judge_run(flown, plan, nobody).total or 0.0
+
+
+def ends_of(flown: Trajectory, count: int, seed: int) -> list[int]:
+    """Return rows at which a record may end, its last among them."""
+    last = len(flown.ticks) - 1
+    drawn = np.random.default_rng(seed).integers(1, max(last, 2), count).tolist()
+    return sorted({*(row for row in drawn if row < last), last})
+
+
+@pytest.mark.parametrize("name", ["first-depth-change", "watch", "rise-jam-shallow"])
+def test_the_marks_at_a_tick_are_those_of_a_record_that_ends_there(name: str) -> None:
+    totals = []
+    for seed in (1, 2):
+        flown = flight_of(name, seed)
+        for end, ours, theirs in compared(name, flown, ends_of(flown, 5, seed)):
+            assert ours == pytest.approx(theirs, abs=LIKENESS), (seed, end)
+            totals.append(ours)
+
+    assert max(totals) > 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BY_NUMBERS)
+def test_twenty_flights_have_the_debrief_s_marks_all_along(name: str) -> None:
+    totals = set()
+    for seed in range(20):
+        flown = flight_of(name, seed)
+        for end, ours, theirs in compared(name, flown, ends_of(flown, 8, seed)):
+            assert ours == pytest.approx(theirs, abs=LIKENESS), (seed, end)
+            totals.add(round(ours, 3))
+
+    assert len(totals) > 5
+
+
+@pytest.mark.parametrize("name", BY_DEBRIEF_ALONE)
+def test_what_ground_and_ships_decide_is_left_to_the_debrief_by_name(name: str) -> None:
+    with pytest.raises(ConfigError, match="only the debrief judges it"):
+        TickJudge(planned(name))
+
+
+def test_boats_side_by_side_are_judged_as_each_alone() -> None:
+    flights = [flight_of("first-depth-change", seed) for seed in (1, 2, 3)]
+    together = TickJudge(planned("first-depth-change"), 3)
+    nobody = nobody_in("first-depth-change")
+    rows = np.array([rows_of(together, each) for each in flights])
+    for index in range(3):
+        together.begin(index, rows[index, 0], nobody)
+    together.look(rows[:, 1:400])
+    resting = np.array([True, False, True])
+
+    totals = together.look(rows[:, 400:], resting)
+
+    alone = [list(compared("first-depth-change", each, [1200]))[-1][1] for each in flights]
+    assert totals[[0, 2]].tolist() == [alone[0], alone[2]]
+    assert math.isnan(totals[1])
+    together.begin(1, rows[1, 0], nobody)
+    assert together.look(rows[:, 1:], ~resting)[1] == alone[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value", "seconds", "most"),
+    [
+        ("first-depth-change", "theta", math.radians(16.0), 20.0, 99.0),
+        ("depth-changes", "z", 106.0, 1.5, 100.0),  # too short to cost
+        ("depth-changes", "z", 110.0, 40.0, 92.0),
+        ("rise-jam-shallow", "u", 1.0, 2.0, 25.0),  # less than 6 kn before 90 s loses it
+    ],
+)
+def test_a_broken_limit_and_a_loss_leave_what_the_debrief_leaves(
+    name: str, field: str, value: float, seconds: float, most: float
+) -> None:
+    plan = planned(name)
+    flown = fly_rehearsal(plan, plan.crew).trajectory
+    broken = flown.columns[field].copy()
+    broken[150 : 150 + round(2.0 * seconds)] = value
+    flown = replace(flown, columns={**flown.columns, field: broken})
+
+    *_, (_, ours, theirs) = compared(name, flown, [160, len(broken) - 1])
+
+    assert ours == pytest.approx(theirs, abs=LIKENESS)
+    assert 20.0 < ours <= most
+
+
+def test_a_boat_that_turned_over_has_ended_without_marks() -> None:
+    flown = flight_of("first-depth-change", 1)
+    judge = TickJudge(planned("first-depth-change"))
+    rows = rows_of(judge, flown)
+    judge.begin(0, rows[0], {})
+    assert judge.look(rows[None, 1:]) > 0.0
+    assert not judge.ended[0]
+
+    rows[-1, judge.reads.index("theta")] = math.radians(46.0)
+
+    assert judge.look(rows[None, -1:]) == 0.0
+    assert judge.ended[0]
