@@ -11,6 +11,7 @@ import pytest
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
+from trainer.boat.plant import plant_facts
 from trainer.config.vessel import load_vessel
 from trainer.core.plant.fire import advance_fire
 from trainer.core.plant.oil import advance_oil, draw_oil, fed_share, oil_pressure, rate_share
@@ -273,3 +274,15 @@ def test_power_dips_for_its_seconds(boat: Boat) -> None:
         dead.append(bool(boat.state.bus_dead[PORT]))
 
     assert dead == [True] * 6 + [False] * 4
+
+
+def test_a_check_tells_how_long_the_battery_lasts_as_the_core_drains_it() -> None:
+    plant = load_vessel("bb2").plant
+    assert plant
+
+    facts = plant_facts(plant, 15.0)
+
+    assert facts.endurance_h == pytest.approx(
+        {"5": 48.2491, "10": 13.2928, "15": 3.81696}, rel=5e-6
+    )
+    assert facts.strokes == {"main": 3.0, "vital": 1.5}

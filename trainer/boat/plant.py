@@ -4,6 +4,7 @@
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any, Final
 
 from trainer.config.plant_records import Plant
@@ -13,6 +14,7 @@ from trainer.core.plant.parts import (
     BURNING_ITEMS,
     BUSES,
     CONSUMERS,
+    FED_AUTOPILOT,
     OIL_PUMPS,
     OIL_SYSTEMS,
     PLACES,
@@ -23,6 +25,38 @@ LITRE: Final = 1e-3  # [m3]
 STROKE: Final = math.radians(60.0)  # [rad] of which the file says the oil
 KILOWATT_HOUR: Final = 3.6e6  # [J]
 NO_PLACE: Final = -1.0
+ENDURANCE_SPEEDS_KN: Final = (5.0, 10.0, 15.0, 20.0)
+
+
+@dataclass(frozen=True)
+class PlantFacts:
+    """What a plant is worth while it is well."""
+
+    endurance_h: dict[str, float]  # by speed [kn], in whole numbers
+    strokes: dict[str, float]  # [-] by oil system, without its pumps
+
+
+def plant_facts(plant: Plant, fastest: float) -> PlantFacts:
+    """Return how long a plant lasts at speeds up to ``fastest`` [kn], and its strokes.
+
+    A stroke is that of the stern planes, 60 degrees; the pumps stand still.
+    """
+    always = CONSUMERS[FED_AUTOPILOT:]
+    loads = sum(row.power_w for row in plant.hotel)
+    loads += sum(row.power_w for row in plant.consumers if row.name in always)
+    battery = plant.battery
+    hours = {}
+    for speed in (knots for knots in ENDURANCE_SPEEDS_KN if knots <= fastest):
+        power = loads + battery.propeller_w * (speed / battery.propeller_kn) ** 3
+        drained = power * (1.0 + power / battery.cell_w)
+        hours[f"{speed:g}"] = battery.capacity_kwh * 1e3 / drained
+    return PlantFacts(
+        endurance_h=hours,
+        strokes={
+            name: getattr(plant, name).usable_m3 / (LITRE * plant.surfaces.stern_l)
+            for name in OIL_SYSTEMS
+        },
+    )
 
 
 def write_plant(file: VesselFile, record: Record) -> None:
