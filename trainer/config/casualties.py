@@ -153,7 +153,7 @@ FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equ
         "shut": _share("share of the opening lost", "of the vent lost"),
         "open": _share("opening it is stuck at", "open"),
     },
-    "hydraulic": {"failed": _share("share of the delivery lost", "of the delivery lost")},
+    "hydraulic": {"failed": _share("share of delivery lost", "of the delivery lost")},
     "oil": {
         "leak": SeverityMeasure(
             FACTOR_LIMITS, "times leak_l_s", Count.FLOW, parameter="leak_l_s", factor=1e-3
@@ -162,7 +162,7 @@ FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equ
     "bus": {"lost": SeverityMeasure(SWITCH_LIMITS, "none: it is dead")},
     "cells": {"lost": _share("share of the charge lost", "of the charge lost")},
     "power": {"dip": SeverityMeasure(FACTOR_LIMITS, "times dip_s", Count.TIME, parameter="dip_s")},
-    "fire": {"burning": _share("share of a usual beginning", "of a usual beginning")},
+    "fire": {"burning": _share("share of a usual fire", "of a usual fire")},
 }
 SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = {
     kind.name: FAULT_MEASURES[kind.equipment][kind.fault] for kind in CASUALTY_TABLE
