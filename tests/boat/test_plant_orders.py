@@ -12,10 +12,11 @@ import pytest
 from helpers.boats import make_boat, start_bb2, start_boat
 
 from trainer.boat.boat import Boat
-from trainer.boat.casualties import insert_casualty
+from trainer.boat.casualties import arm_casualty, insert_casualty
 from trainer.boat.effects import effects_of_boat
 from trainer.boat.helm import obey_order
-from trainer.config.files import ConfigError
+from trainer.config.derived import compile_condition
+from trainer.config.files import ConfigError, Position
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile, load_vessel, read_vessel
 from trainer.core.state import offset_of
@@ -194,6 +195,18 @@ def test_a_tick_that_fails_leaves_the_plant_as_it_was() -> None:
 
     assert boat.snapshot().tobytes() == spoilt.tobytes()
     assert before.tobytes() != spoilt.tobytes()
+
+
+def test_a_tick_that_fails_as_a_trigger_fires_leaves_the_plant_untouched() -> None:
+    boat = start_bb2()
+    deep = compile_condition("depth > 1", Position("my.toml", "casualties[0]"))
+    arm_casualty(boat, deep, boat.casualties["fire-aft"])
+    boat.state.u = math.nan
+    spoilt = boat.snapshot()
+
+    assert boat.tick() != 0
+
+    assert boat.snapshot().tobytes() == spoilt.tobytes()
 
 
 def test_a_boat_put_back_to_before_its_plant_was_touched_goes_on_well() -> None:
