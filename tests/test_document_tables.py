@@ -28,6 +28,7 @@ SHOWN = {  # by page
         *("decca", "derivatives", "identification", "nomoto", "nonlinear-ships", "systems"),
     ],
     ("key_tables", "measures.md"): ["measures"],
+    ("key_tables", "plant-keys.md"): ["plant"],
     ("key_tables", "seas.md"): ["seas"],
     ("key_tables", "sweep-keys.md"): ["sweeps"],
     ("key_tables", "vessel-keys.md"): ["documentary", "laws", "vessel-files"],

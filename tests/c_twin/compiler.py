@@ -43,6 +43,8 @@ from trainer.core.autopilot import (
 from trainer.core.ballast import air, tanks
 from trainer.core.ballast import buoyancy as hull
 from trainer.core.ballast import hover as hovering
+from trainer.core.plant import parts as plant_parts
+from trainer.core.plant import plant
 from trainer.core.sea import cosine_sum, filter_1969, forces, wave_filter
 from trainer.core.sea import sea as sea_module
 from trainer.core.state import SCRATCH, STATE
@@ -77,6 +79,9 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (hovering, "GIVE_UP_SPEED CATCH_SHARE SLOW_DAMPING LEARNING_TIME_S MAX_WAY_SPEED"),
     (sections, "EARLY SECTION_SIZE LATE OUTPUT"),
     (reference, "APPROACH_TICKS COURSE_AXIS DEPTH_AXIS LEASH_SHARE"),
+    (plant, "CALM_TICKS"),
+    (plant_parts, "CONSUMER_COUNT FED_COMPRESSOR FED_DEPTH_CONTROL FED_DRAIN FED_TRIM"),
+    (plant_parts, "HYDRAULIC_END"),
     (propulsion, "POWER_ROOT_STEPS"),
     (scheme, "ADAMS"),
     (speed, "ANSWER_TIME_S LOW_PASS_TIME_S PROPELLER_SLACK"),

@@ -18,7 +18,7 @@ from trainer.boat.casualties import clear_casualty, insert_casualty
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import load_vessel
 from trainer.core.ballast.tanks import NEGATIVE_TANK
-from trainer.core.casualties import GAUGES, KINDS
+from trainer.core.casualties import CASUALTY_TABLE, GAUGES
 from trainer.core.envelope import EXTRAPOLATED_RANGE, INSIDE_RANGE, OUTSIDE_RANGE, substeps
 from trainer.core.kernel import Record
 from trainer.core.sea.sea import COSINES, GAMMA, OLD, PEAKED, SUCTION
@@ -48,8 +48,11 @@ STEP: Final = {  # [s] long enough to be divided
 }
 PUSHED: Final = 40  # [ticks] after the boat was put into any motion at all
 SUFFERED: Final = 20  # [ticks] with a casualty, and after it is cleared
-# Only stations see a broken gauge, so that a tick has nothing of it.
-FELT_KINDS: Final = [kind for kind in KINDS if not kind.startswith(tuple(GAUGES))]
+# Only stations see a broken gauge, so that a tick has nothing of it. The C has a plant that is well
+# alone; what happens to one is proved by the numbers of a program of its own in core/test_plant.
+FELT_KINDS: Final = [
+    kind.name for kind in CASUALTY_TABLE if kind.equipment not in GAUGES and not kind.plant
+]
 FEELING: Final = ("surface", "u_c", "command_u_c", "water", "tank_air", "bank")
 
 

@@ -27,6 +27,7 @@
 #include "stall.h"
 #include "attitude.h"
 #include "rates.h"
+#include "plant.h"
 #include "integrators.h"
 
 static int lost(const struct state *s)
@@ -66,6 +67,7 @@ int64_t update(
 
     fire_triggers(scheme, s);
     advance_casualties(s);
+    advance_plant(vessel, h, s);
     autopilot(vessel, h, s, work->gains);
     if (s->held_tanks == 0.0)
         advance_ballast(vessel, h, s);

@@ -80,6 +80,18 @@ def expected(boat: Boat) -> dict[str, float]:
         "ordered_period": math.tau / s.sea_target[1],
         "origin": s.sea[3] + math.pi,
         "ordered_origin": s.sea_target[3] + math.pi,
+        **dict.fromkeys(("main_pressure", "vital_pressure"), 20.7e6),
+        "main_level": 0.2,
+        "vital_level": 0.08,
+        "port_load": 78e3
+        + 20e3 * bool(s.move_trim or s.trim_forward)
+        + 40e3 * bool(s.move_depth_control or s.hover),
+        "starboard_load": 76e3
+        + 45e3 * bool(s.move_auxiliary or s.drained or s.trim_flood)
+        + 60e3 * bool(s.compressor),
+        "dc_load": 5.2e3,
+        "charge": 1.0 - s.battery_spent / 43.2e9,
+        "overload_left": math.nan,
     }
     for surface, letter in SURFACES.items():
         by_hand = s[f"{surface}_by_hand"]

@@ -14,6 +14,7 @@ from typing import Any, Final
 from trainer.analysis.sweep import records as sweep
 from trainer.config import ballast_records as ballast
 from trainer.config import check_case, contacts, exercise, hull, reference_crew, ship
+from trainer.config import plant_records as plant
 from trainer.config import vessel_records as vessel
 from trainer.config.bottom import BottomTable
 from trainer.config.casualties import SEVERITY_MEASURES, CasualtyEntry
@@ -53,6 +54,19 @@ BALLAST_RECORDS: Final = {
     "ballast.pumps": ballast.Pumps,
     "ballast.hover": ballast.HoverControl,
     "ballast.sea": ballast.HullBuoyancy,
+}
+PLANT_RECORDS: Final = {
+    "plant": plant.Plant,
+    "plant.main": plant.OilSystem,
+    "plant.vital": plant.OilSystem,
+    "plant.surfaces": plant.SurfaceOil,
+    "plant.battery": plant.Battery,
+    "plant.fire": plant.Fire,
+    "[plant.pumps]": plant.OilPump,
+    "[plant.consumers]": plant.Consumer,
+    "[plant.hotel]": plant.Hotel,
+    "[plant.compartments]": plant.Compartment,
+    "[plant.burning]": plant.BurningItem,
 }
 EXERCISE_RECORDS: Final = {
     "": exercise.ExerciseHeading,
@@ -230,6 +244,7 @@ TABLES: Final[Mapping[str, Callable[[], str]]] = {  # by the page, or what it is
     "nonlinear-ships": lambda: tables_of(SHIP_RECORDS),
     "own-hull": lambda: tables_of({**hull.HULL_TABLES, "[surfaces]": hull.Panels}),
     "seas": lambda: tables_of({"sea": Sea}),
+    "plant": lambda: tables_of(PLANT_RECORDS),
     "sweeps": lambda: tables_of(SWEEP_RECORDS),
     "systems": lambda: tables_of({"": SystemFile, "[parameters]": SystemParameter}),
     "vessel-files": lambda: tables_of(VESSEL_FILE_RECORDS),

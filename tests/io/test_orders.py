@@ -152,7 +152,7 @@ MISTYPED = [
     ("rudder 15", "rudder left or rudder right"),
     (
         "rudder",
-        "expected left, right, full, amidships, ease, shift, meet, manual or auto",
+        "ease, shift, meet, manual, auto, normal, emergency or hand",
     ),
     ("rudder right -15", "takes no sign"),
     ("rudder right 91", "91: an angle is 0 to 90 deg"),

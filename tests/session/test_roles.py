@@ -17,18 +17,21 @@ from trainer.session.stations.roles import (
 )
 
 GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.refusal})
-SHIP = {"stern", "bow", "planes", "depth", "periscope"}
+SHIP = {"stern", "bow", "planes", "planes-mode", "depth", "periscope"}
 WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
 WATER |= {"trim"}
+PLANT = {"isolate", "open", "hydraulic", "bus", "breaker", "loads", "ventilation", "fight"}
 HELM = {"rudder", "course", "course-by", "course-to", "speed", "turns", "rpm", "bell"}
+HELM |= {"rudder-mode"}
 SAYS = {"report", "aye", "ready", "relief"}
+OFFICER = {"surface", "dive", "order", "tell", "belay"}
 OWN = {
     "instructor": set(GRAMMAR),
     "helm": HELM | SAYS | {"have"},
     "planes": SHIP | SAYS | {"have"},
     "pilot": HELM | SHIP | SAYS | {"have"},
-    "ballast": WATER | SAYS | {"have"},
-    "diving": SHIP | WATER | SAYS | {"have"} | {"surface", "dive", "order", "tell", "belay"},
+    "ballast": WATER | PLANT | SAYS | {"have"},
+    "diving": SHIP | WATER | PLANT | SAYS | {"have", "rudder-mode"} | OFFICER,
     "deck": SAYS | {"order", "belay"},
     "observer": {"mark"},
     "visitor": {"lever", "restart"},

@@ -16,6 +16,7 @@ from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import bounded_keys, is_clipped, surface_modes
 from trainer.boat.linear import Mode, bring_to, measure_response, modes
+from trainer.boat.plant import PlantFacts, plant_facts
 from trainer.boat.stability import (
     boat_responses,
     largest_flown,
@@ -293,6 +294,7 @@ class CheckReport:
     largest_flown_s: dict[str, dict[str, float | None]]  # by equation set, by method; None: any
     verdicts: tuple[StepVerdict, ...]
     turn: TurnComparison
+    plant: PlantFacts | None
     afloat: SurfaceCheck
     clipped: bool  # what would feed the boat beyond the range is left out
     stable: bool  # at every step looked at
@@ -380,6 +382,7 @@ def check_vessel(file: VesselFile) -> CheckReport:
         inertia=inertia(file, own_step),
         margins=margins(file),
         critical_speed_kn=critical_speeds(file),
+        plant=plant_facts(file.plant, file.propulsion.max_ordered_speed_kn) if file.plant else None,
         flights=straight_flights(file, speeds),
         largest_flown_s=largest,
         verdicts=tuple(verdicts),

@@ -23,6 +23,7 @@ from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.boat.linear import NEUTRAL_TOLERANCE
+from trainer.boat.plant import PlantFacts
 from trainer.boat.stability import BLAMED_GROWTH
 from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
 from trainer.config.vessel import VesselFile
@@ -172,10 +173,23 @@ def render(report: CheckReport) -> str:
         f"{INDENT}steps are divided       {parts}",
         *(wrap(cut_off) if report.clipped else []),
         *_turn_lines(report.turn),
+        *_plant_lines(report.plant),
         "",
         "All steps above are stable." if report.stable else verdict,
     ]
     return "\n".join(lines)
+
+
+def _plant_lines(plant: PlantFacts | None) -> Iterator[str]:
+    """Yield how long the battery lasts, and what the oil moves without pumps."""
+    if plant is None:
+        return
+    hours = ", ".join(f"{value:.3g} h at {knots} kn" for knots, value in plant.endurance_h.items())
+    strokes = ", ".join(f"{name} {value:.2g}" for name, value in plant.strokes.items())
+    yield ""
+    yield "PLANT (submerged, all well)"
+    yield from wrap(f"battery                 {hours}", INDENT)
+    yield from wrap(f"strokes without pumps   {strokes} of the stern planes", INDENT)
 
 
 @dataclass(frozen=True)

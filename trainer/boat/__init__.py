@@ -6,7 +6,7 @@ reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what
 has a row in ``effects``. ``limits``, ``depths``, ``grounding`` and ``pilot`` look at each tick and
 call out (``calls`` says how urgent). ``reference_crew`` flies an exercise by its rules,
 ``due_orders`` a boat without a session. ``readings`` are those that others are told. ``linear`` and
-``stability`` judge a boat.
+``stability`` judge a boat, ``plant`` what feeds it.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
 machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
@@ -18,7 +18,8 @@ from outside the core, stays here.
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
-    "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "platforms",
-    "quantities", "readings", "reference_crew", "sea_orders", "ship", "stability", "world",
+    "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "plant",
+    "platforms", "quantities", "readings", "reference_crew", "sea_orders", "ship", "stability",
+    "world",
 ]
 # fmt: on

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.envelope import write_envelope
+from trainer.boat.plant import write_plant
 from trainer.config.ballast_records import Ballast, BlownTank, Compartment, HullBuoyancy, PumpedTank
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -345,6 +346,7 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     _write_surface(file, full)
     _write_strips(file, full)
     write_envelope(file, full)
+    write_plant(file, full)
     compact_values = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()
     for name in ("weight", "x_g", "y_g", "z_g"):

@@ -120,6 +120,11 @@ class Boat:
         """Return whether the vessel file gives autopilot gains."""
         return bool(self.vessel.gain_count > 0.0)
 
+    @property
+    def has_plant(self) -> bool:
+        """Return whether the vessel file says what feeds the boat."""
+        return bool(self.vessel.battery_full > 0.0)
+
     def carries(self, surface: str) -> bool:
         """Return whether the boat has that surface, and it does something."""
         return bool(self.toward[surface] and self.vessel[f"limit_{SURFACES[surface]}"])

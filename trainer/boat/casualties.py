@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.plant_effects import lacking_plant
 from trainer.config.casualties import (
     GAUGE_UNITS,
     SEVERITY_MEASURES,
@@ -25,7 +26,6 @@ from trainer.core.ballast.tanks import BANKS, TANKS
 from trainer.core.casualties import (
     CASUALTY_TABLE,
     CODES,
-    HARD_OVER,
     KINDS,
     SOUNDER,
     CasualtyKind,
@@ -37,6 +37,11 @@ from trainer.io.sides import SURFACE_SIDES
 
 TRIGGER_RULES: Final = ("once", "again")
 MAX_RAMP_S: Final = 3600.0  # [s] ramp
+AMOUNT_UNITS: Final = {  # unit, its size [SI], and the words before
+    Count.HOLE: ("cm2", 1e-4, "hole "),
+    Count.FLOW: ("L/s", 1e-3, ""),
+    Count.TIME: ("s", 1.0, ""),
+}
 OFFSETS: Final = ("too little", "too much")  # what a gauge shows
 
 
@@ -192,8 +197,9 @@ def size_of(boat: Boat, kind: str, amount: float) -> Size | None:
         more, less = SURFACE_SIDES[row.equipment]
         sides = (less, more) if size else ()
         return Size(f"{abs(size):g}", "deg", side=less if size < 0.0 else more, sides=sides)
-    if measure.count is Count.HOLE:
-        return Size(f"{1e4 * amount:.3g}", "cm2", before="hole ")
+    if measure.count in AMOUNT_UNITS:
+        unit, size, before = AMOUNT_UNITS[measure.count]
+        return Size(f"{amount / size:.3g}", unit, before=before)
     if measure.count is Count.SHARE:
         return Size(f"{100.0 * amount:.3g}", f"% {measure.share}")
     if measure.count is Count.NOTHING:
@@ -350,9 +356,9 @@ def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:
 
 
 def full_angle(boat: Boat, kind: str) -> float:
-    """Return the angle [rad] hard over if a kind drives a surface there, else 1."""
+    """Return the angle [rad] hard over if a kind drives a surface, else 1."""
     row = kind_row(kind)
-    if row.rank != HARD_OVER or row.surface < 0:
+    if not row.turned or row.holds:
         return 1.0
     return boat.toward[row.equipment] * float(boat.vessel.limit[row.surface])
 
@@ -366,6 +372,8 @@ def _end(boat: Boat, casualty: Casualty) -> int:
 def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refused | None:
     """Return why this cannot happen to the boat, None if it can."""
     if not _carries(boat, casualty.kind):
+        if kind_row(casualty.kind).plant and not boat.has_plant:
+            return lacking_plant(boat)
         return Refused(f"{boat.file.path.name} has nothing for {casualty.kind} to act on")
     if severity not in casualty.measure.limits:
         return Refused(f"severity {severity:g}: {severity_rule(casualty.kind)}")
@@ -378,8 +386,10 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refu
 def _carries(boat: Boat, kind: str) -> bool:
     """Return whether the boat has what the kind acts on; everyone has a propeller and gauges."""
     row = kind_row(kind)
-    if row.surface >= 0:
-        return boat.carries(row.equipment)
+    if row.surface >= 0 and not boat.carries(row.equipment):
+        return False
+    if row.surface >= 0 and not row.size:
+        return True
     if row.gauge == SOUNDER:
         return bool(boat.state.bottom[0, 0])
     if row.size:

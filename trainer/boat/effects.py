@@ -22,6 +22,17 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.plant_effects import (
+    ConstantRow,
+    breaker_rows,
+    bus_rows,
+    fight_rows,
+    hydraulic_rows,
+    isolation_rows,
+    load_rows,
+    mode_rows,
+    ventilation_rows,
+)
 from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL
 from trainer.core.ballast.tanks import BLOWN_TANKS, COMPARTMENTS, NEGATIVE_TANK, TANKS
 from trainer.core.state import VALVES
@@ -163,7 +174,12 @@ def _sign(writes: Iterable[Write]) -> float:
 def effects_of_word(boat: Boat, name: str) -> Iterable[Effect]:
     """Return the effects of an order word, none where the boat lacks what it needs."""
     needs = ORDER_WORDS[name].needs
-    fitted = {"": True, "autopilot": boat.automatic, "ballast": bool(boat.vessel.fitted)}
+    fitted = {
+        "": True,
+        "autopilot": boat.automatic,
+        "ballast": bool(boat.vessel.fitted),
+        "plant": boat.has_plant,
+    }
     return WORD_EFFECTS[name](boat) if fitted[needs] else ()
 
 
@@ -425,6 +441,31 @@ def holds(boat: Boat, tank: str) -> bool:
     return bool(boat.vessel.capacity[TANKS.index(tank)])
 
 
+def _to_the_plant(boat: Boat, rows: Callable[[Boat], Iterable[ConstantRow]]) -> Iterator[Effect]:
+    """Yield the effects of orders to the plant, which is computed from then on."""
+    for words, values, answer in rows(boat):
+        touched = {name: _const(value) for name, value in {**values, "plant_touched": 1.0}.items()}
+        yield _effect(words, touched, answer)
+
+
+def _planes_mode(boat: Boat) -> Iterator[ConstantRow]:
+    for name in PLANES:
+        yield from mode_rows(boat, SURFACE_NAMES[name], (name,))
+    yield from mode_rows(boat, "planes", PLANES)
+
+
+PLANT_ROWS: Final[Mapping[str, Callable[[Boat], Iterable[ConstantRow]]]] = {
+    "rudder-mode": partial(mode_rows, said="rudder", surfaces=("rudder",)),
+    "planes-mode": _planes_mode,
+    "isolate": partial(isolation_rows, "isolate", 1.0),
+    "open": partial(isolation_rows, "open", 0.0),
+    "hydraulic": hydraulic_rows,
+    "bus": bus_rows,
+    "breaker": breaker_rows,
+    "loads": load_rows,
+    "ventilation": ventilation_rows,
+    "fight": fight_rows,
+}
 WORD_EFFECTS: Final[Mapping[str, Callable[[Boat], Iterable[Effect]]]] = {
     **{name: partial(_surface, name=name) for name in SURFACES},
     "planes": _planes,
@@ -446,4 +487,5 @@ WORD_EFFECTS: Final[Mapping[str, Callable[[Boat], Iterable[Effect]]]] = {
     "pump": _pump,
     "drain": _drain,
     "compressor": _compressor,
+    **{word: partial(_to_the_plant, rows=rows) for word, rows in PLANT_ROWS.items()},
 }

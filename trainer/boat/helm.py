@@ -12,6 +12,7 @@ from dataclasses import replace
 from trainer.boat import ballast_orders, casualties, crew_orders, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.effects import SURFACE_NAMES, effect_of, write_effect
+from trainer.boat.plant_effects import lacking_plant
 from trainer.boat.sea_orders import order_sea
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.core.surfaces import SURFACES
@@ -32,6 +33,8 @@ def obey_order(boat: Boat, order: Order) -> Reply:
         return _without_autopilot(boat)
     if word.needs == "ballast" and (refusal := ballast_orders.lacking(boat, order)):
         return refusal
+    if word.needs == "plant" and not boat.has_plant:
+        return lacking_plant(boat)
     return ORDER_DUTIES.get(order.name, _plain_effect)(boat, order)
 
 

@@ -16,8 +16,8 @@ __all__ = [
     "ballast_records", "baseline", "bottom", "casualties", "check_case", "coefficients",
     "condition", "conformity", "contacts", "course", "current", "derivatives", "derived",
     "exercise", "extras", "file_schemas", "files", "fit_options", "hull", "loss_words", "nomoto",
-    "outcome", "plausibility", "progress", "propulsion", "reference_crew", "schema", "score_rules",
-    "sea", "sensors", "series", "ship", "soundings", "stated", "steps", "tables", "vessel",
-    "vessel_records", "vessel_template", "words", "world",
+    "outcome", "plant_records", "plausibility", "progress", "propulsion", "reference_crew",
+    "schema", "score_rules", "sea", "sensors", "series", "ship", "soundings", "stated", "steps",
+    "tables", "vessel", "vessel_records", "vessel_template", "words", "world",
 ]
 # fmt: on

@@ -36,7 +36,7 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.schema import Kind as FieldKind
-from trainer.core.casualties import CASUALTY_TABLE, CODES, GAUGES, KINDS
+from trainer.core.casualties import CASUALTY_TABLE, CODES, GAUGES, KINDS, SERVO_STUCK
 from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
@@ -55,7 +55,8 @@ STANDARD_LIST: Final = "standard"
 CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
 # fmt: off
 PARAMETER_KEYS: Final = (
-    "hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn",
+    "hole_m2", "leak_l_s", "dip_s",
+    "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn",
 )
 # fmt: on
 
@@ -69,6 +70,8 @@ class Count(Enum):
     VALUE = "value"
     BIAS = "bias"
     HOLE = "hole"
+    FLOW = "flow"
+    TIME = "time"
     SHARE = "share"  # in words of ``share``
 
 
@@ -107,6 +110,7 @@ def _surface_measures(surface: str) -> dict[str, SeverityMeasure]:
         "free": _share("share of its rate", "of its rate"),
         "hard-over": SeverityMeasure(SIDE_LIMITS, f"of its limit, + {side}", Count.ANGLE),
         "stuck": SeverityMeasure(SWITCH_LIMITS, AS_IT_STOOD, Count.ANGLE),
+        SERVO_STUCK: SeverityMeasure(SIDE_LIMITS, f"of its limit, + {side}", Count.ANGLE),
     }
 
 
@@ -149,6 +153,16 @@ FAULT_MEASURES: Final[Mapping[str, Mapping[str, SeverityMeasure]]] = {  # by equ
         "shut": _share("share of the opening lost", "of the vent lost"),
         "open": _share("opening it is stuck at", "open"),
     },
+    "hydraulic": {"failed": _share("share of delivery lost", "of the delivery lost")},
+    "oil": {
+        "leak": SeverityMeasure(
+            FACTOR_LIMITS, "times leak_l_s", Count.FLOW, parameter="leak_l_s", factor=1e-3
+        )
+    },
+    "bus": {"lost": SeverityMeasure(SWITCH_LIMITS, "none: it is dead")},
+    "cells": {"lost": _share("share of the charge lost", "of the charge lost")},
+    "power": {"dip": SeverityMeasure(FACTOR_LIMITS, "times dip_s", Count.TIME, parameter="dip_s")},
+    "fire": {"burning": _share("share of a usual fire", "of a usual fire")},
 }
 SEVERITY_MEASURES: Final[Mapping[str, SeverityMeasure]] = {
     kind.name: FAULT_MEASURES[kind.equipment][kind.fault] for kind in CASUALTY_TABLE
@@ -190,6 +204,8 @@ class CasualtyEntry:
     clear_ramp_s: float = required("s", within(0, 3600), "time to go when cleared")
     description: str = required(Text(75, "for the list"))
     hole_m2: float | None = optional("m2", above(0, 10), "flooding, leak: the hole")
+    leak_l_s: float | None = optional("L/s", above(0, 1000), "oil-leak: at full pressure")
+    dip_s: float | None = optional("s", above(0, 600), "power-dip: how long")
     noise_m: float | None = optional("m", above(0, 1000), "depth-gauge, sounder: noisy")
     noise_deg: float | None = optional("deg", above(0, 180), "gyro-noisy")
     noise_kn: float | None = optional("kn", above(0, 50), "log-noisy")

@@ -48,6 +48,9 @@ LAW_EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
 }
 
 
+PLANT_LAW: Final = Law(0.0, "kept: plants follow no such law; estimate")
+
+
 def power_of(unit: str) -> float:
     """Return the power of the length [-] that a unit follows. KeyError of an unknown unit.
 
@@ -74,6 +77,8 @@ def law_of(table: str, key: str, kind: Kind) -> Law:
     """Return the law of a key of a table. It is that of its unit where it is no exception."""
     if (table, key) in LAW_EXCEPTIONS:
         return LAW_EXCEPTIONS[table, key]
+    if table.partition(".")[0] == "plant":
+        return PLANT_LAW
     quantity = _quantity(kind)
     return Law(power_of(quantity.unit)) if quantity else Law(0.0)
 

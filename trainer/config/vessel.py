@@ -26,6 +26,7 @@ from trainer.config.files import (
     shipped_path,
 )
 from trainer.config.nomoto import NOMOTO_SCHEMA
+from trainer.config.plant_records import Plant, plant_problems
 from trainer.config.propulsion import (
     DRAG_ASTERN,
     ThrustRows,
@@ -99,6 +100,7 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "run": ("note",),
     "autopilot": ("note",),
     "ballast": ("note",),
+    "plant": ("note",),
     "free_surface": ("note",),
     "wave_strips": ("note",),
     "scope": ("note",),
@@ -114,11 +116,20 @@ VESSEL_RECORDS: Mapping[str, type[Any]] = {
     "run": RunDefaults,
     "autopilot": Autopilot,
     "ballast": Ballast,
+    "plant": Plant,
     "free_surface": FreeSurface,
     "wave_strips": WaveStrips,
     "scope": Scope,
 }
-OPTIONAL_TABLES = ("reduce", "autopilot", "ballast", "free_surface", "wave_strips", "scope")
+OPTIONAL_TABLES = (
+    "reduce",
+    "autopilot",
+    "ballast",
+    "plant",
+    "free_surface",
+    "wave_strips",
+    "scope",
+)
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
 KNOWN_KEYS = (
     "schema",
@@ -151,6 +162,7 @@ class VesselFile:
     run: RunDefaults
     autopilot: Autopilot | None
     ballast: Ballast | None
+    plant: Plant | None
     free_surface: FreeSurface | None
     wave_strips: WaveStrips | None
     scope: Scope | None
@@ -358,6 +370,8 @@ def _fit_problems(parts: Mapping[str, Any], position: Position) -> list[str]:
         )
     if "ballast" in parts:
         problems["ballast"] = ballast_problems(parts["ballast"])
+    if "plant" in parts:
+        problems["plant"] = plant_problems(parts["plant"])
     if "free_surface" in parts:
         problems["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
     if "wave_strips" in parts:

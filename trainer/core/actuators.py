@@ -10,12 +10,16 @@ from trainer.core.autopilot.reference import within
 from trainer.core.casualties import (
     FOLLOW_UP_LOST,
     KIND_FAULTS,
+    SERVO_CODE,
     SURFACE_FREE,
     SURFACE_SLOW,
     fault_of,
+    slot_of,
 )
 from trainer.core.elementary import exponential
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, kernel, part
+from trainer.core.plant.oil import draw_oil, fed_share
+from trainer.core.plant.parts import NORMAL
 
 AMIDSHIPS_ANGLE = math.radians(0.5)  # [rad] a command this small is one amidships
 
@@ -65,6 +69,70 @@ def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state
 
 
 @part
+def servo_fault_of(surface: int, state: Record) -> int:
+    """Return the slot [-] of the stuck servo that drives a surface, -1 for none.
+
+    It does so in normal alone: emergency and hand have valves of their own.
+    """
+    if state[0].mode[surface] != NORMAL:
+        return -1
+    return slot_of(SERVO_CODE[surface], state)
+
+
+@part
+def fed_target(vessel: Record, furthest: float, surface: int, share: float, state: Record) -> float:
+    """Return the angle [rad] towards which a surface moves with a plant.
+
+    ``share`` is what it has of its rate [-], ``furthest`` as in ``target_angle``. What
+    nothing feeds trails to zero, if it moves at all.
+    """
+    if share == 0.0 and vessel[0].trail_share > 0.0:
+        return 0.0
+    slot = servo_fault_of(surface, state)
+    if slot >= 0:
+        return within(state[0].casualty_amount[slot], 0.0, vessel[0].limit[surface])
+    return target_angle(vessel, furthest, surface, fault_of(surface, state), state)
+
+
+@kernel
+def move_fed_surfaces(vessel: Record, h: float, lag_share: float, state: Record) -> None:
+    """Advance rudder and planes by ``h`` [s] at the rates that the plant gives.
+
+    They draw its oil. Each lag covers ``lag_share`` of the way.
+    """
+    c = vessel[0]
+    s = state[0]
+    furthest = c.surface_rate * h
+    was_r, was_s, was_b = s.delta_r, s.delta_s, s.delta_b
+    fed_r, fed_s, fed_b = (
+        fed_share(vessel, 0, state),
+        fed_share(vessel, 1, state),
+        fed_share(vessel, 2, state),
+    )
+    rudder = fed_target(vessel, furthest / lag_share, 0, fed_r, state)
+    stern = fed_target(vessel, furthest / lag_share, 1, fed_s, state)
+    bow = fed_target(vessel, furthest / lag_share, 2, fed_b, state)
+    most_r = furthest * (fed_r if fed_r > 0.0 else c.trail_share)
+    most_s = furthest * (fed_s if fed_s > 0.0 else c.trail_share)
+    most_b = furthest * (fed_b if fed_b > 0.0 else c.trail_share)
+    if c.x_tail != 0.0:
+        most = min(most_r, most_s)
+        if fault_of(0, state) >= 0 or servo_fault_of(0, state) >= 0:
+            stern = within(stern, 0.0, max(c.limit_s - abs(rudder), 0.0))
+        elif fault_of(1, state) >= 0 or servo_fault_of(1, state) >= 0:
+            rudder = within(rudder, 0.0, max(c.limit_s - abs(stern), 0.0))
+        one, other = s.delta_s + s.delta_r, s.delta_s - s.delta_r
+        one = advance_surface(one, stern + rudder, c.limit_s, most, lag_share)
+        other = advance_surface(other, stern - rudder, c.limit_s, most, lag_share)
+        s.delta_s, s.delta_r = 0.5 * (one + other), 0.5 * (one - other)
+    else:
+        s.delta_s = advance_surface(s.delta_s, stern, c.limit_s, most_s, lag_share)
+        s.delta_r = advance_surface(s.delta_r, rudder, c.limit_r, most_r, lag_share)
+    s.delta_b = advance_surface(s.delta_b, bow, c.limit_b, most_b, lag_share)
+    draw_oil(vessel, abs(s.delta_r - was_r), abs(s.delta_s - was_s), abs(s.delta_b - was_b), state)
+
+
+@part
 def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     """Advance rudder and planes by ``h`` [s] towards their commands.
 
@@ -78,6 +146,9 @@ def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     share = 1.0
     if c.surface_lag > 0.0:
         share = 1.0 - exponential(-h / c.surface_lag)
+    if s.plant_touched != 0.0:
+        move_fed_surfaces(vessel, h, share, state)
+        return
     furthest = c.surface_rate * h
     rudder_fault, stern_fault = fault_of(0, state), fault_of(1, state)
     rudder = target_angle(vessel, furthest / share, 0, rudder_fault, state)

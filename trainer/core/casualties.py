@@ -4,7 +4,7 @@ Eight slots of the state hold the casualties in force, those in use first. A slo
 amount [SI] now and in the end, and the ticks left. The ticks are positive while the casualty comes
 on, zero while it stands, and negative while it is being cleared. The core knows amounts only; files
 that are read say what a severity means. Surfaces, propulsion, autopilot and instruments look their
-kinds up. Tanks and air read faults from the state, which are written here.
+kinds up. Tanks, air and the plant read faults from the state, which are written here.
 
 Armed triggers are constants of the scheme; the state remembers which of them are spent. Only
 stations see casualties of instruments: the autopilot steers by the truth, and the instructor is
@@ -25,6 +25,7 @@ from trainer.core.ballast.tanks import (
 )
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
+from trainer.core.plant.parts import BUSES, FED_GYRO, OIL_SYSTEMS, PLACES, is_dead
 from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, offset_of
 from trainer.core.surfaces import SURFACES
 
@@ -37,6 +38,8 @@ GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
 GAUGE_NOISY, GAUGE_BIASED, GAUGE_STUCK = 0, 1, 2
 FREE_SLOT: Final = 0  # kind in a slot that holds none
 FIRST_SLOT, NO_SLOT = 0, -1  # of a casualty; those in use come first
+SERVO_STUCK: Final = "servo-stuck"  # fault of a surface that its own valve drives
+PLANT_SIZE: Final = "oil_full"  # block of the vessel that is 0 in a boat without a plant
 SOUNDER_RANGE: Final = 600.0  # [m] to the ground from which it hears an echo
 
 
@@ -53,16 +56,17 @@ class CasualtyKind(NamedTuple):
     surface: int = -1  # [-] of SURFACES
     gauge: int = -1  # [-] of GAUGES
     rank: int = -1  # [-] of SURFACE_FAULTS or GAUGE_FAULTS
-    offset: int = -1  # in the state: the fault that tanks and air read
+    offset: int = -1  # in the state: the fault that tanks, air or the plant read
     sense: int = 1  # [-] sign of the amount there
     holds: bool = False  # it holds what it finds, whatever amount it is given
     size: str = ""
     part: int = 0
+    plant: bool = False  # it touches the plant, which is computed from then on
 
     @property
     def turned(self) -> bool:
         """Return whether its amount is an angle of a surface."""
-        return self.surface >= 0 and self.rank >= HARD_OVER
+        return self.surface >= 0 and (self.rank >= HARD_OVER or self.fault == SERVO_STUCK)
 
 
 def _part_kinds(
@@ -88,6 +92,15 @@ PART_FAULTS: Final = (  # in the order of the faults in the state, which begin a
     *_part_kinds("bank-{}-failed", "bank", "failed", "bank_volume", BANKS),
     *_part_kinds("blow-{}-shut", "blow", "shut", "capacity", VALVES),
     *_part_kinds("vent-{}-shut", "vent", "shut", "capacity", VALVES),
+)
+PLANT_FAULTS: Final = (  # likewise, from its "plant_fault"
+    *_part_kinds("hydraulic-{}-failed", "hydraulic", "failed", PLANT_SIZE, OIL_SYSTEMS),
+    *_part_kinds("oil-leak-{}", "oil", "leak", PLANT_SIZE, ("header",)),
+    *_part_kinds("oil-leak-{}", "oil", "leak", "oil_angle", tuple(SURFACES)),
+    *(CasualtyKind(f"bus-{bus}-lost", "bus", "lost", size=PLANT_SIZE) for bus in BUSES),
+    CasualtyKind("cells-lost", "cells", "lost", size=PLANT_SIZE),
+    CasualtyKind("power-dip", "power", "dip", size=PLANT_SIZE),
+    *(CasualtyKind(f"fire-{place}", "fire", "burning", size=PLANT_SIZE) for place in PLACES),
 )
 CASUALTY_TABLE: Final = (
     *(
@@ -119,6 +132,22 @@ CASUALTY_TABLE: Final = (
         for gauge, name in enumerate(GAUGES)
         for rank, fault in enumerate(GAUGE_FAULTS)
     ),
+    *(
+        kind._replace(offset=offset, plant=True)
+        for offset, kind in enumerate(PLANT_FAULTS, offset_of("plant_fault"))
+    ),
+    *(
+        CasualtyKind(
+            f"{surface}-{SERVO_STUCK}",
+            surface,
+            SERVO_STUCK,
+            surface=number,
+            size="oil_angle",
+            part=number,
+            plant=True,
+        )
+        for number, surface in enumerate(SURFACES)
+    ),
 )
 KINDS: Final = tuple(kind.name for kind in CASUALTY_TABLE)
 CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
@@ -131,6 +160,9 @@ KIND_FAULTS: Final = np.array([kind.rank for kind in _CODED_KINDS])
 KIND_OFFSETS: Final = np.array([kind.offset for kind in _CODED_KINDS])
 KIND_SENSES: Final = np.array([float(kind.sense) for kind in _CODED_KINDS])
 KIND_HOLDS: Final = np.array([kind.holds for kind in _CODED_KINDS])
+KIND_TURNS: Final = np.array([kind.turned for kind in _CODED_KINDS])
+KIND_IN_PLANT: Final = np.array([kind.plant for kind in _CODED_KINDS])
+SERVO_CODE: Final = np.array([CODES[f"{surface}-{SERVO_STUCK}"] for surface in SURFACES])
 GAUGE_CODE: Final = np.array(
     [[CODES[f"{gauge}-{fault}"] for fault in GAUGE_FAULTS] for gauge in GAUGES]
 )
@@ -156,7 +188,7 @@ def slot_of(kind: int, state: Record) -> int:
 
 @part
 def fault_of(surface: int, state: Record) -> int:
-    """Return the slot [-] of the casualty that acts on a surface.
+    """Return the slot [-] of the casualty that acts on a surface, whatever feeds it.
 
     It is NO_SLOT if the surface is sound.
     """
@@ -173,7 +205,7 @@ def fault_of(surface: int, state: Record) -> int:
 
 @kernel
 def write_fault(kind: int, amount: float, state: Record) -> None:
-    """Write the amount of a fault of tanks or air to the state.
+    """Write the amount of a fault of tanks, air or the plant to the state.
 
     Kinds of other equipment have none, because that equipment looks its casualties up.
     """
@@ -219,7 +251,7 @@ def ramp(slot: int, state: Record) -> None:
 
 @part
 def advance_casualties(state: Record) -> None:
-    """Advance all ramps by one tick, then write the faults of tanks and air."""
+    """Advance all ramps by one tick, then write the faults of tanks, air and plant."""
     s = state[0]
     if s.casualty[FIRST_SLOT] == FREE_SLOT:
         return
@@ -263,12 +295,15 @@ def gauge_reading(gauge: int, state: Record) -> float:
 def reading(gauge: int, state: Record) -> float:
     """Return what a gauge reads [m, rad or m/s]: stuck, or biased and noisy.
 
-    A sounder without an echo reads 0, and never less.
+    Gyro, log and sounder stand still without power; the depth gauge needs none. A sounder without
+    an echo reads 0, and never less.
     """
     s = state[0]
     slot = slot_of(GAUGE_CODE[gauge, GAUGE_STUCK], state)
     if slot >= 0:
         return s.casualty_amount[slot]
+    if gauge != DEPTH_GAUGE and is_dead(FED_GYRO + gauge - GYRO, state):
+        return s.gauge_held[gauge - GYRO]
     value = gauge_reading(gauge, state)
     slot = slot_of(GAUGE_CODE[gauge, GAUGE_NOISY], state)
     if slot >= 0:
@@ -295,7 +330,7 @@ def onset(kind: int, state: Record) -> float:
     With a ramp, hard-over then goes from where the surface stands. A stuck gauge keeps its bias.
     """
     s = state[0]
-    if KIND_SURFACES[kind] >= 0 and KIND_FAULTS[kind] >= HARD_OVER:
+    if KIND_TURNS[kind]:
         return s.surface[KIND_SURFACES[kind]]
     if kind == PROPULSION_STUCK:
         return s.u_c
@@ -317,6 +352,8 @@ def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
         slot = slot_of(FREE_SLOT, state)
         if slot < 0:
             return 0
+        if KIND_IN_PLANT[kind]:
+            s.plant_touched = 1.0
         s.casualty[slot] = kind
         s.casualty_amount[slot] = onset(kind, state)
     s.casualty_ticks[slot] = ticks

@@ -27,6 +27,7 @@ from trainer.core.envelope import (
     TURNING_ASTERN,
 )
 from trainer.core.kernel import Record, kernel, part
+from trainer.core.plant.parts import FED_PROPULSION, FED_TELEGRAPH, is_dead
 
 POWER_ROOT_STEPS: Final = 24  # at most: from ten times the root ten are enough
 
@@ -85,6 +86,8 @@ def excess_eta(vessel: Record, state: Record) -> float:
 def propulsion_target(state: Record) -> float:
     """Return the command speed [m/s] that the propulsion aims at, casualties included."""
     s = state[0]
+    if is_dead(FED_PROPULSION, state):
+        return 0.0
     stuck, lost = slot_of(PROPULSION_STUCK, state), slot_of(PROPULSION_LOST, state)
     wanted = s.casualty_amount[stuck] if stuck >= 0 else s.telegraph_answer
     return wanted * (1.0 - s.casualty_amount[lost]) if lost >= 0 else wanted
@@ -177,15 +180,16 @@ def turn_propeller(vessel: Record, h: float, share: float, state: Record) -> Non
     """Advance the command speed likewise, by a ``share`` [-] that is known."""
     c = vessel[0]
     s = state[0]
-    revolutions, speed = s.ordered_u_c, s.ordered_speed
-    standing = revolutions if s.speed_by_hand != 0.0 else speed
-    if standing != s.telegraph_order:
-        s.telegraph_order = standing
-        s.telegraph_ticks = math.floor(c.telegraph_dead_time / h + 0.5)
-    if s.telegraph_ticks > 0.0:
-        s.telegraph_ticks -= 1.0
-    else:
-        s.telegraph_answer = s.command_u_c
+    if not is_dead(FED_TELEGRAPH, state):  # else nobody answers it
+        revolutions, speed = s.ordered_u_c, s.ordered_speed
+        standing = revolutions if s.speed_by_hand != 0.0 else speed
+        if standing != s.telegraph_order:
+            s.telegraph_order = standing
+            s.telegraph_ticks = math.floor(c.telegraph_dead_time / h + 0.5)
+        if s.telegraph_ticks > 0.0:
+            s.telegraph_ticks -= 1.0
+        else:
+            s.telegraph_answer = s.command_u_c
     target = propulsion_target(state)
     if c.torque_limit > 0.0:
         target = within_engine(vessel, target, state)

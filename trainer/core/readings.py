@@ -17,6 +17,8 @@ from trainer.core.casualties import GAUGES, SOUNDER, instruments
 from trainer.core.elementary import arctangent, cosine_and_sine
 from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
 from trainer.core.kinematics import guard_cosine
+from trainer.core.plant.oil import oil_pressure
+from trainer.core.plant.power import bus_load
 from trainer.core.sea.free_surface import sail_height
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT
@@ -60,6 +62,12 @@ READINGS: Final = record_dtype(
     # the sea in force, and that ordered: height, period of its peak, where it comes from
     "height", "period", "origin",  # [m] [s] [rad] not wrapped
     "ordered_height", "ordered_period", "ordered_origin",
+    # the plant: oil by system, tanks filled, buses, and what the battery has left
+    ("oil_pressure", ["main_pressure", "vital_pressure"]),  # [Pa]
+    ("oil_level", ["main_level", "vital_level"]),  # [m3] in the tanks
+    ("bus_load", ["port_load", "starboard_load", "dc_load"]),  # [W]
+    "charge",  # [-]
+    "overload_left",  # [s] until a breaker opens
 )
 # fmt: on
 
@@ -216,6 +224,27 @@ def origin(sea: Numbers) -> float:
 
 
 @kernel
+def read_plant(vessel: Record, state: Record, readings: Record) -> None:
+    """Write pressures, levels, loads and charge of the plant, nothing where there is none."""
+    c, s = vessel[0], state[0]
+    out = readings[0]
+    if c.battery_full == 0.0:
+        for i in range(2):
+            out.oil_pressure[i] = out.oil_level[i] = NOTHING
+        for i in range(3):
+            out.bus_load[i] = NOTHING
+        out.charge = out.overload_left = NOTHING
+        return
+    for i in range(2):
+        out.oil_pressure[i] = oil_pressure(vessel, i, state)
+        out.oil_level[i] = c.oil_reserve[i] + s.tank_gain[i]
+    for i in range(3):
+        out.bus_load[i] = bus_load(vessel, i, state)
+    out.charge = 1.0 - s.battery_spent / c.battery_full
+    out.overload_left = c.overload_time - s.overload if s.overload > 0.0 else NOTHING
+
+
+@kernel
 def write_readings(vessel: Record, state: Record, scratch: Record, readings: Record) -> None:
     """Write all that is read off a boat at a tick."""
     out = readings[0]
@@ -230,3 +259,4 @@ def write_readings(vessel: Record, state: Record, scratch: Record, readings: Rec
     read_ballast(vessel, state, readings)
     read_crew_orders(state, readings)
     read_surroundings(vessel, state, readings)
+    read_plant(vessel, state, readings)

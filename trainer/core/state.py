@@ -211,6 +211,51 @@ STATE: Final = record_dtype(
     "trim_pitch",  # [rad] mean pitch
     "trim_flood",  # [kg] to be let into the auxiliary tank in this tick
     "trim_forward",  # [kg] to be moved forward in this tick
+    # the plant, 0 where it is well: see plant. Until it is touched, a tick passes it by
+    "plant_touched",  # [-] 1
+    ("oil_spent", ["oil_spent_main", "oil_spent_vital"]),  # [m3] out of the accumulators
+    ("tank_gain", ["tank_gain_main", "tank_gain_vital"]),  # [m3] in the oil's tanks since the start
+    # [-] 0 standing by, 1 running, 2 stopped
+    ("hydraulic_pump", ["hydraulic_pump_1", "hydraulic_pump_2", "hydraulic_pump_vital"]),
+    (
+        "isolated",  # [-] 1: legs of the surfaces, then systems
+        [
+            "rudder_isolated", "stern_isolated", "bow_isolated",
+            "main_isolated", "vital_isolated",
+        ],
+    ),
+    ("mode", ["rudder_mode", "stern_mode", "bow_mode"]),  # [-] 0 normal, 1 emergency, 2 hand
+    ("mode_ordered", ["rudder_mode_ordered", "stern_mode_ordered", "bow_mode_ordered"]),
+    # [-] until shifted; negative: just ordered
+    ("mode_ticks", ["rudder_mode_ticks", "stern_mode_ticks", "bow_mode_ticks"]),
+    ("bus_dead", ["port_dead", "starboard_dead", "dc_dead"]),  # [-] 1
+    ("breaker_open", ["port_open", "starboard_open"]),  # [-] 1
+    "bus_tie",  # [-] 1 shut
+    "overload",  # [s] for which a breaker has given too much
+    "loads_shed",  # [-] 1
+    "unpowered",  # [-] a bit for each consumer
+    "battery_spent",  # [J]
+    "cells_gone",  # [-] share of the charge that went with lost cells
+    "dip_time",  # [s] for which the power has dipped
+    "gyro_unfed",  # [s]
+    ("gauge_held", ["gyro_held", "log_held", "sounder_held"]),  # what they read without power
+    (
+        "plant_fault",  # [-] shares, [m3/s] leaks, [s] the dip
+        [
+            "main_pump_fault", "vital_pump_fault",
+            "header_leak", "rudder_leg_leak", "stern_leg_leak", "bow_leg_leak",
+            "port_fault", "starboard_fault", "dc_fault", "cells_fault", "power_dip",
+            "fire_fault_forward", "fire_fault_control", "fire_fault_aft",
+        ],
+    ),
+    # by compartment [-]: size of the fire, how much of its fault has kindled it, and smoke
+    ("fire", ["fire_forward", "fire_control", "fire_aft"]),
+    ("kindled", (3,)),
+    ("burnt", (3,)),  # [s] of a whole fire
+    ("smoke", ["smoke_forward", "smoke_control", "smoke_aft"]),
+    "ventilation",  # [-] 0 runs, 1 secured, 2 exhausts
+    "fighting",  # [-] compartment whose fire is fought: 1, 2, 3 from forward; 0 none
+    "fight_ticks",  # [-] until the party fights it; negative: just ordered
     # orders to the crew, which no kernel reads: course, depth, speed and pitch
     (
         "crew_order",

@@ -20,6 +20,7 @@ from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.envelope import validity
 from trainer.core.integrators import advance
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.plant.plant import advance_plant
 from trainer.core.propulsion import kept_lag_share, turn_propeller
 from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
@@ -68,12 +69,12 @@ def make_fast(x: float, y: float, z: float, state: Record) -> None:
 WATCHED_NAMES = (*RATES, *MOTION)  # a failing status points into this list
 # a tick writes the state up to the orders to the crew, and after them at these offsets alone
 WRITTEN_COUNT: Final = offset_of("crew_order")
-LATE_OFFSETS: Final = np.array(
-    [offset_of(name) for name in ("through_north", "through_east", "bottom_load", "aground")]
-)
+LATE_NAMES: Final = ("through_north", "through_east", "bottom_load", "aground", "battery_spent")
+LATE_OFFSETS: Final = np.array([offset_of(name) for name in LATE_NAMES])
 # of them, those that only waves write, so that a tick in a calm need not save them
 MEMORY_BEGIN, MEMORY_END = offset_of("sea_memory"), offset_of("water")
 FILTER_BEGIN, FILTER_END = offset_of("sea_modes"), offset_of("speed_followed")
+PLANT_BEGIN: Final = offset_of("plant_touched")  # likewise a plant that nobody has touched
 SEA_HEIGHT, SEA_RAMP = offset_of("sea_height"), offset_of("sea_ramp")
 MAX_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
 MAX_SPEED = 1e3  # [m/s] or [rad/s]
@@ -101,12 +102,16 @@ def lost(state: Record) -> int:
 @part
 def copy_written(source: Numbers, out: Numbers) -> None:
     """Copy what a tick may write from one state to another."""
+    touched = source[PLANT_BEGIN] != 0.0 or out[PLANT_BEGIN] != 0.0
     for i in range(MEMORY_BEGIN):
         out[i] = source[i]
     for i in range(MEMORY_END, FILTER_BEGIN):
         out[i] = source[i]
-    for i in range(FILTER_END, WRITTEN_COUNT):
+    for i in range(FILTER_END, PLANT_BEGIN):
         out[i] = source[i]
+    if touched:
+        for i in range(PLANT_BEGIN, WRITTEN_COUNT):
+            out[i] = source[i]
     if source[SEA_HEIGHT] != 0.0 or source[SEA_RAMP] > 0.0:
         for i in range(MEMORY_BEGIN, MEMORY_END):
             out[i] = source[i]
@@ -179,6 +184,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     copy_written(s.whole, scratch[0].before)  # in case that the tick fails
     fire_triggers(scheme, state)
     advance_casualties(state)
+    advance_plant(vessel, h, state)
     autopilot(vessel, h, state, scratch)
     if s.held_tanks == 0.0:
         advance_ballast(vessel, h, state)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.envelope import ENVELOPE_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
+from trainer.core.plant.parts import PLANT_FIELDS
 from trainer.core.state import STRIP_COUNT
 from trainer.core.terms import (
     COMPACT_TERMS,
@@ -112,6 +113,7 @@ VESSEL: Final = record_dtype(
     # [-] strips that waves push on: x over the length, shares of the displaced mass and of the
     # added mass down and sideways
     ("strips", (4, STRIP_COUNT)),
+    *PLANT_FIELDS,
 )
 
 # The strips of a hull whose file has none: ellipsoid nose, parallel middle, cusped tail, prismatic

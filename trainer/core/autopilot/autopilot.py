@@ -27,6 +27,7 @@ from trainer.core.autopilot.waves import sense_waves
 from trainer.core.ballast.hover import is_hovering
 from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
 from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.plant.parts import FED_AUTOPILOT, is_dead
 
 
 @kernel
@@ -75,15 +76,15 @@ def keep_planes(vessel: Record, h: float, scratch: Record, state: Record) -> Non
 def autopilot(vessel: Record, h: float, state: Record, scratch: Record) -> None:
     """Write the commanded rudder, planes and revolutions of this tick.
 
-    The references move first, then each keeper commands its part. A failed autopilot leaves all as
-    it is. The gains in the work space are filled for the present speed.
+    The references move first, then each keeper commands its part. An autopilot that failed or
+    has no power leaves all as it is. The gains in the work space are filled for the present speed.
     """
     s, gains = state[0], scratch[0].gains
     if vessel[0].gain_count > 0.0:
         scheduled_gains(vessel, abs(s.u), gains)
     slew_depth(h, gains, state)
     slew_course(h, gains, state)
-    if slot_of(AUTOPILOT_FAILED, state) >= 0:
+    if slot_of(AUTOPILOT_FAILED, state) >= 0 or is_dead(FED_AUTOPILOT, state):
         hold_commands(gains, state)
         return
     sense_waves(vessel, h, gains, state)

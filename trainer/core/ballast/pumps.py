@@ -22,6 +22,7 @@ from trainer.core.ballast.tanks import (
     admit,
 )
 from trainer.core.kernel import Record, part
+from trainer.core.plant.parts import FED_TRIM, is_dead
 
 
 @part
@@ -37,7 +38,9 @@ def delivery(ballast: Record, depth: float) -> float:
 
 @part
 def sound_rate(ballast: Record, pump: int, state: Record) -> float:
-    """Return the rate [kg/s] of a pump, less what its fault takes."""
+    """Return the rate [kg/s] of a pump, less what its fault takes; 0 without power."""
+    if is_dead(FED_TRIM + pump, state):
+        return 0.0
     return ballast[0].pump_rate[pump] * (1.0 - min(max(state[0].pump_fault[pump], 0.0), 1.0))
 
 

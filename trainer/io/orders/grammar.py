@@ -372,7 +372,7 @@ def match_slot(slot: Slot, token: str) -> Iterable[TokenReading]:
     if isinstance(slot, UnitWord):
         fits = any(token in unit.names for unit in slot.number.units)
         return (TokenReading(token, token),) if fits else ()
-    if not token[0].isalpha():
+    if not token[0].isalpha() or token in MEANT_ORDERS:  # a beginner's word cuts none short
         return (TokenReading(token, word) for said, word in slot.spellings if said == token)
     return (TokenReading(said, word) for said, word in slot.spellings if said.startswith(token))
 

@@ -32,6 +32,8 @@ WORD_SETS = {
     "|trainee",
     "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
     "AXIS": "rudder|planes|speed|ballast",
+    "SUPPLY": "normal|emergency|hand",
+    "PIPE": "rudder|stern|bow|main|vital",
 }
 SESSION_TOPIC = "session"  # what `help` is asked for the other overview
 WHICH_WAY = "say which way: {} or {}"
@@ -176,6 +178,18 @@ FORMS = (
     Form("hover on|off", "keep the present depth by the depth-control tank"),
     Form("hover DEPTH", "keep this depth by it"),
     Form("compressor on|off", "charge the air banks"),
+    Form("rudder SUPPLY", "shift what moves it: main oil, vital oil, or hands", name="rudder-mode"),
+    Form("stern [planes] SUPPLY", "shift what moves them, likewise", name="planes-mode"),
+    Form("BOW [planes] SUPPLY", "shift what moves them, likewise", name="planes-mode"),
+    Form("planes SUPPLY", "shift what moves both pairs", name="planes-mode"),
+    Form("isolate PIPE", "shut the valve of a surface's leg, or of main or vital oil"),
+    Form("open PIPE", "open it again"),
+    Form("hydraulic pump 1|2|vital run|stop", "a pump of oil: run and stand by, or stop"),
+    Form("bus tie shut|open", "let one side's battery feed both buses, or not"),
+    Form("breaker port|starboard shut|open", "a side's battery on its bus, or off it"),
+    Form("loads shed|back", "take the loads off that can be spared, or put them back"),
+    Form("ventilation secure|run|exhaust", "stop it, run it, or exhaust smoke"),
+    Form("fight fire forward|control|aft", "send the party to a compartment's fire"),
     Form("sea state DEGREE", "raise the sea of this degree"),
     Form("sea wind WIND", "raise the sea of this wind"),
     Form("sea height HEIGHT", "raise a sea of this significant height"),

@@ -139,6 +139,9 @@ TRIM_WATER_CONTROL: Final = RoleControl("trim water is", BALLAST_ROLES)
 HOVERING_CONTROL: Final = RoleControl("hovering is", BALLAST_ROLES)
 COMPRESSOR_CONTROL: Final = RoleControl("the compressor is", BALLAST_ROLES)
 BOTH_WAYS_CONTROL: Final = RoleControl("surfacing and diving are", ("diving",))
+RUDDER_MODE_CONTROL: Final = RoleControl("the rudder's mode is", (*HELM_ROLES, "diving"))
+PLANES_MODE_CONTROL: Final = RoleControl("the planes' mode is", PLANES_ROLES)
+PLANT_CONTROL: Final = RoleControl("the plant is", BALLAST_ROLES)
 CREW_ORDERS_CONTROL: Final = RoleControl("orders to the crew are", ("diving", "deck"))
 CREW_WORDS_CONTROL: Final = RoleControl("orders in words are", ("diving",))
 SAYINGS_CONTROL: Final = RoleControl("reports and repeats are", CREW_ROLES)
@@ -162,6 +165,7 @@ boat_order = partial(
     after_end=False)
 autopilot_order = partial(boat_order, needs="autopilot")
 tank_order = partial(boat_order, needs="ballast")
+plant_order = partial(boat_order, needs="plant", control=PLANT_CONTROL)
 planes_order = partial(
     boat_order, control=PLANES_CONTROL, works="planes", gives_up=("planes",), gives_up_by="auto")
 crew_order = partial(OrderWord, obeyer=Obeyer.CREW, in_replay=False)
@@ -194,8 +198,8 @@ BOAT_TOPICS: Final = (
     Topic("rudder left 15 | amidships", "also right, full, manual, auto", (
         boat_order("rudder", control=RUDDER_CONTROL, works="rudder", gives_up=("rudder",),
                    gives_up_by="auto"),)),
-    Topic("stern planes dive 10", "also rise, zero, manual, auto", (planes_order("stern"),)),
-    Topic("bow planes rise 10", "also dive, zero, manual, auto", (planes_order("bow"),)),
+    Topic("stern planes dive 10 | bow rise 10", "also zero, manual, auto", (
+        planes_order("stern"), planes_order("bow"))),
     Topic("planes zero | auto | lever dive 8", "both pairs of planes at once", (
         planes_order("planes"),
         boat_order("lever", control=LEVER_CONTROL, works="planes"))),
@@ -222,6 +226,17 @@ BOAT_TOPICS: Final = (
     Topic("hover on | compressor on", "keep depth stopped; charge air", (
         tank_order("hover", control=HOVERING_CONTROL, works="ballast", gives_up=("ballast",)),
         tank_order("compressor", control=COMPRESSOR_CONTROL, works="ballast"))),
+    Topic("stern emergency | isolate main", "what feeds it; breaker, bus, fight", (
+        plant_order("rudder-mode", control=RUDDER_MODE_CONTROL, works="rudder"),
+        plant_order("planes-mode", control=PLANES_MODE_CONTROL, works="planes"),
+        plant_order("isolate"),
+        plant_order("open"),
+        plant_order("hydraulic"),
+        plant_order("bus"),
+        plant_order("breaker"),
+        plant_order("loads"),
+        plant_order("ventilation"),
+        plant_order("fight"))),
     Topic("sea state 5 | current off", "also wind 30, calm; set 090 drift 2", (
         boat_order("sea", in_page=True), boat_order("current"))),
     Topic("casualty NAME | clear all", "also NAME 0.5 ramp 30; contact TUG ...", (

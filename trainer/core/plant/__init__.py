@@ -1,0 +1,1 @@
+"""The plant: what feeds surfaces, pumps, gauges and propulsion, and what takes it away."""
