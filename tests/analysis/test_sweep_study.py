@@ -77,7 +77,8 @@ KEY = "vessel.coefficients.N_v"
         (SAMPLE + VARY, GRID + "members = 3\n", "members = 3: a grid has all its points"),
         ("members = 10\n", "", "[sample] lacks members"),
         ("= 10", "= 10.5", "must be a whole number"),
-        ("monte-carlo", "sobol", "must be grid or latin-hypercube or monte-carlo"),
+        ("monte-carlo", "sobool", "must be grid or latin-hypercube or monte-carlo or sobol"),
+        ("monte-carlo", "sobol", "of 1 variables has 3 times a power of two: 24 or 48"),
         ('"turn"', '"trun"', "no manoeuvre 'trun'; nearest is turn"),
         ("duration_s", "angle_deg = 40\nduration_s", "[manoeuvre] angle 40: the rudder"),
         ("duration_s", "angel_deg = 40\nduration_s", "no such key; nearest is angle_deg"),
@@ -191,7 +192,7 @@ def test_a_member_beyond_the_last_is_told(tmp_path: Path) -> None:
 
 def test_what_came_to_nothing_is_counted_as_people_count() -> None:
     troubles = {"it broke": 1, "it sank": 3}
-    page = render(SweepReport("a study", "a.parquet", "grid", 1, 9, 4, troubles, (), {}))
+    page = render(SweepReport("a study", "a.parquet", "grid", 1, 9, 4, troubles, (), {}, {}))
 
     assert "4 of 9 came to nothing:\n    once: it broke\n    3 times: it sank" in page
 

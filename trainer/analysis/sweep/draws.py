@@ -2,7 +2,8 @@
 
 ``study`` reads the plan, and ``job`` asks for the members of each chunk. Every number is a pure
 function of the study's seed, the variable's name and the member, so that a member flown alone has
-the same numbers, and a new variable leaves those of the others unchanged.
+the same numbers, and a new variable leaves those of the others unchanged; but in the plan
+``sobol``, whose points have as many places as there are variables.
 """
 
 import math
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.analysis.sweep.records import ESTIMATE_DISTRIBUTION, Sample, VaryRow
+from trainer.analysis.sweep.sobol import SOBOL_SAMPLE, places_of, sobol_shares
 from trainer.core.elementary import logarithm
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.noise import uniform
@@ -142,7 +144,13 @@ class Draws:
         """Return the seed of each member's flight. All that is random follows from it."""
         if self.sample.seeds == "one":
             return np.full(count, int(self.sample.seed), np.int64)
-        drawn = uniforms(int(self.sample.seed), stream_number("seed", ""), first, count)
+        of_seeds = stream_number("seed", "")
+        if self.sample.plan == SOBOL_SAMPLE:  # what is compared flies in the same sea
+            points, _ = places_of(len(self.rows), first, count)
+            base = int(points[0])
+            drawn = uniforms(int(self.sample.seed), of_seeds, base, int(points[-1]) - base + 1)
+            return (drawn * SEED_LIMIT).astype(np.int64)[points - base]
+        drawn = uniforms(int(self.sample.seed), of_seeds, first, count)
         return (drawn * SEED_LIMIT).astype(np.int64)
 
     def drawn(self, first: int, count: int) -> dict[str, NDArray[Any]]:
@@ -155,7 +163,12 @@ class Draws:
                 row.name: list_values(row.values or ())[members // step % size]
                 for row, step, size in zip(self.rows, steps, sizes, strict=True)
             }
-        seed, columns = int(self.sample.seed), {}
+        seed, columns = int(self.sample.seed), dict[str, NDArray[Any]]()
+        if self.sample.plan == SOBOL_SAMPLE:
+            pairs = [uniforms(seed, stream_number("digits", row.name), 0, 2) for row in self.rows]
+            shifts = np.transpose(pairs).ravel()
+            mixed = sobol_shares(shifts, len(self.rows), first, count)
+            return {row.name: of_shares(row, mixed[:, j]) for j, row in enumerate(self.rows)}
         for row in self.rows:
             shares = uniforms(seed, stream_number("share", row.name), first, count)
             if self.sample.plan != MONTE_CARLO_SAMPLE:

@@ -185,10 +185,12 @@ class Sample:
     """Which members there are."""
 
     plan: str = required(
-        Choice(("grid", "latin-hypercube", "monte-carlo"), "how numbers are chosen")
+        Choice(("grid", "latin-hypercube", "monte-carlo", "sobol"), "how numbers are chosen")
     )
     members: int | None = optional(
-        WholeNumber(1, MAX_MEMBERS, "how many; a grid has all its points")
+        WholeNumber(
+            1, MAX_MEMBERS, "how many; a grid has all its points, sobol (variables + 2) 2^n"
+        )
     )
     seed: int = required(WholeNumber(0, SEED_LIMIT - 1, "of everything random"))
     seeds: str | None = optional(

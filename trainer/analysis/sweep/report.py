@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from trainer.analysis.sweep.draws import GRID_SAMPLE
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, OpenJob, Output
+from trainer.analysis.sweep.sobol import SOBOL_SAMPLE, SobolIndex, sobol_indices
+from trainer.analysis.sweep.study import Study
 from trainer.analysis.sweep.sweep import TROUBLE_COLUMN
 from trainer.config.files import ConfigError, offer_known, quote
 from trainer.core.kernel import Numbers
@@ -26,6 +28,7 @@ MIN_SPREAD_MEMBERS: Final = 2  # members that a spread can be told of
 MAX_TROUBLES_SHOWN: Final = 5  # different troubles
 MAX_CURVES: Final = 12  # of a panel over a grid
 SPREAD_HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
+SOBOL_HEADS: Final = ("", "alone", "95 %", "in all", "95 %")
 SHOWN_PERCENTILES: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot
 
 
@@ -70,6 +73,7 @@ class SweepReport:
     troubles: dict[str, int]  # the most frequent ones
     spreads: tuple[Spread, ...]
     effects: dict[str, tuple[Effect, ...]]  # by measure, widest first
+    indices: dict[str, tuple[SobolIndex, ...]]  # by measure, of the plan sobol
 
 
 def numbers_of(table: Any, name: str) -> Numbers:
@@ -95,7 +99,17 @@ def report_of(opened: OpenJob, table: Any, file: str) -> SweepReport:
         troubles=dict(most),
         spreads=tuple(spread_of(*one, columns[one.name]) for one in opened.subject.outputs),
         effects={name: effects_of(drawn, values) for name, values in columns.items()},
+        indices=indices_of(study, columns),
     )
+
+
+def indices_of(study: Study, columns: dict[str, Numbers]) -> dict[str, tuple[SobolIndex, ...]]:
+    """Return the indices of each measure; empty for other plans."""
+    sample = study.draws.sample
+    if sample.plan != SOBOL_SAMPLE:
+        return {}
+    names = [row.name for row in study.draws.rows]
+    return {name: sobol_indices(names, values, sample.seed) for name, values in columns.items()}
 
 
 def spread_of(name: str, unit: str, values: Numbers) -> Spread:
@@ -159,13 +173,31 @@ def render(report: SweepReport) -> str:
     covered = coverage(report)
     lines += covered or table(SPREAD_HEADS, rows)
     for spread in () if covered else report.spreads[:1]:
-        lines += _effects(report, spread)
+        lines += _indices(report, spread) or _effects(report, spread)
     if report.troubled:
         lines += ["", f"{INDENT}{report.troubled} of {report.members} came to nothing:"]
         for text, count in report.troubles.items():
             times = "once" if count == 1 else f"{count} times"
             lines += wrap(f"{times}: {text}", 2 * INDENT, 3 * INDENT)
     return "\n".join(lines)
+
+
+def _indices(report: SweepReport, spread: Spread) -> list[str]:
+    """Return how much of a measure's variance each variable makes, as lines."""
+    rows = [
+        (
+            *(index.variable, f"{index.first:.3f}", _interval(index.first_interval)),
+            *(f"{index.total:.3f}", _interval(index.total_interval)),
+        )
+        for index in report.indices.get(spread.name, ())
+    ]
+    title = f"{spread.name}: shares of the variance that a variable makes alone, and in all"
+    return ["", *wrap(title), *table(SOBOL_HEADS, rows)] if rows else []
+
+
+def _interval(ends: tuple[float, float]) -> str:
+    """Return an interval as text."""
+    return f"{ends[0]:.3f} to {ends[1]:.3f}"
 
 
 def _effects(report: SweepReport, spread: Spread) -> list[str]:

@@ -6,6 +6,7 @@ those that its file leaves out, and the compensation's factors of all terms that
 keeps.
 """
 
+import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
@@ -23,6 +24,7 @@ from trainer.analysis.estimate.uncertainty import (
 from trainer.analysis.sweep.draws import GRID_SAMPLE, Draws
 from trainer.analysis.sweep.records import (
     ESTIMATE_DISTRIBUTION,
+    MAX_MEMBERS,
     PARAMETER_ROWS,
     VARY_ROWS,
     IdentificationTable,
@@ -32,8 +34,10 @@ from trainer.analysis.sweep.records import (
     StudyHeading,
     VaryRow,
 )
+from trainer.analysis.sweep.sobol import MIN_BASE_POINTS, SET_COUNT, SOBOL_SAMPLE
 from trainer.boat.assemble import Method
 from trainer.config.coefficients import EQUATION_SETS
+from trainer.config.extras import require_library
 from trainer.config.file_schemas import exercise_keys
 from trainer.config.files import (
     ConfigError,
@@ -240,6 +244,8 @@ def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, position: Position) -
         problems.append(inside.wrong("members", sample.members, "a grid has all its points"))
     if sample.plan == GRID_SAMPLE and not rows:
         problems.append(position.problem("lacks [[vary]]: a grid is of values"))
+    if sample.plan == SOBOL_SAMPLE:
+        problems += _sobol_problems(rows, sample, position)
     if sample.plan != GRID_SAMPLE and sample.members is None:
         problems.append(inside.problem("lacks members"))
     names = [row.name for row in rows]
@@ -248,6 +254,26 @@ def _check_rows(rows: tuple[VaryRow, ...], sample: Sample, position: Position) -
         if row.name in names[:i]:
             problems.append(position.inside(f"vary[{i}]").wrong("name", row.name, "is given twice"))
     raise_problems(problems)
+
+
+def _sobol_problems(rows: tuple[VaryRow, ...], sample: Sample, position: Position) -> list[str]:
+    """Return why a plan gives no indices: nothing varies, or the number of members is none."""
+    require_library("scipy", "the plan sobol")
+    if not rows:
+        return [position.problem("lacks [[vary]]: sobol tells variables apart")]
+    if sample.members is None or not (reason := _uneven_points(len(rows), sample.members)):
+        return []
+    return [position.inside("sample").wrong("members", sample.members, reason)]
+
+
+def _uneven_points(variables: int, members: int) -> str:
+    """Return why so many members are no points of Sobol in all sets; "" where they are."""
+    sets = variables + SET_COUNT
+    points = max(members / sets, MIN_BASE_POINTS)
+    low = sets * 2 ** math.floor(math.log2(points))
+    near = f"{low} or {2 * low}" if 2 * low <= MAX_MEMBERS else f"{low}"
+    told = f"sobol of {variables} variables has {sets} times a power of two: {near}"
+    return "" if members == low else told
 
 
 def _row_problems(row: VaryRow, sample: Sample, position: Position) -> list[str]:
@@ -372,6 +398,8 @@ def with_members(study: Study, members: int) -> Study:
     sample = study.draws.sample
     if sample.plan == GRID_SAMPLE:
         raise ConfigError("--members: a grid has all its points")
+    if sample.plan == SOBOL_SAMPLE and (reason := _uneven_points(len(study.draws.rows), members)):
+        raise ConfigError(f"--members {members}: {reason}")
     return replace(study, draws=replace(study.draws, sample=replace(sample, members=members)))
 
 
