@@ -22,7 +22,7 @@ from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
 from trainer.identify.boat.regressors import PARAMETER_NAMES
-from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S, FittedVessel
+from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
 from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import Record
@@ -254,10 +254,14 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
         command = record.column("revolutions") / vessel.file.propulsion.rps_per_mps
     surfaces = [record.column("rudder"), record.column("stern"), record.bow]
     inputs = [_filled(at, values) for values in (*surfaces, command)]
-    name, rate = record.source, vessel.speed / REFERENCE_SPEED_M_S
-    rate *= REFERENCE_LENGTH_M / vessel.length
-    parts = max(1, round(STEPS_PER_INTERVAL * interval * rate))
-    return Trial(name, "", interval, parts, readings, np.column_stack(inputs), (), tuple(told))
+    parts = steps_between(interval, vessel)
+    given = np.column_stack(inputs)
+    return Trial(record.source, "", interval, parts, readings, given, (), tuple(told))
+
+
+def steps_between(interval: float, vessel: FittedVessel) -> int:
+    """Return how many steps of Runge and Kutta a boat needs in an interval [s]."""
+    return max(1, round(STEPS_PER_INTERVAL * interval * vessel.pace))
 
 
 def _filled(at: Numbers, values: Numbers | None) -> Numbers:
