@@ -94,6 +94,7 @@ FIRST = {  # what is typed before
         "trainer boat manoeuvre vertical-zigzag fit-boat.toml --duration 300 --csv dive.csv",
         "trainer boat manoeuvre turn fit-boat.toml --duration 300 --csv turn.csv",
     ),
+    "trainer boat plan-trial": ("rm -f hull.toml", "trainer boat estimate new hull.toml"),
     "trainer replay": (DRILL,),
     "trainer export": (DRILL,),
     "trainer boat export-page": (DRILL,),
@@ -142,6 +143,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
     ),
     *("trainer debrief", "trainer boat manoeuvre", "trainer boat estimate", "trainer identify new"),
     "trainer boat fit",
+    "trainer boat plan-trial",
     *(
         "trainer boat sea",
         "trainer boat check",

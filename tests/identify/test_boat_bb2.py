@@ -18,10 +18,12 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.boat import search
 from trainer.identify.boat.figures import FigureBand, figure_bands, figures_of
-from trainer.identify.boat.filter import CHANNEL_NAMES
+from trainer.identify.boat.filter import CHANNEL_NAMES, GROUND_CHANNEL, SPEED_CHANNEL
 from trainer.identify.boat.fitted_file import fitted_text
+from trainer.identify.boat.motion import STATE
+from trainer.identify.boat.noise import FLOW_NAMES
 from trainer.identify.boat.prior import Prior, read_prior
-from trainer.identify.boat.report import report_fit
+from trainer.identify.boat.report import MAX_CONFLICT, report_fit
 from trainer.identify.boat.trial import Trial, without_unflown
 from trainer.identify.boat.vessel import FittedVessel
 
@@ -205,3 +207,57 @@ def test_a_vertical_zigzag_beside_it_mends_that(prior: Prior) -> None:
     bands = told(figure_bands(prior.vessel, found.posterior, 40, lambda _: None), truth)
     assert max(abs(one.value - one.truth) / one.sd for one in bands.values()) < 2.5
     assert not any("no record flies" in each for each in report_fit(found, [], draws=0).warnings)
+
+
+def two_trials(truth: FittedVessel, seed: int) -> list[Trial]:
+    """Return a zig-zag of 450 s and a vertical one of 500 s."""
+    boat = truth.numbers(truth.values)
+    return [
+        sail(boat, zigzag(10.0, 10.0), 10.0, 450, 10 * seed, "zigzag"),
+        sail(boat, vertical(8.0), 8.0, 500, 10 * seed + 1, "vertical"),
+    ]
+
+
+def carried(trial: Trial) -> Trial:
+    """Return a trial in a current of 0.4 m/s whose only log reads the speed over ground."""
+    readings = trial.readings.copy()
+    heading = readings[:, CHANNEL_NAMES.index("heading")]
+    readings[:, GROUND_CHANNEL] = readings[:, SPEED_CHANNEL] + 0.4 * np.cos(heading - 0.7)
+    readings[:, SPEED_CHANNEL] = np.nan
+    return replace(trial, readings=readings)
+
+
+def test_a_current_is_found_where_it_is_allowed_for_and_misleads_where_not(prior: Prior) -> None:
+    truth, allowed, refused = true_bb2(prior), list[bool](), list[bool]()
+    still = dict.fromkeys(FLOW_NAMES, 1e-9)
+    for seed in (1, 2):
+        trials = [without_unflown(carried(one)) for one in two_trials(truth, seed)]
+        found = search.fit_trials(prior, trials)
+        allowed += inside(figure_bands(prior.vessel, found.posterior, 60, lambda _: None), truth)
+        flow = found.passes[0].states[-1, [STATE.NORTH, STATE.EAST]]
+        assert flow == pytest.approx(0.4 * np.array([np.cos(0.7), np.sin(0.7)]), abs=0.15)
+        blind = search.fit_trials(prior, [replace(one, biases=still) for one in trials])
+        refused += inside(figure_bands(prior.vessel, blind.posterior, 60, lambda _: None), truth)
+    assert np.mean(allowed) > 0.92
+    assert np.mean(refused) < 0.85
+
+
+def test_a_vertical_zigzag_alone_tells_nothing_wrong_of_turning(prior: Prior) -> None:
+    truth, shares = true_bb2(prior), list[bool]()
+    boat = truth.numbers(truth.values)
+    for seed in (1, 2):
+        trial = without_unflown(sail(boat, vertical(8.0), 8.0, 900, 10 * seed + 2, "vertical"))
+        assert trial.told == ("course only kept: nothing learned of turning",)
+        found = search.fit_trials(prior, [trial])
+        shares += inside(figure_bands(prior.vessel, found.posterior, 60, lambda _: None), truth)
+    assert np.mean(shares) > 0.9
+
+
+def test_a_log_of_bb2_that_is_two_seconds_late_is_told(prior: Prior) -> None:
+    trials = [without_unflown(one) for one in two_trials(true_bb2(prior), 1)]
+    found = search.fit_trials(prior, trials)
+    assert found.conflict < MAX_CONFLICT
+    assert search.find_delay(found) == 0.0
+    late = search.fit_trials(prior, [one.hastened(-2.0) for one in trials])
+    assert late.conflict > MAX_CONFLICT
+    assert search.find_delay(late) == 2.0

@@ -535,3 +535,52 @@ def test_units_of_figures_are_those_of_their_measures(own: Path) -> None:
         units = {one.name: one.unit for one in manoeuvre.measures(flight)}
         for measure, (_, unit) in sailed.measures.items():
             assert units[measure] == unit
+
+
+def with_fins(off: tuple[float, float, float, float]) -> Callable[[list[str]], list[str]]:
+    """Return what gives a file four fins for rudder and stern planes, each ``off`` [deg]."""
+
+    def change(lines: list[str]) -> list[str]:
+        heads = ",".join(f"fin {number} [deg]" for number in (1, 2, 3, 4))
+        made = [f"time [s],{heads},{lines[0].split(',', 3)[3]}"]
+        for line in lines[1:]:
+            time, rudder, stern, rest = line.split(",", 3)
+            level, upright = float(rudder), float(stern)
+            signs = ((1, -1), (1, 1), (-1, 1), (-1, -1))
+            angles = (a * level + b * upright for a, b in signs)
+            fins = (f"{fin + more:.5f}" for fin, more in zip(angles, off, strict=True))
+            made.append(",".join([time, *fins, rest]))
+        return made
+
+    return change
+
+
+def test_four_fins_of_an_x_tail_are_rudder_and_stern_planes(own: Path, tmp_path: Path) -> None:
+    plain = trial_read(tmp_path, own, list, Instruments())
+    read = trial_read(tmp_path, own, with_fins((0.0, 0.0, 0.0, 0.0)), Instruments())
+    assert read.inputs == pytest.approx(plain.inputs, abs=1e-6)
+    assert not any("deg off" in words for words in read.told)
+
+
+@pytest.mark.parametrize(
+    ("off", "words"),
+    [
+        ((0.0, -2.0, 0.0, 0.0), "fin 2 or 4 reads -2 deg off"),
+        ((0.0, 0.0, -2.0, 0.0), "fin 1 or 3 reads -2 deg off"),
+        ((4.0, 4.0, 4.0, 4.0), "are they numbered and signed as x_plane_mix"),
+    ],
+)
+def test_fins_that_do_not_fit_together_are_told(
+    own: Path, tmp_path: Path, off: tuple[float, float, float, float], words: str
+) -> None:
+    read = trial_read(tmp_path, own, with_fins(off), Instruments())
+    assert any(words in told for told in read.told)
+
+
+def test_a_record_without_rudder_is_told_of_fins(own: Path, tmp_path: Path) -> None:
+    def three(lines: list[str]) -> list[str]:
+        made = with_fins((0.0, 0.0, 0.0, 0.0))(lines)
+        return [line.replace("fin 4", "other") for line in made]
+
+    with pytest.raises(ConfigError, match=r"rudder: call it .* all four fins of an X-tail"):
+        trial_read(tmp_path, own, three, Instruments())

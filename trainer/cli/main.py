@@ -29,6 +29,7 @@ COMMAND_GROUPS: Final = (
             "trainer.cli.workshop.vessel.new",
             "trainer.cli.workshop.estimate.estimate",
             "trainer.cli.workshop.fit_boat.fit",
+            "trainer.cli.workshop.plan_trial.plan_trial",
             "trainer.cli.workshop.vessel.check",
             "trainer.cli.workshop.guide.manoeuvre",
             "trainer.cli.workshop.guide.guide",

@@ -7,7 +7,7 @@ trains waits for a workshop. Begin with ``vessel`` for boats, with ``identify`` 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "bench", "check_cases", "estimate", "fit_boat", "guide", "identify", "learn", "programs",
-    "subjects", "sweep", "vessel",
+    "bench", "check_cases", "estimate", "fit_boat", "guide", "identify", "learn", "plan_trial",
+    "programs", "subjects", "sweep", "vessel",
 ]
 # fmt: on

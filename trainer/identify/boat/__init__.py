@@ -2,8 +2,9 @@
 
 Begin with ``fit``, what is done in which order, then ``prior``, ``trial``, ``search``. The model is
 ``regressors`` and ``motion``, the likelihood ``filter``; ``report`` judges, ``figures`` makes the
-bands, ``fitted_file`` writes the boat, ``page`` shows it.
+bands, ``fitted_file`` writes the boat, ``page`` shows it. ``plan`` says what to sail next, of
+``trial_legs``; ``planned_trial`` writes that as an exercise.
 """
 
 # The modules that other rooms may use.
-__all__ = ["figures", "fit", "instruments", "page", "report"]
+__all__ = ["figures", "fit", "instruments", "page", "plan", "planned_trial", "report"]

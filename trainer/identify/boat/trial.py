@@ -22,10 +22,10 @@ from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
 from trainer.identify.boat.regressors import PARAMETER_NAMES
-from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, REFERENCE_SPEED_M_S, FittedVessel
+from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
 from trainer.identify.record.findings import unwrap_heading
-from trainer.identify.record.measurements import Record
+from trainer.identify.record.measurements import FIN_CHANNELS, Record
 from trainer.identify.record.sources import (
     BOAT_COLUMNS,
     Column,
@@ -74,6 +74,9 @@ LEVEL_CHANNELS: Final = ("heading", "roll", "p", "r")
 UPRIGHT_CHANNELS: Final = ("pitch", "depth", "q")
 SIGN_SPAN_LENGTHS: Final = 0.3  # [L/U] over which a turning is differenced, to tell a sign
 WRONG_SIGN_CORRELATION: Final = -0.3  # [-] beyond, a sign is plainly wrong
+# rudder and stern planes of four fins; then what all have alike, and what they have in turn
+FIN_MIX: Final = 0.25 * np.array([[1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, 1, 1], [1, -1, 1, -1]])
+MAX_FIN_RESIDUE_RAD: Final = math.radians(0.25)  # [rad] of these: one fin off by a degree
 STEPS_PER_INTERVAL: Final = 2.0  # of Runge and Kutta in a second of BB2 at 10 kn
 
 
@@ -139,6 +142,7 @@ def read_trial(
     record = _without_repeats(read_record(path, columns))
     check_times(record)
     record = unwrap_heading(without_jumps(record))
+    record = join_fins(record)
     problems = [f"{record.source}: {text}" for text in _lacking(record)]
     raise_problems(problems)
     if path.suffix == RECORDING_SUFFIX:
@@ -204,11 +208,35 @@ def _standing(trial: Trial) -> Iterator[str]:
             )
 
 
+def join_fins(record: Record) -> Record:
+    """Return a record with the four fins of an X-tail joined to rudder and planes.
+
+    Fins are numbered and signed as ``x_plane_mix`` of BB2's file: d1 = dV - dH, d2 = dV + dH,
+    d3 = -dV + dH, d4 = -dV - dH. What four angles have besides, no boat does.
+    """
+    given = [getattr(record, name) for name in FIN_CHANNELS]
+    if any(fin is None for fin in given) or record.rudder is not None or record.stern is not None:
+        return record
+    fins, findings = np.array(given), list(record.findings)
+    rudder, stern, alike, crossed = FIN_MIX @ fins
+    off = [float(np.nanmean(one)) if np.isfinite(one).any() else 0.0 for one in (alike, crossed)]
+    if max(map(abs, off)) > MAX_FIN_RESIDUE_RAD:
+        if min(map(abs, off)) > 0.5 * max(map(abs, off)):  # one alone moves both alike
+            fin = "fin 1 or 3" if off[0] * off[1] > 0.0 else "fin 2 or 4"
+            text = f"{fin} reads {4.0 * off[0] / DEGREE:+.2g} deg off, as the four together tell"
+        else:
+            text = "four fins do not fit together: are they numbered and signed as x_plane_mix?"
+        findings.append(record.finding(FIN_CHANNELS[0], text))
+    return replace(record, rudder=rudder, stern=stern, findings=tuple(findings))
+
+
 def _lacking(record: Record) -> Iterator[str]:
     """Yield which channels are lacking, without which no boat can be fitted."""
     for name in NEEDED_FIELDS:
         if getattr(record, name) is None:
-            yield f"no column is taken for {name}: call it {' or '.join(BOAT_WORDS[name][:2])}"
+            fins = ", or give all four fins of an X-tail, fin 1 to fin 4"
+            words = " or ".join(BOAT_WORDS[name][:2]) + fins * (name in ("rudder", "stern"))
+            yield f"no column is taken for {name}: call it {words}"
     if record.revolutions is None and record.command_speed is None:
         yield "no column is taken for the revolutions: call it rpm, rps or u_c"
 
@@ -254,10 +282,14 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
         command = record.column("revolutions") / vessel.file.propulsion.rps_per_mps
     surfaces = [record.column("rudder"), record.column("stern"), record.bow]
     inputs = [_filled(at, values) for values in (*surfaces, command)]
-    name, rate = record.source, vessel.speed / REFERENCE_SPEED_M_S
-    rate *= REFERENCE_LENGTH_M / vessel.length
-    parts = max(1, round(STEPS_PER_INTERVAL * interval * rate))
-    return Trial(name, "", interval, parts, readings, np.column_stack(inputs), (), tuple(told))
+    parts = steps_between(interval, vessel)
+    given = np.column_stack(inputs)
+    return Trial(record.source, "", interval, parts, readings, given, (), tuple(told))
+
+
+def steps_between(interval: float, vessel: FittedVessel) -> int:
+    """Return how many steps of Runge and Kutta a boat needs in an interval [s]."""
+    return max(1, round(STEPS_PER_INTERVAL * interval * vessel.pace))
 
 
 def _filled(at: Numbers, values: Numbers | None) -> Numbers:

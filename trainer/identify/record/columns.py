@@ -17,7 +17,7 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.config.tables import CsvTable, spell_unit
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import POSITION_CHANNELS
+from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
 from trainer.identify.record.sources import (
     MAX_INTERVAL_S,
     USUAL_CODES,
@@ -72,6 +72,7 @@ BOAT_WORDS: Final[Words] = {  # of records of boats that dive
         "fore planes",
     ),
     "command_speed": ("command speed", "u c", "uc"),
+    **{name: (f"fin {i}", f"d{i}", f"x plane {i}") for i, name in enumerate(FIN_CHANNELS, 1)},
     "pitch": ("pitch", "theta", "pitch angle"),
     "pitch_rate": ("pitch rate", "q"),
     "depth": ("depth", "z", "keel depth"),
@@ -114,7 +115,7 @@ UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "roll": (MAX_RUDDER_RAD, "rad", "deg"),
     "pitch": (MAX_RUDDER_RAD, "rad", "deg"),
     "stern": (MAX_RUDDER_RAD, "rad", "deg"),
-    "bow": (MAX_RUDDER_RAD, "rad", "deg"),
+    **dict.fromkeys(("bow", *FIN_CHANNELS), (MAX_RUDDER_RAD, "rad", "deg")),
     "depth": (math.inf, "m", "m"),
 }
 SAME_INSTRUMENT: Final = {  # of one instrument
@@ -124,6 +125,7 @@ SAME_INSTRUMENT: Final = {  # of one instrument
     "pitch_rate": "yaw_rate",
     "stern": "rudder",
     "bow": "rudder",
+    **dict.fromkeys(FIN_CHANNELS[1:], FIN_CHANNELS[0]),
 }
 UNCODED_CHANNELS: Final = ("t", *POSITION_CHANNELS)  # any number may be a reading of them
 NAUTICAL_ANGLE: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is degrees and minutes

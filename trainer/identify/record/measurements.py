@@ -34,8 +34,9 @@ SHIP_CHANNEL_UNITS: Final = {  # likewise, of ships that are not linear
     "roll": "rad",
     "roll_rate": "rad/s",
 }
+FIN_CHANNELS: Final = ("fin_1", "fin_2", "fin_3", "fin_4")  # of an X-tail, as Record has them
 BOAT_CHANNEL_UNITS: Final = {  # likewise, of boats that dive
-    **dict.fromkeys(("stern", "bow", "pitch"), "rad"),
+    **dict.fromkeys(("stern", "bow", "pitch", *FIN_CHANNELS), "rad"),
     "pitch_rate": "rad/s",
     "depth": "m",
     **dict.fromkeys(("command_speed", "ground_speed"), "m/s"),
@@ -91,6 +92,10 @@ class Record:
     roll_rate: Numbers | None = None  # [rad/s]
     stern: Numbers | None = None  # [rad] planes, positive puts the bow down
     bow: Numbers | None = None  # [rad] planes, positive puts the bow up
+    fin_1: Numbers | None = None  # [rad] of an X-tail, below to starboard; all as x_plane_mix
+    fin_2: Numbers | None = None  # [rad] above to starboard
+    fin_3: Numbers | None = None  # [rad] above to port
+    fin_4: Numbers | None = None  # [rad] below to port
     pitch: Numbers | None = None  # [rad] bow up
     pitch_rate: Numbers | None = None  # [rad/s]
     depth: Numbers | None = None  # [m] of the boat's origin

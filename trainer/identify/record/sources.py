@@ -25,6 +25,7 @@ from trainer.debrief.recording_export import table_layout
 from trainer.identify.record.measurements import (
     BOAT_CHANNEL_UNITS,
     CHANNEL_UNITS,
+    FIN_CHANNELS,
     POSITION_CHANNELS,
     SHIP_CHANNEL_UNITS,
     Finding,
@@ -42,7 +43,7 @@ USUAL_CODES: Final = (
 CODES_TEXT: Final = "usual are 511, 999, -9999, 32767, 65535, of AIS 91 and 102.3"
 MAX_SIZES: Final = {  # of what a ship does, SI: beyond is no reading
     **dict.fromkeys(("rudder", "yaw_rate", "latitude"), 0.5 * math.pi),
-    **dict.fromkeys(("stern", "bow", "pitch", "pitch_rate"), 0.5 * math.pi),
+    **dict.fromkeys(("stern", "bow", *FIN_CHANNELS, "pitch", "pitch_rate"), 0.5 * math.pi),
     **dict.fromkeys(("command_speed", "ground_speed"), 50.0),
     "depth": 12000.0,
     **dict.fromkeys(("sway", "bow_sway", "stern_sway", "speed"), 50.0),
