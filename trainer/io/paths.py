@@ -117,6 +117,6 @@ def recording_paths(name: str, folder: Path | None = None) -> Iterator[Path]:
 
 
 def dated_name(name: str) -> str:
-    """Return the name of what is kept of an exercise from now on, with day and time."""
+    """Return the name of what an exercise leaves, with day and time."""
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     return f"{plain}-{datetime.now(UTC).strftime('%Y%m%d-%H%M%S')}"

@@ -1,4 +1,4 @@
-"""The owner of a session: a program that began it, and that it does not outlive."""
+"""The owner of a session: a program that it does not outlive."""
 
 import os
 import signal
