@@ -7,8 +7,15 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from trainer.cli.main import cli
-from trainer.config.class_file import class_schema, class_text, is_class_file, load_class
+from trainer.config.class_file import (
+    class_schema,
+    class_text,
+    forget_in_classes,
+    is_class_file,
+    load_class,
+)
 from trainer.config.files import ConfigError, parse_toml
+from trainer.debrief.history import recordings_in
 
 WHOLE = """\
 exercise = "depth-changes"
@@ -95,3 +102,31 @@ def test_a_new_class_file_is_right_and_is_written_over_no_other(
     assert "depth-changes, boats: 2" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="is there already"):
         cli(typed, standalone_mode=False)
+
+
+def test_a_name_that_is_forgotten_is_gone_from_a_class_and_the_rest_of_it_stays(
+    tmp_path: Path,
+) -> None:
+    kept = tmp_path / "class-tuesday"
+    kept.mkdir()
+    path = kept / "class.toml"
+    path.write_text(class_text(load_class(written(tmp_path, WHOLE))), encoding="utf-8")
+    steps = [*forget_in_classes([tmp_path], lambda name: name == "A. Jones")]
+
+    assert steps == [f"{path}: the name is removed"]
+    left = load_class(path)
+    assert left.row_of(2).trainees == ("B. Smith",)
+    assert (left.row_of(2).name, left.row_of(3).seed) == ("Bravo", 99)
+    assert not [*forget_in_classes([kept], lambda name: name == "A. Jones")]
+
+
+def test_the_recordings_of_a_class_are_found_in_the_folder_of_recordings(tmp_path: Path) -> None:
+    for name in ("class-a/boat-1/x.trainer", "other/boat-1/y.trainer", "z.trainer"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    written(tmp_path, WHOLE).rename(tmp_path / "class-a" / "class.toml")
+
+    assert {path.name for path in recordings_in([tmp_path])} == {"x.trainer", "z.trainer"}
+    assert [path.name for path in recordings_in([tmp_path / "class-a"])] == ["x.trainer"]
+    assert [path.name for path in recordings_in([tmp_path / "z.trainer"])] == ["z.trainer"]

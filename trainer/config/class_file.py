@@ -5,7 +5,7 @@ on another day. What is not said of a boat is the same for all.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -20,6 +20,7 @@ from trainer.config.files import (
     raise_problems,
     read_text,
     relative_name,
+    renew_file,
     toml_value,
     write_once,
 )
@@ -99,15 +100,43 @@ def load_class(path: Path) -> ClassFile:
 
     Its exercise is there, and was not read, because that would load the core.
     """
-    position = Position(path.name, "")
-    table = parse_toml(read_text(path), path.name)
-    planned = read_record(ClassFile, table, position, ("note",))
+    planned, position = read_class(path), Position(path.name, "")
     problems = [position.problem(problem) for problem in _row_problems(planned)]
     exercise = relative_name(path, planned.exercise)
     with collecting(problems):
         read_text(path_named(exercise, "exercises"))
     raise_problems(problems)
     return replace(planned, exercise=exercise)
+
+
+def read_class(path: Path) -> ClassFile:
+    """Return the class in a file as it is written; ConfigError."""
+    table = parse_toml(read_text(path), path.name)
+    return read_record(ClassFile, table, Position(path.name, ""), ("note",))
+
+
+def recording_folders(folder: Path) -> list[Path]:
+    """Return a folder, and those of all boats of the classes that are kept in it."""
+    return [folder, *(boat for kept in _classes_in(folder) for boat in kept.parent.glob("boat-*/"))]
+
+
+def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -> Iterator[str]:
+    """Remove a trainee's name from the classes kept in folders; yield where. ConfigError."""
+    for path in (path for folder in folders for path in _classes_in(folder)):
+        planned = read_class(path)
+        rows = [
+            replace(row, trainees=tuple(each for each in row.trainees if not is_name(each)))
+            for row in planned.boat
+        ]
+        if tuple(rows) != planned.boat:
+            renew_file(path, class_text(replace(planned, boat=tuple(rows))))
+            yield f"{path}: the name is removed"
+
+
+def _classes_in(folder: Path) -> list[Path]:
+    """Return the files of the classes that are kept in a folder, or that it is itself."""
+    found = (folder / CLASS_FILE_NAME, *sorted(folder.glob(f"*/{CLASS_FILE_NAME}")))
+    return [path for path in found if path.is_file()]
 
 
 def _row_problems(planned: ClassFile) -> Iterator[str]:
