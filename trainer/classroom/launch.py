@@ -1,14 +1,16 @@
 """The start of a class, new or resumed, and its end in order."""
 
+import contextlib
 import signal
+import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import Final, NamedTuple, NoReturn
 
 import click
 
@@ -61,36 +63,59 @@ class ClassSite:
     proxy: tuple[str, ...] = ()
 
 
-def place_of(site: ClassSite) -> tuple[Certificate | None, Address]:
-    """Return the certificate and the address of the pages; ConfigError."""
+class Place(NamedTuple):
+    """Where the pages of a class are: listened at already."""
+
+    listener: socket.socket
+    address: Address
+    certificate: Certificate | None
+
+
+@contextlib.contextmanager
+def listening_at(site: ClassSite) -> Iterator[Place]:
+    """Listen for browsers inside the block; ConfigError, before anything else is done."""
     certificate = certificate_of(site.cert, site.key)
     front = front_of(site.public_url, site.proxy, site.cert)
-    return certificate, address_of(site.web, certificate, front)
+    address = address_of(site.web, certificate, front)
+    with listen_for_browsers(address) as listener:
+        port = listener.getsockname()[1]
+        yield Place(listener, replace(address, port=port), certificate)
 
 
-def begin_class(planned: ClassFile, folder: Path, tokens: Sequence[str], site: ClassSite) -> int:
-    """Begin a class and serve its pages until it ends; return the exit code. ConfigError.
+def begin_class(
+    planned: ClassFile, asked: Path | None, tokens: Sequence[str], site: ClassSite
+) -> int:
+    """Begin a class in a new folder, and serve it to its end; return the exit code. ConfigError."""
+    with listening_at(site) as place:
+        return serve_class(planned, new_folder(asked, planned), tokens, place)
+
+
+def resume_class(folder: Path, tokens: Sequence[str], site: ClassSite) -> int:
+    """Go on with the class of a folder, to its end; return the exit code. ConfigError."""
+    planned = kept_class(folder)
+    with listening_at(site) as place:
+        return serve_class(planned, folder.absolute(), tokens, place)
+
+
+def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: Place) -> int:
+    """Keep the boats of a class at sea, and serve their pages; return the exit code.
 
     It ends by Ctrl-C, by a signal, or when no boat will be at sea again.
     """
-    certificate, address = place_of(site)
     for number in END_SIGNALS:
         signal.signal(number, leave_program)
-    with (
-        tempfile.TemporaryDirectory(prefix="trainer-class-") as sockets,
-        listen_for_browsers(address) as listener,
-    ):
-        fleet = Fleet(planned, folder.absolute(), Path(sockets), tokens, tell)
+    with tempfile.TemporaryDirectory(prefix="trainer-class-") as sockets:
+        fleet = Fleet(planned, folder, Path(sockets), tokens, tell)
         tell(f"{planned.boats} boats; all they leave is kept in {folder}")
         try:
             fleet.begin()
             threading.Thread(target=leave_after, args=(fleet,), daemon=True).start()
             for boat in fleet.boats.values():
                 tell(f"{boat.title}: trainer attach --connect {boat.socket}")
-            address = replace(address, port=listener.getsockname()[1])
-            tell(f"the instructor's page is {address.url}class")
-            click.echo(announce_address(address), err=True)
+            tell(f"the instructor's page is {place.address.url}class")
+            click.echo(announce_address(place.address), err=True)
             pages = partial(class_pages, fleet.boats, guarded=bool(tokens))
+            listener, address, certificate = place
             serve_at_socket(pages, listener, address, certificate, send_no_pulse)
         except SystemExit:  # the only way out of the pages, by a signal
             pass

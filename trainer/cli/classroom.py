@@ -80,14 +80,11 @@ def class_command(
     from trainer.classroom import launch
 
     site = record_of(launch.ClassSite, options)
-    launch.place_of(site)  # refuses before anything begins
     words = words_of_class(token, site)
     if resume is not None:
-        planned, folder = launch.kept_class(resume), resume
-    else:
-        planned = plan_class(exercise or "", **options)
-        folder = launch.new_folder(options["folder"], planned)
-    sys.exit(launch.begin_class(planned, folder, words, site))
+        sys.exit(launch.resume_class(resume, words, site))
+    planned = plan_class(exercise or "", **options)
+    sys.exit(launch.begin_class(planned, options["folder"], words, site))
 
 
 def words_of_class(given: tuple[str, ...], site: "ClassSite") -> tuple[str, ...]:
