@@ -43,8 +43,8 @@ async def _answer(reader: asyncio.StreamReader) -> Refused | None:
     """Return the answer to the first question of a line."""
     while said := await reader.readline():
         sentence = sentences.parse_sentence(said.decode("ascii", "replace").strip())
-        if sentence and (sentence.kind, sentence.tag) == ("TRA", "1"):
-            verdict, text = sentence.fields[:2]
-            if verdict in ("ok", "no"):
-                return None if verdict == "ok" else Refused(text)
+        if sentence is None or (sentence.kind, sentence.tag) != ("TRA", "1"):
+            continue
+        if sentence.fields[0] in ("ok", "no"):
+            return None if sentence.fields[0] == "ok" else Refused(sentence.fields[1])
     return Refused("this boat has closed the line")

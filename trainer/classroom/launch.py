@@ -85,7 +85,10 @@ def listening_at(site: ClassSite) -> Iterator[Place]:
 def begin_class(
     planned: ClassFile, asked: Path | None, tokens: Sequence[str], site: ClassSite
 ) -> int:
-    """Begin a class in a new folder, and serve it to its end; return the exit code. ConfigError."""
+    """Begin a new class and serve it to its end; return the exit code.
+
+    ConfigError, before anything is left behind.
+    """
     with listening_at(site) as place:
         return serve_class(planned, new_folder(asked, planned), tokens, place)
 
@@ -98,9 +101,10 @@ def resume_class(folder: Path, tokens: Sequence[str], site: ClassSite) -> int:
 
 
 def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: Place) -> int:
-    """Keep the boats of a class at sea, and serve their pages; return the exit code.
+    """Keep the boats of a class at sea, and serve their pages.
 
-    It ends by Ctrl-C, by a signal, or when no boat will be at sea again.
+    It ends by Ctrl-C, by a signal, or when no boat will be at sea again. The exit code is 1 if none
+    could go to sea.
     """
     for number in END_SIGNALS:
         signal.signal(number, leave_program)

@@ -116,7 +116,7 @@ def read_class(path: Path) -> ClassFile:
 
 
 def recording_folders(folder: Path) -> list[Path]:
-    """Return a folder, and those of all boats of the classes that are kept in it."""
+    """Return a folder, and those of the boats of classes kept in it."""
     return [folder, *(boat for kept in _classes_in(folder) for boat in kept.parent.glob("boat-*/"))]
 
 
