@@ -16,7 +16,8 @@ from trainer.session.crew.manning import BY_HAND, workers
 
 # fmt: off
 IN_SIGHT = [
-    "run", "serve", "attach", "station", "web", "exercises", "exercise", "casualties", "seas",
+    "run", "serve", "class", "attach", "station", "web",
+    "exercises", "exercise", "casualties", "seas",
     "debrief", "recordings", "resume", "replay", "export", "identify",
     "boat", "ship", "report-1969", "dev", "help",
 ]
@@ -113,7 +114,7 @@ def test_help_is_given_by_either_spelling(name: str) -> None:
 def test_the_shell_completes_what_is_listed_and_the_arguments_of_earlier_names() -> None:
     complete = ShellComplete(cli, {}, "trainer", "_TRAINER_COMPLETE").get_completions
 
-    assert [each.value for each in complete([], "c")] == ["casualties"]
+    assert [each.value for each in complete([], "c")] == ["class", "casualties"]
     assert [each.value for each in complete(["boat"], "che")] == ["check", "check-cases"]
     for words in (["boat", "check"], ["check"]):
         assert [each.value for each in complete(words, "bb")] == ["bb2"]

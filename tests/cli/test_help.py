@@ -57,6 +57,8 @@ SHORTER = (
     ("-o boat-compact.toml", "--check"),  # a search takes half an hour
     ("--seeds 5", "--seeds 1"),
     ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
+    (" --boats 8", " --boats 1"),
+    ("trainer class --resume FOLDER", "trainer class tuesday.toml --folder kept"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("bench --all", "bench --same-bits"),  # minutes of measuring
@@ -79,6 +81,9 @@ FIRST = {  # what is typed before
     "trainer attach": ("trainer serve periscope-depth --frozen",),
     "trainer station": ("trainer serve periscope-depth --frozen",),
     "trainer web": ("trainer serve periscope-depth --frozen",),
+    "trainer class": ("rm -f tuesday.toml", "trainer class new tuesday.toml depth-changes"),
+    "trainer class new": ("rm -f tuesday.toml",),
+    "trainer class check": ("rm -f tuesday.toml", "trainer class new tuesday.toml"),
     "trainer exercise check": ("trainer exercise new drill.toml",),
     "trainer exercise baseline": ("trainer exercise new drill.toml",),
     "trainer exercise validate": ("trainer exercise new drill.toml",),
@@ -142,8 +147,7 @@ SLOW = {  # [command] that flies a boat or fits a ship first; each has tests of 
         "trainer dev instruments",
     ),
     *("trainer debrief", "trainer boat manoeuvre", "trainer boat estimate", "trainer identify new"),
-    "trainer boat fit",
-    "trainer boat plan-trial",
+    *("trainer boat fit", "trainer boat plan-trial", "trainer class"),
     *(
         "trainer boat sea",
         "trainer boat check",
@@ -245,7 +249,7 @@ class Typist:
         line = line.replace("{address}", self.address)
         if line.startswith("trainer serve"):
             return self.serve(line)
-        if line.startswith("trainer web"):
+        if re.match(r"trainer (?:web|class (?!new|check))", line):
             return self.browse(line)
         says = "status\ndetach\n" if self.served else "status\nquit\n"
         return typed(line, self.folder, says, **self.own)
@@ -254,7 +258,7 @@ class Typist:
         """Serve pages until they are there; return what came of it, ended by Ctrl-C."""
         with self._start(line) as pages:
             said = ""
-            while "pages at" not in said and (
+            while not re.search("pages at|attach --connect", said) and (
                 told := pages.stderr.readline() if pages.stderr else ""
             ):
                 said += told

@@ -20,7 +20,14 @@ from trainer.config.casualties import clause_of, load_casualties
 from trainer.io import client
 from trainer.web import words as words_module
 from trainer.web.modules import ASSETS_FOLDER
-from trainer.web.pages import MISSING_DEBRIEF, MISSING_PAGE, PAGES, render
+from trainer.web.pages import (
+    CLASS_PAGE,
+    ENTRANCE_PAGE,
+    MISSING_DEBRIEF,
+    MISSING_PAGE,
+    PAGES,
+    render,
+)
 from trainer.web.single_file import said_in_tab
 from trainer.web.words import (
     LOCALE_FOLDER,
@@ -60,7 +67,7 @@ def all_said() -> set[str]:
     """Return all that the pages say in English."""
     said = {OWN_NAME, *said_in_tab()}
     said |= {clause_of(each.description) for each in load_casualties().values()}
-    for page in (*PAGES, MISSING_PAGE, MISSING_DEBRIEF):
+    for page in (*PAGES, ENTRANCE_PAGE, CLASS_PAGE, MISSING_PAGE, MISSING_DEBRIEF):
         said |= said_in_page(render(page))
     return said
 

@@ -100,6 +100,7 @@ COMMAND_SECTIONS: Final = {
     "Train": (
         "trainer.cli.run.run",
         "trainer.cli.run.serve",
+        "trainer.cli.classroom.class_command",
         "trainer.cli.run.attach",
         "trainer.cli.run.station",
         "trainer.cli.web.web",

@@ -43,6 +43,8 @@ VESSEL_NAME: Final = Name("vessels")
 SEA_NAME: Final = Name("seas")
 EXERCISE_NAME: Final = Name("lessons", "exercises")
 STUDY_NAME: Final = Name("studies")
+# A program that begins a session, and is to outlive none of it, holds its standard input open.
+owned_option = click.option("--owned", is_flag=True, hidden=True)
 cores_option = click.option(
     "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
 )
@@ -208,8 +210,8 @@ recording_options = combine_options(
     click.option(
         "--record",
         type=RECORDING_OUTPUT,
-        help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
-        "unless headless or at --speed max]",
+        help="Keep the whole run in this file, or in a new one in this folder. [default: the "
+        "recordings' folder, unless headless or at --speed max]",
     ),
     click.option("--no-record", is_flag=True, help="Keep nothing."),
 )

@@ -28,6 +28,7 @@ from trainer.cli.options import (
     exercise_options,
     last_option,
     named_recording,
+    owned_option,
     port_options,
     recording_options,
     rerun_options,
@@ -41,6 +42,7 @@ from trainer.cli.options import (
 )
 from trainer.config.files import ConfigError
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT, RECORDING_SUFFIX
+from trainer.session.doors.owner import end_with_owner
 from trainer.session.past.options import RunOptions
 
 if TYPE_CHECKING:
@@ -134,6 +136,8 @@ def fly_and_debrief(asked: RunOptions, page: Path) -> NoReturn:
             "--debrief goes with --headless and a recording; of any other run that was kept: "
             "trainer debrief --last"
         )
+    if asked.record and asked.record.is_dir():
+        raise ConfigError(f"--record {asked.record}: beside --debrief it names a file")
     record = asked.record or page.with_suffix(RECORDING_SUFFIX)
     if record.exists() and not asked.record:
         raise ConfigError(f"--debrief {page}: {record} is there already; give another name")
@@ -368,7 +372,8 @@ def debriefing() -> "DebriefSource":
 @port_options(listen=f"{DEFAULT_HOST}:{DEFAULT_PORT}", socket=None)
 @web_serve_options
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
-def serve(**options: Any) -> None:
+@owned_option
+def serve(*, owned: bool, **options: Any) -> None:
     """Run a session that stations join, without a console here.
 
     \b
@@ -379,6 +384,8 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
+    if owned:
+        end_with_owner()
     take_to_sea(without_console(with_pages(run_options(options))))
 
 
@@ -391,9 +398,13 @@ def serve(**options: Any) -> None:
 @port_options(listen=None, socket=None)
 @click.option("--train", is_flag=True, help="Who trains alone goes on: nothing hidden is told.")
 @click.option("--instruct", is_flag=True, help="The instructor's console, whoever sat there.")
+@click.option("--serve", is_flag=True, help="No console here: stations join, as with serve.")
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **options: Any) -> None:
+@owned_option
+def resume(
+    file: Path | None, *, last: bool, anyway: bool, teletype: bool, owned: bool, **options: Any
+) -> None:
     """Go on with a recorded run from its end, now or on another day.
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
@@ -403,8 +414,11 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
     \b
     Example:  trainer resume drill.trainer
               trainer resume --last --train
+              trainer resume drill.trainer --serve
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
+    if owned:
+        end_with_owner()
     path = named_recording(file, last=last)
     options["frozen"] = options["frozen"] or not options["headless"]
 
@@ -421,6 +435,8 @@ def resume(file: Path | None, *, last: bool, anyway: bool, teletype: bool, **opt
     if chosen.train or (ALONE_KEY in header and not chosen.instruct):
         names = trainees_of(header) or account_names()
         chosen = replace(chosen, train=True, trainee=names)
+    if chosen.serve:
+        go_on(without_console(chosen))
     set_out(chosen, go_on, lambda asked: asked, teletype=teletype)
 
 

@@ -21,6 +21,7 @@ SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
     "identification": "identify.record.study",
     "ship": "config.ship",
     "case": "config.check_case",
+    "class": "config.class_file",
 }
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from markupsafe import escape
 
 from trainer import __version__
+from trainer.config.class_file import forget_in_classes, recording_folders
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.outcome import Outcome
 from trainer.config.progress import forget_progress
@@ -107,13 +108,19 @@ class AttemptHistory:
         return math.fsum(last) / len(last) if last else None
 
 
-def recordings_in(sources: Iterable[Path]) -> Iterator[Path]:
-    """Yield the recordings in folders, and those named, the newest first; ConfigError."""
+def searched(sources: Sequence[Path]) -> Sequence[Path]:
+    """Return the sources that are asked for, or the recordings' folder if it is there."""
+    return sources or [folder for folder in (recordings_folder(),) if folder.is_dir()]
+
+
+def recordings_in(sources: Sequence[Path]) -> Iterator[Path]:
+    """Yield the recordings that are searched, also of classes, the newest first; ConfigError."""
     dated: list[tuple[float, Path]] = []
-    for source in sources:
-        inside = source.glob(f"*{RECORDING_SUFFIX}") if source.is_dir() else iter((source,))
+    for source in searched(sources):
+        folders = recording_folders(source) if source.is_dir() else ()
+        inside = [path for folder in folders for path in folder.glob(f"*{RECORDING_SUFFIX}")]
         try:
-            dated += [(path.stat().st_mtime, path) for path in inside]
+            dated += [(path.stat().st_mtime, path) for path in (inside if folders else [source])]
         except OSError as error:
             raise ConfigError(f"{source}: {error.strerror}") from None
     yield from (path for _, path in sorted(dated, key=lambda each: each[0], reverse=True))
@@ -121,13 +128,12 @@ def recordings_in(sources: Iterable[Path]) -> Iterator[Path]:
 
 def latest_recording() -> Path:
     """Return the recording that was written last; ConfigError if there is none."""
-    folder = recordings_folder()
-    recording = next(recordings_in([folder] if folder.is_dir() else []), None)
-    if recording is None:
-        raise ConfigError(
-            f"--last: no recording is in {folder}: trainer run EXERCISE makes one, or name a FILE"
-        )
-    return recording
+    for recording in recordings_in(()):
+        return recording
+    raise ConfigError(
+        f"--last: no recording is in {recordings_folder()}: trainer run EXERCISE makes one, "
+        "or name a FILE"
+    )
 
 
 def list_recording(path: Path) -> ListedRecording:
@@ -353,15 +359,9 @@ def _literal(stem: str) -> str:
 # As printed
 
 
-def found_in(sources: Sequence[Path]) -> list[Path]:
-    """Return the recordings of sources, or in the recordings' folder, the newest first."""
-    folder = recordings_folder()
-    return list(recordings_in(sources or ([folder] if folder.is_dir() else [])))
-
-
 def print_list(sources: Sequence[Path], *, as_json: bool) -> None:
     """Print the recordings, each as soon as it is known; slow ones come last."""
-    paths = found_in(sources)
+    paths = list(recordings_in(sources))
     paths.sort(key=lambda path: path.stat().st_size > MAX_QUICK_BYTES and kept_result(path) is None)
     if as_json:
         click.echo(json.dumps(as_figures(map(list_recording, paths)), indent=1))
@@ -376,7 +376,7 @@ def print_list(sources: Sequence[Path], *, as_json: bool) -> None:
 
 def print_history(sources: Sequence[Path], name: str, *, as_json: bool) -> None:
     """Print a trainee's attempts; ConfigError if no recording has that name."""
-    own = of_trainee(list(map(list_recording, found_in(sources))), name)
+    own = of_trainee(list(map(list_recording, recordings_in(sources))), name)
     attempts = trainee_history(own)
     if as_json:
         figures = [asdict(each) | {"mean_of_last": each.mean} for each in attempts]
@@ -387,11 +387,12 @@ def print_history(sources: Sequence[Path], name: str, *, as_json: bool) -> None:
 
 def print_forgotten(sources: Sequence[Path], name: str) -> None:
     """Remove a name and print where it stood; ConfigError if nowhere, or not removable."""
-    removed = forget_progress(name)
-    for path in removed:
-        click.echo(f"{path}: removed")
+    removed = [f"{path}: removed" for path in forget_progress(name)]
+    removed += forget_in_classes(searched(sources), lambda one: fold_name(one) == fold_name(name))
+    for line in removed:
+        click.echo(line)
     try:
-        for line in forget_trainee(name, found_in(sources)):
+        for line in forget_trainee(name, recordings_in(sources)):
             click.echo(line)
     except NoSuchTraineeError:
         if not removed:

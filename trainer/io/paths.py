@@ -103,14 +103,20 @@ def made_folder(folder: Path) -> Path:
     return folder
 
 
-def recording_paths(name: str) -> Iterator[Path]:
-    """Yield files for a new recording of ``name``; make their folder.
+def recording_paths(name: str, folder: Path | None = None) -> Iterator[Path]:
+    """Yield files for a new recording of ``name`` in a folder, None: the usual one.
 
+    The folder is made if it is not there.
     Each is for use when the earlier ones are taken. OSError, with the next step, without a folder.
     """
-    folder = made_folder(recordings_folder())
-    plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
-    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    yield folder / f"{plain}-{stamp}{RECORDING_SUFFIX}"
+    folder = made_folder(folder or recordings_folder())
+    name = dated_name(name)
+    yield folder / f"{name}{RECORDING_SUFFIX}"
     for again in count(2):
-        yield folder / f"{plain}-{stamp}-{again}{RECORDING_SUFFIX}"
+        yield folder / f"{name}-{again}{RECORDING_SUFFIX}"
+
+
+def dated_name(name: str) -> str:
+    """Return the name of what an exercise leaves, with day and time."""
+    plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
+    return f"{plain}-{datetime.now(UTC).strftime('%Y%m%d-%H%M%S')}"

@@ -114,7 +114,7 @@ def run_boat(
                 **EXERCISE_DEFAULTS,
                 exercise=ended.following,
                 given=given_options,
-                record=None,
+                record=recordings_folder(options),
                 frozen=True,
                 familiarisation=False,  # the next exercise is one
             )
@@ -205,18 +205,21 @@ def create_recording(
 
 def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     """Return paths for the recording. Only runs with somebody to train have a default."""
+    folder = recordings_folder(options)
     if options.no_record:
         return ()
-    if options.record is not None:
+    if options.record is not None and not folder:
         return (options.record,)
     alone = options.headless and not options.serve
-    if alone or math.isinf(options.speed):
+    if (alone or math.isinf(options.speed)) and not folder:
         return ()
-    return tuple(
-        islice(
-            paths_module.recording_paths(options.exercise or plan.file.path.stem), MAX_NAME_TRIES
-        )
-    )
+    name = options.exercise or plan.file.path.stem
+    return tuple(islice(paths_module.recording_paths(name, folder), MAX_NAME_TRIES))
+
+
+def recordings_folder(options: RunOptions) -> Path | None:
+    """Return the folder that was asked for recordings, one after another; None without one."""
+    return options.record if options.record and options.record.is_dir() else None
 
 
 def lives_on(options: RunOptions) -> bool:

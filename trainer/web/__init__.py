@@ -7,7 +7,13 @@ the HTML, ``packing`` and ``modules`` its scripts, which lie in ``assets/js``: `
 ``model``, ``tab``, elements, ``stations``.
 
 Other rooms start the server by ``launch`` and ``front``, or make a page a file by ``single_file``.
+A class makes its own pages, and those of its boats, of the same parts.
 """
 
 # The modules that other rooms may use.
-__all__ = ["front", "launch", "single_file"]
+# fmt: off
+__all__ = [
+    "address", "admission", "bridge", "front", "gate", "launch", "packing", "pages", "server",
+    "single_file",
+]
+# fmt: on

@@ -24,7 +24,10 @@ PUBLIC_URL_FORM: Final = re.compile(
 )
 MAX_PORT: Final = 65535
 DEFAULT_PORTS: Final = {"http": "80", "https": "443"}  # which a browser leaves out
-OWN_PATHS: Final = {"/assets", "/debrief", "/line", "/word", *(f"/{page.name}" for page in PAGES)}
+OWN_PATHS: Final = {
+    *("/assets", "/boat", "/boats", "/class", "/debrief", "/line", "/seat", "/word"),
+    *(f"/{page.name}" for page in PAGES),
+}
 EXAMPLE_URL: Final = "https://school.example/trainer/"
 
 

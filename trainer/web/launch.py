@@ -15,6 +15,7 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final, NoReturn
 
@@ -30,7 +31,7 @@ from trainer.io.server import listen_at, parse_address
 from trainer.web.address import Address, announce_address, open_page
 from trainer.web.bridge import Reach
 from trainer.web.front import Front
-from trainer.web.server import Certificate, serve_at_socket
+from trainer.web.server import Certificate, application, serve_at_socket
 
 TOKEN_TIMEOUT_S: Final = 5.0  # [s] for a session to say whether it asks for a token
 # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED of OpenSSL
@@ -93,7 +94,7 @@ def run_pages(
             threading.Thread(
                 target=open_pages, args=(address,), name="browser", daemon=True
             ).start()
-        serve_at_socket(reach, listener, address, certificate, pulse)
+        serve_at_socket(partial(application, reach), listener, address, certificate, pulse)
 
 
 def leave_program(*_signal: object) -> NoReturn:

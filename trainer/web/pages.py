@@ -52,6 +52,9 @@ MISSING_DEBRIEF: Final = Page(
     "missing.html",
     says="The instructor's page has the addresses of the debriefs.",
 )
+# of a class; its boats have all others
+ENTRANCE_PAGE: Final = Page("", "Come aboard", "", "entrance.html")
+CLASS_PAGE: Final = Page("class", "Class", "instructor", "class.html")
 # fmt: off
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),

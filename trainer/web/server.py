@@ -21,7 +21,7 @@ from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import GZipMiddleware
-from starlette.requests import ClientDisconnect, Request
+from starlette.requests import ClientDisconnect, HTTPConnection, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
@@ -46,6 +46,8 @@ from trainer.web.packing import Assets
 from trainer.web.pages import MISSING_DEBRIEF, MISSING_PAGE, PAGES, Page, render
 
 Answer = Callable[[Request], Awaitable[Response]]
+# makes pages, for where they are served, what it refuses, and what stands before them
+Pages = Callable[[str, Refusals, Front | None], WholeRequests]
 
 # How the name of the cookie of a role's token begins.
 TOKEN_COOKIE_PREFIX: Final = "word-"  # noqa: S105
@@ -91,15 +93,20 @@ class ComplaintHandler(logging.Handler):
 def application(reach: Reach, host: str, refusals: Refusals, front: Front | None) -> WholeRequests:
     """Return the pages of a session; ``host`` is where they are served, ``front`` before them."""
     bridge = Bridge(reach, refusals)
+    pages = session_pages(lambda _: bridge, Assets())
+    return WholeRequests(Gate(pages, host, refusals, front))
+
+
+def session_pages(bridge_of: Callable[[HTTPConnection], Bridge], assets: Assets) -> Starlette:
+    """Return the pages of sessions; ``bridge_of`` finds that of a request or a page's line."""
 
     async def line(page: WebSocket) -> None:
         await page.accept()
         if page.query_params.get("version") != __version__:
             await page.close(OLDER_PAGE_CODE, f"this page is not of the trainer {__version__}")
             return
-        await bridge.carry(page, words_of(page.cookies))
+        await bridge_of(page).carry(page, words_of(page.cookies))
 
-    assets = Assets()
     show_missing = answer_page(MISSING_PAGE, assets, 404)
     show_missing_debrief = answer_page(MISSING_DEBRIEF, assets, 404)
 
@@ -111,12 +118,12 @@ def application(reach: Reach, host: str, refusals: Refusals, front: Front | None
     async def debrief(request: Request) -> Response:
         key, name = request.path_params["key"], request.path_params["name"]
         try:
-            html = await asyncio.to_thread(bridge.shelf.find, key, name)
+            html = await asyncio.to_thread(bridge_of(request).shelf.find, key, name)
         except (KeyError, OSError, UnicodeDecodeError):
             return await show_missing_debrief(request)
         return HTMLResponse(html, headers={"Content-Security-Policy": policy_of(html)})
 
-    pages = Starlette(
+    return Starlette(
         routes=[
             Route("/debrief/{key}/{name}", debrief),
             *(Route(f"/{page.name}", answer_page(page, assets)) for page in PAGES),
@@ -127,7 +134,6 @@ def application(reach: Reach, host: str, refusals: Refusals, front: Front | None
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
         exception_handlers={404: show_missing_page},
     )
-    return WholeRequests(Gate(pages, host, refusals, front))
 
 
 def answer_page(page: Page, assets: Assets, status: int = 200) -> Answer:
@@ -181,17 +187,17 @@ async def keep_word(request: Request) -> Response:
     return answer
 
 
-async def body_of(request: Request) -> str:
-    """Return the body of a request, "" if it is too long to be a token."""
+async def body_of(request: Request, longest: int = MAX_BODY_BYTES) -> str:
+    """Return the body of a request, "" if it is longer than ``longest`` [bytes]."""
     body = b""
     try:
         async for part in request.stream():
             body += part
-            if len(body) > MAX_BODY_BYTES:
+            if len(body) > longest:
                 return ""
     except ClientDisconnect:
         return ""
-    return body.decode("ascii", "replace")
+    return body.decode("utf-8", "replace")
 
 
 def words_of(cookies: dict[str, str]) -> dict[str, str]:
@@ -301,13 +307,13 @@ class PageServer(uvicorn.Server):
 
 
 def serve_at_socket(
-    reach: Reach,
+    pages: Pages,
     listener: socket.socket,
     address: Address,
     certificate: Certificate | None,
     pulse: Callable[[], None],
 ) -> None:
-    """Serve the pages at a socket that listens, until a signal.
+    """Serve pages at a socket that listens, until a signal.
 
     ``pulse`` is called each second, as long as the server attends to its connections.
     """
@@ -315,7 +321,7 @@ def serve_at_socket(
     logger = logging.getLogger("uvicorn.error")
     logger.propagate = False
     logger.addHandler(ComplaintHandler(refusals))
-    app = application(reach, address.host, refusals, address.front)
+    app = pages(address.host, refusals, address.front)
     admission = Admission(ConnectionRoom.of(allowed_descriptors()), refusals, address.front)
     try:
         PageServer(configuration(app, certificate), listener, admission, pulse).run()

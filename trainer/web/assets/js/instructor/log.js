@@ -61,7 +61,7 @@ export function showAboard(desk) {
   });
 }
 
-/** Calls whenever somebody has come or gone. @param {Desk} desk @param {() => void} call */
+/** Calls whenever somebody has come or gone. @param {{ session: import("../model/session.js").Session }} desk @param {() => void} call */
 export function onArrival({ session }, call) {
   /** @type {Entry | undefined} */
   let known;

@@ -46,14 +46,16 @@ export class Session extends EventTarget {
    * @param {Source} source
    * @param {string} role
    * @param {string[]} channels that the page wants
+   * @param {string} [pace] of each, such as `1 hz`; without it they come whenever they change
    */
-  constructor(source, role, channels) {
+  constructor(source, role, channels, pace = "") {
     super();
     this.source = source;
     this.alone = source.alone; // nobody else can be aboard, and nobody judges
     this.role = role;
     this.called = ""; // what the page is called in the list of stations, where its role is not enough
     this.channels = channels;
+    this.rate = pace ? ` at ${pace}` : "";
     this.readings = new Readings();
     this.history = new History();
     this.crew = new CrewOrders();
@@ -187,7 +189,7 @@ export class Session extends EventTarget {
     this.caughtUp = false;
     this.joined = true;
     if (this.called) void this.ask(`name ${this.called}`);
-    for (const channel of this.channels) void this.ask(`subscribe ${channel}`);
+    for (const channel of this.channels) void this.ask(`subscribe ${channel}${this.rate}`);
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);
       void this.askCasualties();

@@ -22,10 +22,11 @@ function signRefused(sign) {
 
 /** Sends orders and brings answers and sentences: events `open`, `lost`, `older`, `sentence`. */
 export class Link extends EventTarget {
-  /** @param {string} version of the page */
-  constructor(version) {
+  /** @param {string} version of the page @param {string} [at] where its session's pages are */
+  constructor(version, at = "./") {
     super();
     this.version = version;
+    this.at = at;
     this.alone = false; // others are aboard, and an instructor's rules hold
     this.tries = 0;
     this.why = "";
@@ -43,7 +44,7 @@ export class Link extends EventTarget {
     clearTimeout(this.timer);
     if (this.stopped) return;
     this.tries += 1;
-    const address = new URL(`./line?version=${this.version}`, location.href);
+    const address = new URL(`${this.at}line?version=${this.version}`, location.href);
     address.protocol = address.protocol.replace("http", "ws"); // and https becomes wss
     const socket = new WebSocket(address);
     this.socket = socket;

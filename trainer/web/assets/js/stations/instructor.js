@@ -66,6 +66,7 @@ listenToKeys({
   now: () => line.look(null),
 });
 furnishTabs();
+one("#class").hidden = !/\/boat\/\d+\/instructor$/.test(location.pathname); // of a class
 session.on("state", () => {
   for (const each of document.querySelectorAll("[data-link]")) {
     each.toggleAttribute("inert", AWAY.includes(session.state));

@@ -1,0 +1,238 @@
+"""The pages of a class: coming aboard, what boats learn of each other, the instructor's tiles."""
+
+import http.client
+import re
+from collections.abc import Iterator
+
+import pytest
+from helpers import node
+from helpers.browser import Look
+from helpers.classes import Class, class_at_sea, kill
+from helpers.waiting import PATIENCE, await_that
+from helpers.wire import ask, dialled, request
+from playwright.sync_api import Locator, Page, expect
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection
+
+from trainer.classroom.entrance import NO_SEAT_TEXT
+from trainer.io.orders.sentences import order_sentence
+from trainer.web.bridge import REFUSED_CODE
+from trainer.web.pages import PAGES
+
+pytestmark = pytest.mark.process
+BOATS = 3
+WORD, CHIEF = "anchor-42", "chief-17"
+DESK = {"width": 1366, "height": 768}
+PHONE = {"width": 360, "height": 640}
+
+
+@pytest.fixture(scope="module")
+def lesson() -> Iterator[Class]:
+    """Return one class for all tests of the module."""
+    words = ("--boats", str(BOATS), "--token", WORD, "--token", f"instructor={CHIEF}")
+    with class_at_sea("depth-changes", *words, boats=BOATS) as begun:
+        yield begun
+
+
+def post(lesson: Class, path: str, body: str, cookies: str = "") -> tuple[int, str, str]:
+    """Post as a page of the class does; return status, text and the cookies that are set."""
+    line = http.client.HTTPConnection("127.0.0.1", lesson.port, timeout=PATIENCE)
+    headers = {"Origin": lesson.url, "Cookie": cookies}
+    line.request("POST", path, body.encode(), headers)
+    got = line.getresponse()
+    kept = [value.partition(";")[0] for name, value in got.getheaders() if name == "set-cookie"]
+    text = got.read().decode()
+    line.close()
+    return got.status, text.strip(), "; ".join(kept)
+
+
+def come(lesson: Class, boat: int, role: str = "planes", name: str = "") -> str:
+    """Take a seat on a boat; return the browser's cookies."""
+    status, text, cookies = post(lesson, "/seat", f"{boat}\n{role}\n{WORD}\n{name}")
+    assert (status, text) == (200, str(boat))
+    return cookies
+
+
+def test_what_one_boat_can_learn_of_another(lesson: Class) -> None:
+    come(lesson, 3, name="B. Smith")
+    cookies = come(lesson, 2)
+    own = request(lesson.port, "/boat/2/planes", Cookie=cookies)
+    assert own.status == 200
+    pages = [*(page.name for page in PAGES), "debrief/x/y.html", "assets/shared.js", "word"]
+    paths = [f"/boat/{boat}/{name}" for boat in (1, 3) for name in pages]
+    paths += ["/boat/03/planes", "/boat/2/../3/planes", "/boat/2/%2e%2e/3/planes", "/boat/4/planes"]
+    for path in [*paths, "/boat/3", "/boat/2/boat/3/planes", "/line", "/boat/3/line"]:
+        found = request(lesson.port, path, Cookie=cookies)
+        assert found.status in (303, 307, 404), path
+        assert b"Planes" not in found.body
+    told = request(lesson.port, "/boats", Cookie=cookies).body.decode()
+    keys = re.findall(r'"(\w+)":', told.partition("]")[0])
+    assert keys == ["boats", *["number", "name", "crew"] * BOATS]
+    assert "Smith" not in told
+    see_lines_apart(lesson, cookies)
+    see_no_way_to_instruct(lesson, cookies)
+
+
+def see_lines_apart(lesson: Class, cookies: str) -> None:
+    """See that a line goes to the browser's own boat, and hears nothing of another."""
+    for boat in (1, 3):
+        with dialled(lesson.port, cookies=cookies, root=f"/boat/{boat}") as line:
+            with pytest.raises(ConnectionClosed) as refused:
+                line.recv(PATIENCE)
+            assert refused.value.rcvd
+            assert refused.value.rcvd.code == REFUSED_CODE
+            assert refused.value.rcvd.reason == NO_SEAT_TEXT.format(boat)
+    other = lesson.attach_with(3, "instructor", CHIEF)
+    with dialled(lesson.port, cookies=cookies, root="/boat/2") as line:
+        assert ask(line, "role planes")[0] == "ok"
+        assert other.ask("order depth 77")[0]
+        assert other.ask("mark xyzzy")[0]
+        heard = told_until_answered(line, "log 20")
+    assert any("planes" in text for text in heard)
+    assert not [text for text in heard if "77" in text or "xyzzy" in text]
+
+
+def told_until_answered(line: ClientConnection, words: str) -> list[str]:
+    """Return all that a line is told until an order is answered."""
+    line.send(order_sentence(words, "5"))
+    told: list[str] = []
+    while not any(text.startswith(("$TRA,5,ok", "$TRA,5,no")) for text in told):
+        told.append(str(line.recv(PATIENCE)))
+    return told
+
+
+def see_no_way_to_instruct(lesson: Class, cookies: str) -> None:
+    """See that a trainee's word takes no instructor's seat and no instructor's role."""
+    status, text, kept = post(lesson, "/word", f"instructor {WORD}", cookies)
+    assert (status, kept) == (403, "")
+    assert "token" in text
+    assert post(lesson, "/seat", f"3\ninstructor\n{WORD}\n", cookies)[0] == 400
+    assert post(lesson, "/seat", "3\nplanes\nwrong\n")[::2] == (403, "")
+    with dialled(lesson.port, cookies=cookies, root="/boat/2") as line:
+        assert ask(line, f"role instructor {WORD}")[0] == "no"
+
+
+def test_two_who_come_at_once_get_two_boats_and_a_third_joins_where_he_chooses(
+    lesson: Class, look: Look
+) -> None:
+    free = [post(lesson, "/seat", f"0\nplanes\n{WORD}\n")[1] for _ in range(2)]
+    assert len(set(free)) == 2
+    page = look(lesson)
+    expect(page.locator("#boats label")).to_have_count(1 + BOATS)
+    page.fill("#called", "Jörg Müller")
+    page.select_option("#station", "helm")
+    page.check("#boat-3")
+    page.fill("#token", WORD)
+    page.click("#come button")
+    expect(page).to_have_url(re.compile(r"/boat/3/helm$"))
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    desk = class_page(lesson, look, DESK)
+    expect(tile(desk, 3).locator(".crew")).to_have_text("Jörg Müller, helm")
+    kept = [path for path in lesson.folder.rglob("*") if path.is_file()]
+    assert len(kept) > BOATS
+    assert not [path for path in kept if "Müller".encode() in path.read_bytes()]
+
+
+def class_page(lesson: Class, look: Look, size: dict[str, int], **how: object) -> Page:
+    """Return the instructor's page, with a line to each boat."""
+    page = look(lesson, "class", **how)
+    page.set_viewport_size(size)  # type: ignore[arg-type]
+    page.fill("#word input", CHIEF)
+    page.press("#word input", "Enter")
+    expect(page.locator(".tile")).to_have_count(BOATS)
+    expect(page.locator(".tile .state[data-state=connecting]")).to_have_count(0)
+    return page
+
+
+def tile(page: Page, boat: int) -> Locator:
+    return page.locator(f'[data-boat="{boat}"]')
+
+
+def test_words_go_to_the_chosen_boats_and_each_answers(lesson: Class, look: Look) -> None:
+    page = class_page(lesson, look, DESK)
+    page.click("[data-words=freeze]")
+    expect(page.locator("#answer")).to_have_text("choose boats first")
+    page.check("#choose-1")
+    page.check("#choose-2")
+    page.fill("#order", "order depth 90")
+    page.press("#order", "Enter")
+    expect(page.locator("#answer")).to_contain_text("obeyed by 2 of 2")
+    expect(tile(page, 1).locator(".said")).to_contain_text("90")
+    expect(tile(page, 3).locator(".said")).to_have_text("")
+    page.fill("#order", "casualty no-such-thing")
+    page.press("#order", "Enter")
+    expect(page.locator("#answer")).to_contain_text("obeyed by 0 of 2")
+    expect(tile(page, 2).locator(".said")).to_have_text(re.compile("^no: "))
+    expect(page.locator("#order")).to_have_value("casualty no-such-thing")
+    page.click("[data-words=run]")
+    expect(tile(page, 1).locator(".state")).to_have_text("RUNNING")
+    expect(tile(page, 3).locator(".state")).to_have_text("FROZEN")
+    depth = tile(page, 1).locator(".curve").first
+    expect(depth.locator("b")).to_have_text(re.compile(r"^6\d\.\d m$"))
+    expect(depth.locator(".actual")).to_have_attribute("points", re.compile(r"\S+ \S+"))
+    page.click("[data-words=freeze]")
+    expect(tile(page, 2).locator(".state")).to_have_text("FROZEN")
+    see_ways(page)
+
+
+def see_ways(page: Page) -> None:
+    """See that a tile leads to the boat's own page, and that the page leads back, by keyboard."""
+    page.locator("#by-number").focus()
+    page.keyboard.press("2")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(r"/boat/2/instructor$"))
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    page.locator("#class").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator(".tile")).to_have_count(BOATS)
+
+
+# Tiles as eight boats have them, beside those that are there.
+EIGHT = """() => {
+  const main = document.querySelector("#tiles");
+  while (main.children.length < 8) main.append(main.children[0].cloneNode(true));
+  const fits = main.scrollHeight <= main.clientHeight
+    && document.documentElement.scrollHeight <= innerHeight;
+  const tiles = [...main.children];
+  const cut = tiles.filter((each) => each.scrollHeight > each.clientHeight + 1);
+  return [fits, cut.length, new Set(tiles.map((each) => each.offsetLeft)).size];
+}"""
+
+
+def test_eight_tiles_need_no_scrolling_and_a_phone_has_a_list(lesson: Class, look: Look) -> None:
+    page = class_page(lesson, look, DESK)
+    assert page.evaluate(EIGHT) == [True, 0, 4]
+    page.set_viewport_size(PHONE)  # type: ignore[arg-type]
+    assert page.evaluate(EIGHT)[1:] == [0, 1]
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("name", ["", "class"])
+def test_nobody_is_shut_out_of_the_pages_of_a_class(lesson: Class, look: Look, name: str) -> None:
+    page = class_page(lesson, look, DESK) if name else look(lesson)
+    page.evaluate(node.axe())
+
+    assert page.evaluate(node.BARRIERS) == []
+
+
+def test_a_boat_that_dies_stands_first_until_it_is_back(lesson: Class, look: Look) -> None:
+    page = class_page(lesson, look, DESK)
+    before = lesson.process_of(3)
+    kill(before)
+    expect(tile(page, 3).locator(".need")).to_contain_text("resumed from its recording")
+    await_that(lambda: page.locator(".tile").first.get_attribute("data-boat") == "3")
+    expect(tile(page, 3).locator(".state")).to_have_text("FROZEN")
+    assert lesson.process_of(3) != before
+    page.check("#choose-3")
+    page.click("[data-words=run]")
+    expect(tile(page, 3).locator(".state")).to_have_text("RUNNING")
+
+
+def test_the_class_page_speaks_german(lesson: Class, look: Look) -> None:
+    page = look(lesson, "class", query="?lang=de")
+    expect(page.locator("#word-title")).to_have_text(
+        "Die Klasse fragt nach dem Wort des Ausbilders"
+    )
+    page.fill("#word input", CHIEF)
+    page.press("#word input", "Enter")
+    expect(tile(page, 1).locator("h2")).to_have_text("Boot 1")

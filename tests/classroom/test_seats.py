@@ -1,0 +1,57 @@
+"""The seats of a class: who gets which boat, and for how long."""
+
+from trainer.classroom.seats import EVERY_BOAT, HELD_S, MAX_SEATS, SEAT_COOKIE, Seats
+
+BOATS = (1, 2, 3)
+
+
+def test_who_comes_gets_the_first_boat_with_nobody_aboard() -> None:
+    seats = Seats()
+    taken = []
+    while (boat := seats.next_free(BOATS)) is not None:
+        seats.take(boat, "", {})
+        taken.append(boat)
+
+    assert taken == [1, 2, 3]
+    assert [len(seats.crew_of(boat)) for boat in BOATS] == [1, 1, 1]
+
+
+def test_a_boat_is_free_again_a_minute_after_its_last_line() -> None:
+    now = [0.0]
+    seats = Seats(clock=lambda: now[0])
+    seat = seats.seat_of({SEAT_COOKIE: seats.take(1, "", {})})
+    assert seat
+    with seats.carrying_line(seat):
+        now[0] = 10.0 * HELD_S
+        assert seats.next_free(BOATS) == 2
+    now[0] += HELD_S - 1.0
+    assert seats.next_free(BOATS) == 2
+    now[0] += 2.0
+    assert seats.next_free(BOATS) == 1
+
+
+def test_a_browser_has_one_seat_and_an_instructor_all() -> None:
+    seats = Seats()
+    first = {SEAT_COOKIE: seats.take(1, "", {})}
+    second = {SEAT_COOKIE: seats.take(2, "", first)}
+    all_boats = seats.seat_of({SEAT_COOKIE: seats.take(EVERY_BOAT, "", {})})
+    moved = seats.seat_of(second)
+
+    assert seats.seat_of(first) is None
+    assert moved
+    assert [moved.covers(boat) for boat in BOATS] == [False, True, False]
+    assert all_boats
+    assert all(all_boats.covers(boat) for boat in BOATS)
+    assert seats.seat_of({}) is None
+
+
+def test_a_flood_of_seats_shuts_out_nobody_who_has_a_line() -> None:
+    seats = Seats()
+    key = seats.take(1, "", {})
+    seat = seats.seat_of({SEAT_COOKIE: key})
+    assert seat
+    with seats.carrying_line(seat):
+        for _ in range(2 * MAX_SEATS):
+            seats.take(2, "", {})
+        assert seats.seat_of({SEAT_COOKIE: key}) is seat
+    assert len(seats.by_key) == MAX_SEATS

@@ -1,0 +1,179 @@
+"""The command ``trainer class``: one instructor, many boats; and the file of a class.
+
+Each boat is a session of its own (``trainer serve``), which the class begins and keeps at sea.
+"""
+
+import secrets
+import socket
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from trainer.cli.answers import print_note
+from trainer.cli.options import (
+    EXERCISE_NAME,
+    TOML_FILE,
+    TOML_OUTPUT,
+    WEB_ADDRESS,
+    flags_given,
+    page_options,
+    record_of,
+    seed_option,
+)
+from trainer.cli.types import ParentCommand
+from trainer.cli.web import require_pages
+from trainer.config.files import ConfigError, is_path, path_named
+
+if TYPE_CHECKING:
+    from trainer.classroom.launch import ClassSite
+    from trainer.config.class_file import ClassFile
+
+FOLDER: Final = click.Path(file_okay=False, path_type=Path)
+boats_option = click.option("--boats", type=int, default=3, metavar="N", help="How many, 1 to 24.")
+
+
+@click.command(cls=ParentCommand)
+@click.argument("exercise", type=EXERCISE_NAME, required=False)
+@boats_option
+@seed_option("Seed of the random numbers of every boat.")
+@click.option("--own-seeds", is_flag=True, help="Each boat has one more than the boat before.")
+@click.option(
+    "--token",
+    multiple=True,
+    metavar="[ROLE=]WORD",
+    help="Word that who comes has to give, of one role or of all; may be given again.",
+)
+@click.option(
+    "--web",
+    default=WEB_ADDRESS,
+    metavar="HOST:PORT",
+    help="Where the pages are; beyond this machine only with --token.",
+)
+@page_options
+@click.option("--folder", type=FOLDER, help="Of recordings. [default: in the recordings' folder]")
+@click.option("--resume", type=FOLDER, help="Go on with the class kept in this folder.")
+def class_command(
+    exercise: str | None, token: tuple[str, ...], resume: Path | None, **options: Any
+) -> None:
+    """Begin a class: one instructor, many boats, each a session of its own.
+
+    EXERCISE is an exercise, or the class file that `trainer class new FILE` writes and `trainer
+    class check FILE` reads; a class file says boats and seeds itself.
+
+    \b
+    Example:  trainer class periscope-depth --boats 8 --web 0.0.0.0:8080 --token WORD
+              trainer class tuesday.toml
+              trainer class --resume FOLDER
+
+    The pages have one address: each trainee says his name and comes to his boat, and the
+    instructor's page, at /class, shows all boats. All begin frozen. One that dies is resumed from
+    its recording, and the others notice nothing. Ctrl-C ends all in order; then --resume has all
+    boats where they were. Exit codes: 0 ended, 1 no boat could go to sea, 2 wrong input.
+    """
+    if not hasattr(socket, "AF_UNIX"):
+        raise ConfigError("a class needs local sockets: use Linux or macOS")
+    if (exercise is None) is (resume is None):
+        raise click.UsageError("name an exercise or a class file, or say --resume FOLDER")
+    require_pages("trainer class")
+    from trainer.classroom import launch
+
+    site = record_of(launch.ClassSite, options)
+    words = words_of_class(token, site)
+    if resume is not None:
+        sys.exit(launch.resume_class(resume, words, site))
+    planned = plan_class(exercise or "", **options)
+    sys.exit(launch.begin_class(planned, options["folder"], words, site))
+
+
+def words_of_class(given: tuple[str, ...], site: "ClassSite") -> tuple[str, ...]:
+    """Return the words of a class, the instructor's own among them; ConfigError.
+
+    A word for all roles is known to all trainees, so the instructor gets another one.
+    """
+    from trainer.io.server import parse_address
+    from trainer.session.stations.roles import INSTRUCTOR_ROLE, read_tokens, refuse_open_door
+
+    tokens = read_tokens(given)
+    door = ("--public-url", site.public_url) if site.public_url else ("--web", "")
+    refuse_open_door(door[0], door[1] or parse_address(site.web, WEB_ADDRESS)[0], tokens)
+    if not tokens or INSTRUCTOR_ROLE.name in tokens:
+        return given
+    word = secrets.token_hex(3)
+    print_note(f"class: the instructor's word is {word}; --token instructor=WORD gives your own")
+    return (*given, f"{INSTRUCTOR_ROLE.name}={word}")
+
+
+def plan_class(
+    name: str, *, boats: int, seed: int, own_seeds: bool, **_others: object
+) -> "ClassFile":
+    """Return the class of a class file, or of an exercise and the options; ConfigError."""
+    from trainer.config.class_file import (
+        OWN_SEEDS,
+        SAME_SEEDS,
+        ClassFile,
+        is_class_file,
+        load_class,
+        refuse_many,
+    )
+
+    if is_class_file(name):
+        if given := flags_given(("boats", "seed", "own_seeds")):
+            raise ConfigError(f"{given}: {name} is a class file, and says it itself")
+        planned = load_class(Path(name))
+    else:
+        refuse_many(boats)
+        seeds = OWN_SEEDS if own_seeds else SAME_SEEDS
+        planned = ClassFile(exercise=name, boats=boats, seed=seed, seeds=seeds)
+    refuse_exercise(planned.exercise)
+    return planned
+
+
+def refuse_exercise(name: str) -> None:
+    """Raise ConfigError for an exercise that no boat could begin.
+
+    One that is shipped is right: to read it would load the core, which a class does without.
+    """
+    path = path_named(name, "exercises")
+    if is_path(name):
+        from trainer.config.exercise import load_exercise
+
+        load_exercise(str(path))
+
+
+@class_command.below
+@click.command()
+@click.argument("file", type=TOML_OUTPUT)
+@click.argument("exercise", type=EXERCISE_NAME, default="periscope-depth")
+@boats_option
+def new(file: Path, exercise: str, boats: int) -> None:
+    """Write a class file with comments, to be changed; never over another file.
+
+    \b
+    Example:  trainer class new tuesday.toml periscope-depth --boats 8
+    """
+    from trainer.config.class_file import refuse_many, write_new_class
+
+    refuse_many(boats)
+    click.echo(write_new_class(file, exercise, boats))
+
+
+@class_command.below
+@click.command()
+@click.argument("file", type=TOML_FILE)
+def check(file: Path) -> None:
+    """Check a class file, and say what it begins: a line a boat.
+
+    \b
+    Example:  trainer class check tuesday.toml
+    """
+    from trainer.config.class_file import load_class
+
+    planned = load_class(file)
+    refuse_exercise(planned.exercise)
+    click.echo(f"{planned.exercise}, boats: {planned.boats}")
+    for number in planned.numbers:
+        row = planned.row_of(number)
+        who = ", ".join(row.trainees) or "no names"
+        click.echo(f"{number:3} {row.name or '':24} seed {row.seed}, {who}")

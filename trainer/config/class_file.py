@@ -1,0 +1,202 @@
+"""The file of a class: which exercise, how many boats, what is each one's own.
+
+``trainer class`` begins a class by it, and keeps it beside the recordings, so that the class can go
+on another day. What is not said of a boat is the same for all.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config.files import (
+    ConfigError,
+    Position,
+    collecting,
+    is_path,
+    parse_toml,
+    path_named,
+    raise_problems,
+    read_text,
+    relative_name,
+    renew_file,
+    toml_value,
+    write_once,
+)
+from trainer.config.schema import (
+    Choice,
+    Rows,
+    Text,
+    Texts,
+    WholeNumber,
+    file_schema,
+    optional,
+    read_record,
+    record_schema,
+    required,
+    with_default,
+)
+
+MAX_BOATS: Final = 24
+MAX_SEED: Final = 2**53 - 1
+CLASS_FILE_NAME: Final = "class.toml"  # in the folder of a class
+SAME_SEEDS, OWN_SEEDS = "same", "by-boat"
+HEADING_KEYS: Final = frozenset({"exercise", "boats"})  # an exercise file has none of them
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoatRow:
+    """What is one boat's own."""
+
+    number: int = required(WholeNumber(1, MAX_BOATS, "which boat"))
+    name: str | None = optional(Text(24, "what it is called beside its number"))
+    trainees: tuple[str, ...] = with_default(
+        (),
+        Texts(Text(60, "a name"), 8),  # as a recording takes names
+    )
+    seed: int | None = optional(WholeNumber(0, MAX_SEED, "of its random numbers"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassFile:
+    """A class: its exercise, its boats, their seeds and trainees."""
+
+    exercise: str = required(Text(400, "its name, or the path of a file"))
+    boats: int = required(WholeNumber(1, MAX_BOATS, "how many"))
+    seed: int = with_default(1, WholeNumber(0, MAX_SEED, "of random numbers; else 1"))
+    seeds: str = with_default(
+        SAME_SEEDS,
+        Choice(
+            (SAME_SEEDS, OWN_SEEDS), "every boat has that seed, or one more than the boat before"
+        ),
+    )
+    boat: tuple[BoatRow, ...] = with_default(
+        (), Rows(BoatRow, ("note",), 0, MAX_BOATS, "what is one boat's own")
+    )
+
+    @property
+    def numbers(self) -> range:
+        """Return the numbers of the boats."""
+        return range(1, self.boats + 1)
+
+    def row_of(self, number: int) -> BoatRow:
+        """Return what is a boat's own, with its seed."""
+        row = next((row for row in self.boat if row.number == number), BoatRow(number=number))
+        common_seed = self.seed + (number - 1) * (self.seeds == OWN_SEEDS)
+        return replace(row, seed=common_seed if row.seed is None else row.seed)
+
+
+def is_class_file(name: str) -> bool:
+    """Return whether a name is a class file's, and no exercise's; ConfigError."""
+    if not is_path(name):
+        return False
+    path = Path(name)
+    return not HEADING_KEYS.isdisjoint(parse_toml(read_text(path), path.name))
+
+
+def load_class(path: Path) -> ClassFile:
+    """Return the class in a file; ConfigError with all faults.
+
+    Its exercise is there, and was not read, because that would load the core.
+    """
+    planned, position = read_class(path), Position(path.name, "")
+    problems = [position.problem(problem) for problem in _row_problems(planned)]
+    exercise = relative_name(path, planned.exercise)
+    with collecting(problems):
+        read_text(path_named(exercise, "exercises"))
+    raise_problems(problems)
+    return replace(planned, exercise=exercise)
+
+
+def read_class(path: Path) -> ClassFile:
+    """Return the class in a file as it is written; ConfigError."""
+    table = parse_toml(read_text(path), path.name)
+    return read_record(ClassFile, table, Position(path.name, ""), ("note",))
+
+
+def recording_folders(folder: Path) -> list[Path]:
+    """Return a folder, and those of the boats of classes kept in it."""
+    return [folder, *(boat for kept in _classes_in(folder) for boat in kept.parent.glob("boat-*/"))]
+
+
+def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -> Iterator[str]:
+    """Remove a trainee's name from the classes kept in folders; yield where. ConfigError."""
+    for path in (path for folder in folders for path in _classes_in(folder)):
+        planned = read_class(path)
+        rows = [
+            replace(row, trainees=tuple(each for each in row.trainees if not is_name(each)))
+            for row in planned.boat
+        ]
+        if tuple(rows) != planned.boat:
+            renew_file(path, class_text(replace(planned, boat=tuple(rows))))
+            yield f"{path}: the name is removed"
+
+
+def _classes_in(folder: Path) -> list[Path]:
+    """Return the files of the classes that are kept in a folder, or that it is itself."""
+    found = (folder / CLASS_FILE_NAME, *sorted(folder.glob(f"*/{CLASS_FILE_NAME}")))
+    return [path for path in found if path.is_file()]
+
+
+def _row_problems(planned: ClassFile) -> Iterator[str]:
+    """Yield what is wrong with the boats' own tables among each other."""
+    counts = Counter(row.number for row in planned.boat)
+    for number, count in counts.items():
+        if count > 1:
+            yield f"[[boat]] number = {number}: is there {count} times; one table a boat"
+        if number > planned.boats:
+            yield f"[[boat]] number = {number}: there are boats = {planned.boats}"
+
+
+def class_text(planned: ClassFile) -> str:
+    """Return a class as its file has it."""
+    lines = [f"{key} = {toml_value(getattr(planned, key))}" for key in ("exercise", "boats")]
+    lines += [f"{key} = {toml_value(getattr(planned, key))}" for key in ("seed", "seeds")]
+    for row in planned.boat:
+        values = {
+            "number": row.number,
+            "name": row.name,
+            "trainees": row.trainees,
+            "seed": row.seed,
+        }
+        told = {key: value for key, value in values.items() if value not in (None, ())}
+        lines += ["", "[[boat]]", *(f"{key} = {toml_value(value)}" for key, value in told.items())]
+    return "\n".join(lines) + "\n"
+
+
+TEMPLATE: Final = """\
+# A class of the trainer: begin it with `trainer class {file} --web HOST:PORT --token WORD`.
+exercise = {exercise}   # `trainer exercises` lists them; or the path of a file
+boats = {boats}         # 1 to {most}
+seed = 1                # of random numbers
+seeds = "same"          # every boat has that seed; "by-boat": 1, 2, 3 ...
+
+# What is one boat's own, in any order; each key but the number may be left out. Names of trainees
+# are kept with the recordings on this machine.
+# [[boat]]
+# number = 1
+# name = "Alpha"
+# trainees = ["A. Jones"]
+# seed = 7
+"""
+
+
+def write_new_class(path: Path, exercise: str, boats: int) -> str:
+    """Write a class file with comments, to be changed; return what to do next. ConfigError."""
+    path_named(exercise, "exercises")
+    words = {"file": path, "boats": boats, "most": MAX_BOATS, "exercise": toml_value(exercise)}
+    write_once(path, TEMPLATE.format(**words))
+    return f"{path} written; `trainer class check {path}` reads it"
+
+
+def class_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a class file."""
+    whole = record_schema(ClassFile, ("note",))
+    return file_schema("class", whole["properties"], whole["required"])
+
+
+def refuse_many(boats: int) -> None:
+    """Raise ConfigError for more boats than a class has."""
+    if not 1 <= boats <= MAX_BOATS:
+        raise ConfigError(f"--boats {boats}: a class has 1 to {MAX_BOATS} boats")
