@@ -261,19 +261,25 @@ def _sobol_problems(rows: tuple[VaryRow, ...], sample: Sample, position: Positio
     require_library("scipy", "the plan sobol")
     if not rows:
         return [position.problem("lacks [[vary]]: sobol tells variables apart")]
-    if sample.members is None or not (reason := _uneven_points(len(rows), sample.members)):
+    if sample.members is None or sample.members == _whole_members(len(rows), sample.members):
         return []
+    reason = _describe_members(len(rows), sample.members)
     return [position.inside("sample").wrong("members", sample.members, reason)]
 
 
-def _uneven_points(variables: int, members: int) -> str:
-    """Return why so many members are no points of Sobol in all sets; "" where they are."""
+def _whole_members(variables: int, members: int) -> int:
+    """Return the largest number of members up to ``members`` that fills all sets of points."""
     sets = variables + SET_COUNT
     points = max(members / sets, MIN_BASE_POINTS)
-    low = sets * 2 ** math.floor(math.log2(points))
+    return int(sets * 2 ** math.floor(math.log2(points)))
+
+
+def _describe_members(variables: int, members: int) -> str:
+    """Describe the numbers of members near ``members`` that fill all sets of points."""
+    low = _whole_members(variables, members)
     near = f"{low} or {2 * low}" if 2 * low <= MAX_MEMBERS else f"{low}"
-    told = f"sobol of {variables} variables has {sets} times a power of two: {near}"
-    return "" if members == low else told
+    sets = variables + SET_COUNT
+    return f"sobol of {variables} variables has {sets} times a power of two: {near}"
 
 
 def _row_problems(row: VaryRow, sample: Sample, position: Position) -> list[str]:
@@ -398,8 +404,9 @@ def with_members(study: Study, members: int) -> Study:
     sample = study.draws.sample
     if sample.plan == GRID_SAMPLE:
         raise ConfigError("--members: a grid has all its points")
-    if sample.plan == SOBOL_SAMPLE and (reason := _uneven_points(len(study.draws.rows), members)):
-        raise ConfigError(f"--members {members}: {reason}")
+    varied = len(study.draws.rows)
+    if sample.plan == SOBOL_SAMPLE and members != _whole_members(varied, members):
+        raise ConfigError(f"--members {members}: {_describe_members(varied, members)}")
     return replace(study, draws=replace(study.draws, sample=replace(sample, members=members)))
 
 
