@@ -169,12 +169,40 @@ ENVELOPE_SOURCES: Final = {
     **_sources("m", screw="propulsion.propeller_diameter"),
     **_sources("-", strips="wave_strips"),
 }
+PLANT_SOURCES: Final = {
+    **_sources("Pa", oil_full="plant", oil_low="plant", oil_start="plant.pumps"),
+    **_sources("Pa", oil_rated="plant.surfaces.rated_mpa", oil_dead="plant.surfaces.dead_mpa"),
+    **_sources("m3", oil_usable="plant", oil_reserve="plant"),
+    **_sources("m3/s", oil_rate="plant.pumps"),
+    **_sources("m3/rad", oil_angle="plant.surfaces"),
+    **_sources(
+        "-",
+        emergency_share="plant.surfaces.emergency_share",
+        trail_share="plant.surfaces.trail_share",
+    ),
+    **_sources("rad/s", hand_rate="plant.surfaces.hand_deg_s"),
+    **_sources("s", shift_time="plant.surfaces"),
+    **_sources("-", feeders="plant.consumers"),
+    **_sources("W", power_drawn="plant.consumers", hotel="plant.hotel", hotel_shed="plant.hotel"),
+    **_sources("W", bus_limit="plant.battery.bus_limit_w", cell_power="plant.battery.cell_w"),
+    **_sources("s", overload_time="plant.battery.overload_s", gyro_time="plant.battery.gyro_s"),
+    **_sources("W", screw_power="plant.battery.propeller_w"),
+    **_sources("m/s", screw_speed="plant.battery.propeller_kn"),
+    **_sources("J", battery_full="plant.battery.capacity_kwh"),
+    **_sources("-", burn_place="plant.burning", place_bus="plant.compartments"),
+    **_sources("s", burn_dose="plant.burning"),
+    **_sources("-", fire_start="plant.fire.start", fire_out="plant.fire.out"),
+    **_sources("s", fire_growth="plant.fire.growth_s", fire_fight="plant.fire.fight_s"),
+    **_sources("s", fire_party="plant.fire.party_s", smoke_time="plant.fire.smoke_s"),
+    **_sources("s", smoke_spread="plant.fire.spread_s", smoke_clear="plant.fire.clear_s"),
+}
 SOURCE_GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
     "SIZE, MASS AND BALANCE": HULL_SOURCES,
     "RUDDER, PLANES, ENGINE AND AUTOPILOT": CONTROL_SOURCES,
     "THE BOAT NEAR THE SURFACE": SURFACE_SOURCES,
     "TANKS, AIR AND PUMPS": BALLAST_SOURCES,
     "BEYOND THE RANGE OF THE COEFFICIENTS, AND IN WAVES": ENVELOPE_SOURCES,
+    "OIL, POWER, BATTERY AND FIRE": PLANT_SOURCES,
 }
 
 
