@@ -19,7 +19,7 @@ __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
     "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "plant",
-    "platforms", "quantities", "readings", "reference_crew", "sea_orders", "ship", "stability",
-    "world",
+    "plant_effects", "platforms", "quantities", "readings", "reference_crew",
+    "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on
