@@ -1,10 +1,16 @@
 """What a crew sees of the plant, and who sees what; the cause is the instructor's."""
 
-from helpers.boats import make_boat
+import numpy as np
+import pytest
+from helpers.boats import make_boat, start_bb2
 from helpers.crewed import Crewed
 from helpers.line import Line, fields_of
 from helpers.sessions import frame_of, prompt_sender
 
+from trainer.boat.flown_ticks import FlownTicks
+from trainer.boat.helm import obey_order
+from trainer.boat.plant_alerts import PlantMonitor
+from trainer.io.orders.grammar import Order, parse
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import ROLES, Access
@@ -86,3 +92,79 @@ def test_its_past_is_told_as_it_was_shown(ship: Crewed) -> None:
     rows = [each for each in fields_of(ballast.sent, "TRS") if each[0] == "plant"]
     assert len(rows) > 5
     assert rows[0][3] == "20.7"
+
+
+# Alerts
+
+
+def called(line: Line) -> list[tuple[float, str]]:
+    """Return the time [s] and the words of each alert of the plant that a line was told."""
+    told = [each[1:] for each in fields_of(line.sent, "TRE") if each[2] == "plant"]
+    return [(float(seconds), text.rpartition(" s): ")[2]) for seconds, _, text in told]
+
+
+def test_a_leak_is_called_from_low_oil_to_its_end_and_is_over_when_it_is_mended(
+    ship: Crewed,
+) -> None:
+    ballast = ship.comes("ballast")
+    ship.order("casualty oil-leak-header")
+    ship.fly(46)
+
+    words = [text.partition(" [")[0] for _, text in called(ballast)]
+    assert words == [
+        *("OIL LOW: main below 16 MPa", "MAIN OIL LOST: what is in normal stands still"),
+    ]
+    assert {"oil low:main", "main oil lost"} <= ship.session.holding()
+    ship.order("clear oil-leak-header")
+    ship.fly(300)
+    assert not {"oil low:main", "main oil lost"} & ship.session.holding()
+    assert "oil tank half:main" in ship.session.holding()  # what ran out is gone
+
+
+def test_an_overload_is_called_before_its_breaker_opens(ship: Crewed) -> None:
+    ballast = ship.comes("ballast")
+    for order in ("casualty bus-port-lost", "compressor on", "bus tie shut"):
+        ship.order(order)
+    ship.fly(60)
+
+    seconds, words = zip(*called(ballast), strict=True)
+    assert [text.partition(" [")[0] for text in words] == [
+        *("OVERLOAD: a breaker opens in 20 s", "BUS LOST: port", "BUS LOST: starboard"),
+    ]
+    assert seconds[1] - seconds[0] == pytest.approx(20.0, abs=0.6)
+
+
+def test_smoke_is_called_where_it_is_seen_and_nothing_while_the_plant_is_well(
+    ship: Crewed,
+) -> None:
+    helm = ship.comes("helm")
+    ship.fly(20)
+    assert not called(helm)
+    ship.order("casualty fire-aft")
+    ship.fly(200)
+
+    first, *others = called(helm)
+    assert first[1].startswith("FIRE: smoke aft")
+    assert ship.boat.state.smoke[2] > 0.05
+    assert [text.partition(" [")[0] for _, text in others[:1]] in ([], ["FIRE: smoke control"])
+
+
+def test_flown_at_once_it_is_called_at_the_same_ticks() -> None:
+    boat = start_bb2()
+    for order in ("casualty oil-leak-stern", "casualty fire-aft", "casualty bus-port-lost"):
+        told = parse(order)
+        assert isinstance(told, Order)
+        assert isinstance(obey_order(boat, told), str)
+    watch, at_once = PlantMonitor.over(boat), PlantMonitor.over(boat)
+    rows, ticks = [], []
+    for _ in range(600):
+        assert boat.tick() == 0
+        rows.append(boat.records.state["whole"][0].copy())
+        ticks += [boat.ticks] * bool(watch.look(boat))
+    flown = FlownTicks(np.array(rows), boat.method.step)
+
+    quiet = at_once.quiet_ticks(boat, flown)
+
+    assert len(ticks) > 4
+    assert quiet + 1 == ticks[0]
+    assert PlantMonitor.over(make_boat("remus100")).quiet_ticks(boat, flown) == 600

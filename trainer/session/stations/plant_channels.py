@@ -57,7 +57,7 @@ def seconds_left(name: str, ticks: str) -> Field:
 
 
 def supply_fields(surface: str) -> tuple[Field, ...]:
-    """Return what moves a surface; while it is shifted also to what, and how long yet."""
+    """Return what moves a surface, and to what it is being shifted."""
 
     def carried(frame: Frame, field: str) -> Value:
         return MODES[int(frame[f"{surface}_{field}"])] if frame.boat.carries(surface) else None
