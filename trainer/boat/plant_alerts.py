@@ -57,7 +57,10 @@ class PlantAlert:
 
 
 def oil_out(boat: Boat, system: int, pressure: float) -> float:
-    """Return the oil [m3] that is out of an accumulator at a pressure [Pa], by Boyle's law."""
+    """Return the oil [m3] out of an accumulator at a pressure [Pa].
+
+    By Boyle's law.
+    """
     c = boat.vessel
     full, low = float(c.oil_full[system]), float(c.oil_low[system])
     gas = low * float(c.oil_usable[system]) / (full - low)
@@ -95,7 +98,7 @@ def plant_alerts(boat: Boat) -> Iterator[PlantAlert]:
 
 @dataclass
 class PlantMonitor:
-    """The watch on a plant: which alerts hold, and the times [s] at which each was called."""
+    """The watch on a plant: which alerts hold, and when each was called."""
 
     alerts: tuple[PlantAlert, ...] = ()
     holding: set[str] = field(default_factory=set)  # keys of the alerts called that hold still
