@@ -152,7 +152,7 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 def test_the_kinds_of_events_stay() -> None:
     assert set(EVENT_KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
-        *("depth", "pilot", "crew", "marks", "lesson", "shown", "alert"),
+        *("depth", "pilot", "plant", "crew", "marks", "lesson", "shown", "alert"),
     }
 
 

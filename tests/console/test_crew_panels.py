@@ -26,6 +26,7 @@ from trainer.console.model import SessionModel
 from trainer.console.pane import Pane, plain
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Refused
+from trainer.session.stations.channels import CHANNELS
 
 FIELDS = (
     "course", "course_side", "course_error", "course_since",
@@ -410,3 +411,42 @@ def test_a_control_that_is_not_ready_or_not_there_is_named(role: str, key: str, 
             await seen(pilot, app, told)
 
         assert at_the_console(press, talk, role)[1].orders == []
+
+
+PLANT = {
+    "main_pressure": "12.4", "vital_pressure": "20.7", "main_level": "178", "port_bus": "dead",
+    "starboard_bus": "live", "overload_left": "14", "smoke_aft": "21", "stern_supply": "normal",
+    "stern_shifted_to": "emergency", "bow_supply": "normal", "rudder_supply": "hand",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("role", "told"),
+    [("helm", "rudder hand"), ("planes", "stern normal to emergency bow normal")],
+)
+def test_who_works_a_surface_sees_what_moves_it_and_the_oil(role: str, told: str) -> None:
+    talk = tape(role)
+    talk.say(sentences.state("supply", 121, 60.5, row_of("supply", PLANT)))
+
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
+        await seen(pilot, app, f"oil 12.4 / 20.7 MPa {told}")
+        assert inks_of(app, "12.4 / 20.7 MPa") == {"warning"}
+
+    at_the_console(look, talk, role)
+
+
+@pytest.mark.parametrize(("role", "size"), [("ballast", (130, 40)), ("instructor", (200, 60))])
+def test_the_plant_is_seen_whole_where_it_is_worked(role: str, size: tuple[int, int]) -> None:
+    talk = tape(role)
+    talk.say(sentences.state("plant", 121, 60.5, row_of("plant", PLANT)))
+
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
+        for text in ("OVERLOAD 14 s", "12.4 MPa 178 L", "port   dead", "aft 21 %"):
+            await seen(pilot, app, text)
+
+    at_the_console(look, talk, role, size)
+
+
+def row_of(channel: str, told: dict[str, str]) -> list[str]:
+    """Return the values of a channel, none of a field that is not told."""
+    return [told.get(each.name, "") for each in CHANNELS[channel].fields]

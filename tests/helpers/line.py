@@ -55,6 +55,9 @@ class ScriptedLine:
     def strike(self, subscription: object) -> None:
         del subscription
 
+    def lack(self, channel: str) -> None:
+        del channel
+
 
 def fields_of(lines: Iterable[str], kind: str) -> list[tuple[str, ...]]:
     """Return the fields of each sentence of a kind among the lines that a program was sent."""

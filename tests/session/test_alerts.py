@@ -15,6 +15,7 @@ from trainer.boat.limits import (
     RANGE_WORDS,
 )
 from trainer.boat.pilot import GIVEN_UP_TEXTS, REMARK_NAMES, SHARED_SURFACES
+from trainer.boat.plant_alerts import PLANT_RANKS
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import RecordedEvent
@@ -273,6 +274,7 @@ def test_the_table_has_each_alert_with_the_rank_of_its_call(ship: Crewed) -> Non
         remark = name in REMARK_NAMES
         assert alert_row(name).rank is (Rank.CAUTION if remark else Rank.WARNING)
     named = {*DEPTH_KEYS, *WATCH_KEYS, *LIMIT_WORDS, *RANGE_WORDS[1:], *GIVEN_UP_TEXTS}
+    named |= PLANT_RANKS.keys()
     named |= {FOLLOWING_SEA_TEXT, MAST_SPEED_TEXT, BEYOND_KEY, "collapse", "collision", "approach"}
     named |= {"engine limited", *(f"{each} short on the X-tail" for each in SHARED_SURFACES)}
     assert ALERT_TABLE.keys() == named | {"aground", "surfaced", "broached", ""}

@@ -43,6 +43,10 @@ SHOWN = (
     *("water", "bank", "vent", "blow", "negative_flood", "to_move", "drained"),
     *("compressor", "hover", "held", "trim_by_hand"),
     *("crew_order", "crew_order_tick", "crew_course_side", "crew_depth_unit"),
+    # of the plant all but fires, and what has broken
+    *("oil_spent", "tank_gain", "hydraulic_pump", "isolated", "mode", "mode_ordered", "mode_ticks"),
+    *("bus_dead", "breaker_open", "bus_tie", "overload", "loads_shed", "battery_spent"),
+    *("unpowered", "smoke", "ventilation", "fighting", "fight_ticks"),
 )
 # Those that decide what the gauges read are held still here: they are what the gauges test is for.
 GAUGES = ("casualty", "casualty_amount")
@@ -497,7 +501,7 @@ def test_a_stations_status_is_its_own_instruments(boat: Boat) -> None:
     lines = panel(ROLES["ballast"].channels, frame_of(boat))
 
     opened = [line.partition(",")[0] for line in lines if not line.startswith(" ")]
-    assert opened == ["gauges", "orders", "tanks", "air", "valves", "time"]
+    assert opened == ["gauges", "orders", "tanks", "air", "valves", "plant", "time"]
 
 
 def ordered(boat: Boat, *lines: str) -> dict[str, str]:

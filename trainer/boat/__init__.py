@@ -3,10 +3,10 @@
 Begin with ``assemble``, which turns a vessel file into the core's records, and ``boat``, which
 ticks them; ``machine_code`` calls the compiled kernels. Orders are carried out, or refused with a
 reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what only writes numbers
-has a row in ``effects``. ``limits``, ``depths``, ``grounding`` and ``pilot`` look at each tick and
-call out (``calls`` says how urgent). ``reference_crew`` flies an exercise by its rules,
-``due_orders`` a boat without a session. ``readings`` are those that others are told. ``linear`` and
-``stability`` judge a boat, ``plant`` what feeds it.
+has a row in ``effects``. ``limits``, ``depths``, ``grounding``, ``pilot`` and ``plant_alerts`` look
+at each tick and call out (``calls`` says how urgent). ``reference_crew`` flies an exercise by its
+rules, ``due_orders`` a boat without a session. ``readings`` are those that others are told.
+``linear`` and ``stability`` judge a boat, ``plant`` what feeds it.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
 machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
@@ -19,7 +19,7 @@ __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
     "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "plant",
-    "platforms", "quantities", "readings", "reference_crew", "sea_orders", "ship", "stability",
-    "world",
+    "plant_alerts", "plant_effects", "platforms", "quantities", "readings", "reference_crew",
+    "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -28,6 +28,7 @@ KIND_SIGNS: Final = {
     "refused": ("?", "warning"),
     "watch": ("!", "alarm"),
     "pilot": ("!", "warning"),
+    "plant": ("!", "alarm"),
     "depth": ("!", "alarm"),
     "trouble": ("!", "alarm"),
     "lost": ("!", "alarm"),

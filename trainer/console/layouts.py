@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.console.charts import Quantity
-from trainer.console.drawing import event_log, gauges, panels, tanks
+from trainer.console.drawing import event_log, gauges, panels, plant, tanks
 from trainer.console.drawing.attitude import hull
 from trainer.console.drawing.chart import plan
 from trainer.console.model import SessionModel
@@ -88,6 +88,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
                 "tanks",
                 "air",
                 "valves",
+                "plant",
                 "sea",
                 "current",
                 "casualties",
@@ -105,32 +106,36 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             aside=(
                 PaneDrawing("plan", plan, moving=True),
                 PaneDrawing("broken", event_log.around),
+                PaneDrawing("plant", plant.plant),
                 PaneDrawing("ledger", event_log.ledger),
             ),
         ),
         Layout(
             "helm",
-            ("time", "steering", "engine", "orders", "gauges"),
+            ("time", "steering", "engine", "supply", "orders", "gauges"),
             charts_named("gauges", "heading", "rudder"),
             (PaneDrawing("panel", panels.helm, moving=True),),
         ),
         Layout(
             "planes",
-            ("time", "diving", "orders", "gauges"),
+            ("time", "diving", "supply", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (PaneDrawing("panel", panels.planes, moving=True),),
         ),
         Layout(
             "pilot",
-            ("time", "steering", "engine", "diving", "orders", "gauges"),
+            ("time", "steering", "engine", "diving", "supply", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
             (PaneDrawing("panel", panels.pilot, moving=True),),
         ),
         Layout(
             "ballast",
-            ("time", "tanks", "air", "valves", "orders", "gauges"),
+            ("time", "tanks", "air", "valves", "plant", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
-            (PaneDrawing("panel", panels.gauges, moving=True),),
+            (
+                PaneDrawing("panel", panels.gauges, moving=True),
+                PaneDrawing("plant", plant.plant),
+            ),
             TANK_DRAWINGS,
         ),
         Layout(

@@ -24,7 +24,7 @@ from trainer.io.orders.grammar import describe_sign, name_of
 from trainer.io.orders.help import NO_ROLE_TEXT
 from trainer.io.orders.sentences import Sentence, unsendable_sign
 
-BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
+BELL_KINDS: Final = frozenset({"watch", "depth", "pilot", "plant", "trouble"})  # kinds with a bell
 LONG_ANSWER_LINES: Final = 4  # [lines] from which an answer is read in a window of its own
 NEXT_TIMEOUT_S: Final = 60.0  # [s] for the next exercise to be there
 MAKING_READY: Final = "the next exercise is being made ready"

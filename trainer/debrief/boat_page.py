@@ -36,6 +36,7 @@ from trainer.config.sea import peak_frequency, significant_height, step_problem
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.casualties import CASUALTY_TABLE, KINDS, CasualtyKind
 from trainer.core.kernel import Numbers
+from trainer.core.plant.parts import CONSUMERS, MODES
 from trainer.core.sea.sea import HEIGHT, OMEGA
 from trainer.core.state import MAX_CASUALTIES, VALVES
 from trainer.core.surfaces import SURFACES
@@ -82,7 +83,7 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
         "channels": {  # name, unit and decimals of every field, and the number that it shows
             name: [(each.name, each.unit, each.decimals, each.source) for each in channel.fields]
             for name, channel in CHANNELS.items()
-            if name not in AID_NAMES  # which a page has not
+            if name not in AID_NAMES and channel.lack(boat) is None  # which a page has not
         },
         "ranges": list(ranges(boat, ROLES[role])),
         "casualties": [
@@ -110,6 +111,8 @@ def fittings(boat: Boat) -> dict[str, Any]:
         "kinds": KINDS,
         "slots": MAX_CASUALTIES,
         "axes": CREW_AXES,
+        "modes": MODES,
+        "consumers": CONSUMERS,
         "counts": {kind.name: amount_count(boat, kind) for kind in CASUALTY_TABLE},
     }
 
@@ -118,8 +121,13 @@ def amount_count(boat: Boat, kind: CasualtyKind) -> dict[str, Any]:
     """Return how the amount of a kind of casualty is counted, with unit and size."""
     measure = SEVERITY_MEASURES[kind.name]
     unit, size = GAUGE_UNITS.get(kind.equipment, (measure.share, boat.toward.get(kind.equipment)))
+    how, before = measure.count.value, ""
+    if measure.count in casualties.AMOUNT_UNITS:
+        unit, size, before = casualties.AMOUNT_UNITS[measure.count]
+        how = "plain"
     return {
-        "how": measure.count.value,
+        "how": how,
+        "before": before,
         "unit": unit,
         "size": size,
         "sides": SURFACE_SIDES.get(kind.equipment),

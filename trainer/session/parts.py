@@ -7,6 +7,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthMonitor
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
+from trainer.boat.plant_alerts import PlantMonitor
 from trainer.io.recording.recording import Moment
 from trainer.session.crew.agenda import Agenda
 from trainer.session.crew.crew import CrewTalk
@@ -24,22 +25,24 @@ from trainer.session.time.timekeeping import Timekeeping
 
 @dataclass
 class Monitors:
-    """The monitors that announce what a tick means: limits, depths, the autopilot."""
+    """The monitors that announce what a tick means: limits, depths, autopilot, plant."""
 
     boat: Boat
     limits: LimitMonitor
     depths: DepthMonitor
     pilot: PilotMonitor
+    plant: PlantMonitor
 
     @classmethod
     def over(cls, boat: Boat, limits: LimitMonitor) -> "Monitors":
         """Return the monitors of a boat."""
-        return cls(boat, limits, DepthMonitor.over(boat), PilotMonitor.over(boat))
+        watches = DepthMonitor.over(boat), PilotMonitor.over(boat), PlantMonitor.over(boat)
+        return cls(boat, limits, *watches)
 
     @property
-    def counting(self) -> tuple[LimitMonitor, DepthMonitor, PilotMonitor]:
+    def counting(self) -> tuple[LimitMonitor, DepthMonitor, PilotMonitor, PlantMonitor]:
         """Return those that count their calls."""
-        return self.limits, self.depths, self.pilot
+        return self.limits, self.depths, self.pilot, self.plant
 
     def follow(self, _moment: Moment) -> None:
         """Take the boat as it is: nothing of it is news."""
@@ -49,7 +52,10 @@ class Monitors:
     @property
     def times(self) -> dict[str, list[float]]:
         """Return the times [s] of each call."""
-        return self.limits.times | self.depths.times | self.pilot.times
+        times: dict[str, list[float]] = {}
+        for monitor in self.counting:
+            times |= monitor.times
+        return times
 
 
 @dataclass
@@ -82,7 +88,7 @@ class Parts:
         """Return the keys of all alerts called that hold still."""
         monitors, hull = self.monitors, self.conduct.damage_watch
         known = monitors.limits.holding | monitors.depths.holding | hull.holding
-        return known | monitors.pilot.holding(self.boat.time)
+        return known | monitors.plant.holding | monitors.pilot.holding(self.boat.time)
 
     def evaluate_frozen(self) -> None:
         """Have the present moment evaluated if time stands still there."""

@@ -84,7 +84,8 @@ class QuietTicks:
         flown, monitors = FlownTicks(rows, boat.method.step), session.monitors
         counts = [count_before(has_collapsed(boat, flown))] if len(rows) else [0]
         ground = session.conduct.damage_watch.ground
-        for monitor in (monitors.depths, monitors.pilot, ground, monitors.limits):
+        watches = monitors.depths, monitors.pilot, monitors.plant, ground, monitors.limits
+        for monitor in watches:
             if counts[-1]:
                 counts.append(monitor.quiet_ticks(boat, flown))
         return min(counts)

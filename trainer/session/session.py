@@ -189,6 +189,8 @@ class Session(Parts):
             self.event_log.alert("watch", call)
         for call in self.monitors.pilot.look(self.boat):
             self.event_log.alert("pilot", call)
+        for call in self.monitors.plant.look(self.boat):
+            self.event_log.alert("plant", call)
         if passed := self.monitors.depths.look(self.boat):  # on the way down
             self.conduct.damage_watch.tell_depth(passed.call, Fact("depth", f"{passed.depth:g}"))
         self.conduct.judge_tick(self.monitors.limits.encounters)

@@ -6,4 +6,14 @@ the charts of each station, or ``chart``. What a panel consists of (``dials``, `
 """
 
 # The modules that other rooms may use.
-__all__ = ["alerts", "attitude", "chart", "evaluation", "event_log", "gauges", "panels", "tanks"]
+__all__ = [
+    "alerts",
+    "attitude",
+    "chart",
+    "evaluation",
+    "event_log",
+    "gauges",
+    "panels",
+    "plant",
+    "tanks",
+]

@@ -20,6 +20,7 @@ from trainer.console.drawing.dials import (
     speed_log,
     telegraph,
 )
+from trainer.console.drawing.plant import supply_rows
 from trainer.console.drawing.tanks import levels
 from trainer.console.journal import clock
 from trainer.console.model import MAKING_READY, SessionModel
@@ -157,6 +158,7 @@ def helm(model: SessionModel, width: int, height: int) -> Lines:
         order_line(model, width),
         *aid_rows(model, width),
         scale(model, "rudder", "steering", width),
+        *supply_rows(model, ("rudder",), width),
         *telegraph(model, width),
         angles(model, width),
     ]
@@ -169,6 +171,7 @@ def planes(model: SessionModel, width: int, height: int) -> Lines:
         *instruments(model, width, large=height >= LARGE_NUMBER_ROWS),
         scale(model, "stern", "diving", width),
         scale(model, "bow", "diving", width),
+        *supply_rows(model, ("stern", "bow"), width),
         angles(model, width),
     ]
     return [fit(each, width) for each in lines[:height]]
@@ -181,6 +184,7 @@ def pilot(model: SessionModel, width: int, height: int) -> Lines:
         order_line(model, width),
         *aid_rows(model, width),
         *surfaces(model, width),
+        *supply_rows(model, ("rudder", "stern", "bow"), width),
         *telegraph(model, width),
         angles(model, width),
     ]

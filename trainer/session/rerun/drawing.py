@@ -92,7 +92,7 @@ CHART_COLOURS: Final = (
     (240, 240, 240),
     (0, 114, 178),
 )
-WARNING_KINDS: Final = ("watch", "pilot", "depth", "mark")  # kinds of news
+WARNING_KINDS: Final = ("watch", "pilot", "plant", "depth", "mark")  # kinds of news
 LOG_LEVELS: Final = {"trouble": "ERROR"} | dict.fromkeys(WARNING_KINDS, "WARN")  # by kind of news
 
 Columns = Any  # of the library, whose makers give no type

@@ -14,6 +14,7 @@ from typing import Final, Protocol
 
 import click
 
+from trainer.io.orders.grammar import Refused
 from trainer.session.rerun.batch import Batch, BatchCollector, TakenNews, TakenPicture
 from trainer.session.stations.station import News
 from trainer.session.stations.subscriptions import PromptSender, Publisher, Subscription
@@ -166,6 +167,10 @@ class Log:
     def add(self, subscription: Subscription) -> None:
         """Send to a subscription from now on, the present picture at once."""
         self.sending.add(subscription)
+
+    def lack(self, channel: str) -> Refused | None:
+        """Return why the boat has no such channel, None where it has."""
+        return self.sending.lack(channel)
 
     def strike(self, subscription: Subscription) -> None:
         """Send to a subscription no more."""

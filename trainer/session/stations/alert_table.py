@@ -20,6 +20,21 @@ from trainer.boat.limits import (  # fmt: skip
     RECALL_COVER_M,
 )
 from trainer.boat.pilot import LACK_RECALL_S, MIN_LACK_TIME_S
+from trainer.boat.plant_alerts import (
+    BUS_LOST,
+    FIRE,
+    HALF_TANK,
+    LOW_MPA,
+    MAIN_LOST,
+    OIL_LOW,
+    OVERLOAD,
+    PLANT_RANKS,
+    REFILLED_TANK,
+    SEEN_SMOKE,
+    TANK_HALF,
+    THIN_SMOKE,
+    WHOLE_MPA,
+)
 from trainer.boat.world.encounters import RECALL_CLEAR_S
 from trainer.session.stations.alerts import REMARK_S
 
@@ -32,6 +47,22 @@ AFLOAT_WORDS, CLEAR_WORDS = f"{RECALL_AFLOAT_S:g} s off it", f"{RECALL_CLEAR_S:g
 COVERED_WORDS: Final = f"{RECALL_COVER_M:g} m of water over sail and deck"
 INSIDE_WORDS: Final = f"{RANGE_REENTRY_S:g} s without it"
 SUPPLIED_WORDS: Final = f"{LACK_RECALL_S:g} s with all that is ordered"
+PLANT_WORDS: Final = {  # title, when it begins, when it is over
+    MAIN_LOST: ("Main oil lost", "no pressure in main", "whole rate again"),
+    FIRE: (
+        "Fire or smoke",
+        f"smoke above {100.0 * SEEN_SMOKE:g} %",
+        f"{100.0 * THIN_SMOKE:g} % or less",
+    ),
+    OVERLOAD: ("Overload", "a breaker gives too much", "it does not, or is open"),
+    BUS_LOST: ("Bus lost", "a bus is dead", "it is live"),
+    OIL_LOW: ("Oil low", f"below {LOW_MPA:g} MPa", f"{WHOLE_MPA:g} MPa again"),
+    TANK_HALF: (
+        "Oil tank half empty",
+        f"less than {100.0 * HALF_TANK:g} % of its oil",
+        f"{100.0 * REFILLED_TANK:g} % again",
+    ),
+}
 SHORT_WORDS: Final = f"after {MIN_LACK_TIME_S:g} s"
 SOUND_PACES_S: Final = {EMERGENCY: 2.0, ALARM: 10.0, WARNING: 60.0}  # [s] from sound to sound
 
@@ -73,6 +104,8 @@ _ROWS: Final[Mapping[str, tuple[str, Rank, str, str, tuple[str, ...]]]] = {
     RANGE_WORDS[2]: (
         "Outside the equations", WARNING, "validity level 2", INSIDE_WORDS, INSTRUCTOR_ROLES,
     ),
+    **{name: (words[0], PLANT_RANKS[name], *words[1:], BALLAST_ROLES)
+       for name, words in PLANT_WORDS.items()},
     "emergency ascent": (
         "Emergency ascent", WARNING, "emergency blow", "it has risen", PLANES_ROLES,
     ),
@@ -103,5 +136,5 @@ ALERT_TABLE: Final = {name: AlertRow(*row) for name, row in _ROWS.items()}
 
 
 def alert_row(key: str) -> AlertRow:
-    """Return the row of an alert, whose key may name a ship after a colon."""
+    """Return the row of an alert, whose key may name a ship or part."""
     return ALERT_TABLE[key.partition(":")[0]]

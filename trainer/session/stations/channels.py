@@ -27,6 +27,7 @@ from trainer.session.stations.panels import (
     reading,
     word,
 )
+from trainer.session.stations.plant_channels import PLANT_CHANNELS
 from trainer.session.stations.plot import CONTACTS_CHANNEL, PERISCOPE_CHANNELS
 from trainer.session.stations.view import Frame
 from trainer.units import DEGREE, KNOT
@@ -161,6 +162,7 @@ CHANNELS: Final[Mapping[str, Channel]] = {
     channel.name: channel
     for channel in (
         *panels.PANEL_CHANNELS,
+        *PLANT_CHANNELS,
         *PERISCOPE_CHANNELS,
         *AID_CHANNELS,
         *INSTRUCTOR_CHANNELS,

@@ -101,7 +101,7 @@ def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
     shown = (
         each
         for each in known
-        if not all(field.packed for field in each.fields)
+        if not (all(field.packed for field in each.fields) or each.lack(frame.boat))
         and (each not in AID_CHANNELS or any(each.values(frame)))
     )
     return [line for channel in shown for line in in_words(channel, frame)]

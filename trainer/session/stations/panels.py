@@ -10,13 +10,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
-from trainer.boat.boat import STATE_OFFSETS
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.crew_orders import CREW_AXES
 from trainer.boat.readings import READING_OFFSETS
 from trainer.boat.sea_orders import FREEZABLE_PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
 from trainer.io.nmea import number
+from trainer.io.orders.grammar import Refused
 from trainer.io.sides import ANGLE_SIDES, sided
 from trainer.session.stations.view import Frame
 from trainer.units import DEGREE, KNOT
@@ -35,6 +36,7 @@ class Source(NamedTuple):
     size: float = 1.0  # [SI] of the field's unit
     of_state: bool = False
     is_course: bool = False  # an angle that is shown from 0 to 360 degrees
+    words: tuple[str, ...] = ()  # that the number stands for, "" for nothing to be said
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class Channel:
     says: str
     fields: tuple[Field, ...]
     fastest: float = math.inf  # [Hz] it is sent at, whatever is wished
+    lack: Callable[[Boat], Refused | None] = lambda _: None  # why a boat has no such channel
 
     def values(self, frame: Frame) -> list[str]:
         """Return the fields of one tick."""
@@ -93,12 +96,14 @@ def compass(angle: float, decimals: int = 1) -> float:
 
 def measured(name: str, unit: str, decimals: int, source: Source) -> Field:
     """Return a field of a number of the state or of a reading."""
-    place, size, of_state, is_course = source
+    place, size, of_state, is_course, words = source
 
     def read(frame: Frame) -> Value:
         value = (frame.numbers if of_state else frame.shown)[place]
         if math.isnan(value):
             return None
+        if words:
+            return words[int(value)]
         return compass(value, decimals) if is_course else value / size
 
     return Field(name, unit, decimals, read, source=source)
@@ -120,6 +125,11 @@ def course(name: str, decimals: int = 1, of: str = "") -> Field:
 def number_of_state(name: str, field: str, unit: str, decimals: int, size: float = 1.0) -> Field:
     """Return a field of the state in a unit of that size [SI]."""
     return measured(name, unit, decimals, Source(STATE_OFFSETS[field], size, of_state=True))
+
+
+def word_of_state(name: str, field: str, *words: str) -> Field:
+    """Return a field of a number of the state that stands for a word."""
+    return measured(name, "", 0, Source(STATE_OFFSETS[field], of_state=True, words=words))
 
 
 HEADING_FIELD: Final = course("heading")

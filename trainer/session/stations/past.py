@@ -22,7 +22,7 @@ from trainer.session.stations.channels import EVENTS_CHANNEL
 from trainer.session.stations.event_log import EventLog
 from trainer.session.stations.roles import Role, hears_kind
 from trainer.session.stations.station import Fact, News, Request, Station
-from trainer.session.stations.subscriptions import display, unknown_channel, why_barred
+from trainer.session.stations.subscriptions import display, lack_of, unknown_channel, why_barred
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
@@ -66,7 +66,7 @@ class PastReader:
     def answer(self, asked: Request) -> None:
         """Answer the order, and send the past of its channel."""
         channel, station, history = asked.order.subject, asked.station, self._history
-        if refused := refusal(channel, station.role):
+        if refused := refusal(channel, station.role) or lack_of(channel, self._boat):
             station.answer(asked, refused)
             return
         ticks = math.ceil(asked.order.value / self._boat.method.step)

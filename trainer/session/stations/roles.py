@@ -45,6 +45,7 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "marks": ("the marks of an exercise, once they are released", ALL_ROLES),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", ALL_ROLES),
+    "plant": ("oil low or lost, a bus lost, overload, smoke", ALL_ROLES),
     "depth": (
         "test depth near, passed and beyond; the hull's collapse; the ground",
         ALL_ROLES,
@@ -55,7 +56,10 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
 }
 PART_VERBS: Final = {"have": "has", "are": "is"}  # the verbs of a part
 AID_NAMES: Final = ("ghost", "predictor")  # channels that are empty while the aids are off
-PANEL_NAMES: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
+PANEL_NAMES: Final = (
+    *("steering", "engine", "diving", "tanks", "air", "valves"),
+    *("plant", "supply"),  # of a boat with a plant
+)
 # what only the instructor sees
 TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 ROLE_FIRST_TEXT: Final = "say who you are first: role NAME TOKEN"
@@ -129,21 +133,25 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
     role.name: role
     for role in (
         INSTRUCTOR_ROLE,
-        _role("helm", "the helm's", "have the helm", "steering", "engine"),
-        _role("planes", "the planes station's", "have the planes", "diving"),
+        _role("helm", "the helm's", "have the helm", "steering", "engine", "supply"),
+        _role("planes", "the planes station's", "have the planes", "diving", "supply"),
         _role(
-            "pilot", "the pilot's", "have helm and planes (pilot)", "steering", "engine", "diving"
+            "pilot",
+            "the pilot's",
+            "have helm and planes (pilot)",
+            *("steering", "engine", "diving", "plant", "supply"),
         ),
-        _role("ballast", "the ballast station's", "have the ballast", "tanks", "air", "valves"),
+        _role(
+            "ballast",
+            "the ballast station's",
+            "have the ballast",
+            *("tanks", "air", "valves", "plant"),
+        ),
         _role(
             "diving",
             "the diving officer's",
             "are the diving officer",
-            "diving",
-            "engine",
-            "tanks",
-            "air",
-            "valves",
+            *("diving", "engine", "tanks", "air", "valves", "plant", "supply"),
         ),
         _role(
             "deck",

@@ -374,7 +374,8 @@ class Station:
         self.role, self.settled = ROLES[order.word], True
         self._door.entered()
         self._log("station", f"{self.line.name} now {self.role.of_another}")
-        self._answer(heard, f"you {self.role.part}", *role_powers(self.role))
+        seen = [each for each in self.role.channels if not self.wishes.lack(each)]
+        self._answer(heard, f"you {self.role.part}", *role_powers(self.role, seen))
         self.wishes.keep_for(self.role)
 
     def _refuse_token(self, heard: Message, order: Order) -> None:
@@ -403,7 +404,7 @@ class Station:
         if unknown := unknown_channel(channel, self.role):
             self._answer(heard, unknown)
             return
-        if refused := why_barred(channel, self.role):
+        if refused := why_barred(channel, self.role) or self.wishes.lack(channel):
             self._refuse(heard, order, refused)
             return
         rate = rate_of(channel, order.value)
@@ -414,14 +415,14 @@ class Station:
         self.wishes.begin(channel, rate, self.role, machine=heard.machine)
 
 
-def role_powers(role: Role) -> list[str]:
+def role_powers(role: Role, channels: Sequence[str]) -> list[str]:
     """Return what a role may order and see, in lines of at most 79 columns."""
     own_orders = (
         "everything"
         if role is INSTRUCTOR_ROLE
         else ", ".join(sorted(role.commands - COMMON_ORDERS))
     )
-    seen = ", ".join((*role.channels, EVENTS_CHANNEL))
+    seen = ", ".join((*channels, EVENTS_CHANNEL))
     text = f"you may order {own_orders or 'nothing'}; you may see {seen}"
     return textwrap.wrap(text, MAX_LINE_LETTERS)
 

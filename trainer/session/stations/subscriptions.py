@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Final, Protocol
 
+from trainer.boat.boat import Boat
 from trainer.config.files import nearest
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.stations.channels import CHANNELS, EVENTS_CHANNEL, TELETYPE_CHANNEL
@@ -78,6 +79,10 @@ class Roster:
         """Return whether there is no subscription."""
         return not self._subscriptions
 
+    def lack(self, channel: str) -> Refused | None:
+        """Return why the boat has no such channel, None where it has."""
+        return lack_of(channel, self._reader.boat)
+
     def add(self, subscription: Subscription) -> None:
         """Enter a subscription."""
         with self._change:
@@ -117,6 +122,10 @@ class RosterSender:
         self.roster = roster
         self.troubles = roster.troubles
         self._clock = clock
+
+    def lack(self, channel: str) -> Refused | None:
+        """Return why the boat has no such channel, None where it has."""
+        return self.roster.lack(channel)
 
     def strike(self, subscription: Subscription) -> None:
         """Send to a subscription no more, except what is being sent at this moment."""
@@ -209,6 +218,9 @@ class Sender(Protocol):
     def strike(self, subscription: Subscription) -> None:
         """Send to it no more."""
 
+    def lack(self, channel: str) -> Refused | None:
+        """Return why the boat has no such channel, None where it has."""
+
 
 class Subscriptions:
     """The subscriptions of one line. A later wish for a channel replaces the earlier one."""
@@ -235,6 +247,10 @@ class Subscriptions:
         )
         self._subscriptions[channel] = subscription, machine
         self._sending.add(subscription)
+
+    def lack(self, channel: str) -> Refused | None:
+        """Return why the boat has no such channel, None where it has."""
+        return self._sending.lack(channel)
 
     def pause(self, channel: str) -> tuple[float, bool] | None:
         """Unsubscribe a channel. Return its rate, and whether it is for a program.
@@ -290,6 +306,11 @@ def why_barred(channel: str, role: Role) -> Refused | None:
     if channel == EVENTS_CHANNEL and role is not STRANGER_ROLE:
         return None
     return channel_refusal(role, channel)
+
+
+def lack_of(channel: str, boat: Boat) -> Refused | None:
+    """Return why a boat has no such channel, None where it has."""
+    return CHANNELS[channel].lack(boat) if channel in CHANNELS else None
 
 
 def display(channel: str, role: Role, *, machine: bool) -> Display:

@@ -112,7 +112,7 @@ class StateReader:
 
     def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:
         """Look at ``boat``; ``summary`` is that of the session's ledger, asked for when shown."""
-        self._boat = boat
+        self.boat = boat
         self._summary = summary
         self._state, self._scratch = new_state(), new_scratch()
         self._readings = new_readings()
@@ -126,7 +126,7 @@ class StateReader:
         whole = np.frombuffer(picture.state)
         self._state["whole"][0] = whole
         records = self._state, self._scratch, self._readings
-        write_readings(self._boat.records.vessel, *records)
+        write_readings(self.boat.records.vessel, *records)
         shown = self._readings["whole"][0].tolist()
         numbers = whole.tolist()
-        return Frame(self._boat, numbers, shown, picture.pace, self._summary)
+        return Frame(self.boat, numbers, shown, picture.pace, self._summary)

@@ -4,13 +4,14 @@
  * @typedef {import("./core.js").Core} Core
  * @typedef {string | number | null} Value
  * @typedef {{ frozen: boolean, speed: number, branch: number, replaying: boolean, shown: boolean }} Pace
- * @typedef {[place: number, size: number, ofState: boolean, isCourse: boolean]} Source
+ * @typedef {[place: number, size: number, ofState: boolean, isCourse: boolean, words: string[]]} Source
  * @typedef {{ channels: Record<string, [string, string, number, Source | null][]>, rps: number,
  *   bells: [string, number][], compartments: string[], valves: string[], trims: boolean,
  *   toward: Record<string, number>,
  *   intake: number | null, kinds: string[], slots: number, axes: string[],
+ *   modes: string[], consumers: string[],
  *   counts: Record<string, Count> }} Fittings
- * @typedef {{ how: string, unit: string, size: number, sides: [string, string] }} Count how an amount is counted
+ * @typedef {{ how: string, before: string, unit: string, size: number, sides: [string, string] }} Count how an amount is counted
  */
 
 const DEGREE = Math.PI / 180;
@@ -39,7 +40,7 @@ export class Readings {
     this.fittings = fittings;
     /** @type {Pace} */
     this.pace = { frozen: true, speed: 1, branch: 1, replaying: false, shown: false };
-    const made = [stations(this), orders(this), ballast(this), casualties(this)];
+    const made = [stations(this), orders(this), ballast(this), plant(this), casualties(this)];
     /** @type {Record<string, () => Value>} */
     this.fields = Object.assign({}, ...made);
   }
@@ -49,9 +50,10 @@ export class Readings {
     const shown = this.core.show();
     return this.fittings.channels[channel].map(([name, , decimals, source]) => {
       if (!source) return written((this.fields[name] ?? nothing)(), decimals);
-      const [place, size, ofState, isCourse] = source;
+      const [place, size, ofState, isCourse, words] = source;
       const value = (ofState ? this.core.state : shown)[place];
       if (Number.isNaN(value)) return "";
+      if (words.length) return words[value];
       return written(isCourse ? compass(value, decimals) : value / size, decimals);
     });
   }
@@ -139,6 +141,25 @@ function ballast(r) {
   };
 }
 
+/** What is being shifted, who is under way, and what is dead. @param {Readings} r @returns {Record<string, () => Value>} */
+function plant(r) {
+  const { fittings } = r;
+  const left = (/** @type {string} */ ticks) => () => (r.get(ticks) ? Math.abs(r.get(ticks)) * r.core.step : null);
+  const made = SURFACES.map((name) => {
+    const mode = (/** @type {string} */ field) => (fittings.toward[name] ? fittings.modes[r.get(field)] : null);
+    return {
+      [`${name}_supply`]: () => mode(`${name}_mode`),
+      [`${name}_shifted_to`]: () => (r.get(`${name}_mode_ticks`) ? mode(`${name}_mode_ordered`) : null),
+      [`${name}_shift`]: left(`${name}_mode_ticks`),
+    };
+  });
+  const isDead = (/** @type {string} */ _, /** @type {number} */ bit) => (r.get("unpowered") >> bit) & 1;
+  return Object.assign({}, ...made, {
+    party_due: left("fight_ticks"),
+    dead: () => fittings.consumers.filter(isDead).join("+") || null,
+  });
+}
+
 /** What is broken. @param {Readings} r @returns {Record<string, () => Value>} */
 function casualties(r) {
   const made = Array.from({ length: r.fittings.slots }, (_, slot) => {
@@ -162,13 +183,13 @@ function casualties(r) {
 
 /** Returns an amount of a casualty with its unit and side. @param {Fittings} fittings @param {string} kind @param {number} amount [SI] */
 export function describe(fittings, kind, amount) {
-  const { how, unit, size, sides } = fittings.counts[kind];
+  const { how, before, unit, size, sides } = fittings.counts[kind];
   const short = (/** @type {number} */ value) => String(Number(value.toPrecision(3)));
   if (how === "angle") {
     const angle = Math.round(((amount * size) / DEGREE) * 10) / 10;
     return `${Math.abs(angle)} deg${angle ? ` ${sides[angle < 0 ? 1 : 0]}` : ""}`;
   }
-  if (how === "hole") return `hole ${short(1e4 * amount)} cm2`;
+  if (how === "plain") return `${before}${short(amount / size)} ${unit}`;
   if (how === "share") return `${short(100 * amount)} % ${unit}`;
   const shown = amount / size;
   if (how === "noise") return `${short(shown)} ${unit} of noise`;
