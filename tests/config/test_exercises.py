@@ -32,7 +32,7 @@ NAMES = (
     *("depth-gauge-failure", "emergency-deep", "first-depth-change", "flooding-aft"),
     *("gyro-stuck", "heavy-boat", "hover-by-pump", "loss-of-propulsion", "ordered-bubble"),
     *("periscope-depth", "periscope-sea-3", "power-loss", "rise-jam-shallow", "steady-course"),
-    *("steering-jam", "stern-plane-jam", "surface-and-steer"),
+    *("steering-jam", "stern-plane-jam", "stern-servo", "surface-and-steer"),
     *("visitor-dive", "watch"),
 )
 KEPT_ALONE = "[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\nzero = 1\npart = 'keeping'\n"
@@ -608,7 +608,7 @@ def test_the_lists_name_everything_in_79_columns() -> None:
     assert re.search(r"^heavy-boat +6 Trim +30 min 1 ballast$", listed, re.MULTILINE)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
-        "bottoming",
+        "stern-servo",
         "visitor-dive",
     )  # as the course goes
     assert "stern-hard-over" in casualties.stdout

@@ -104,7 +104,10 @@ def supply(model: SessionModel, channel: str, surfaces: tuple[str, ...]) -> Line
             continue
         coming = picture.word(channel, f"{name}_shifted_to")
         text = f" {mode} to {coming}" if coming else f" {mode}"
-        runs += [(f" {name}", "dim"), (text, "value" if text == " normal" else "warning")]
+        runs += [
+            (f" {name}", "dim"),
+            (text, "value" if mode == "normal" and not coming else "warning"),
+        ]
     return line(*runs)
 
 
