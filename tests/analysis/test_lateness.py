@@ -21,12 +21,12 @@ from trainer.debrief.judgement import judge_run
 NAMES = shipped_names("exercises")
 URGENT = (
     *("air-bank-failure", "flooding-aft", "rise-jam-shallow", "steering-jam"),
-    *("stern-plane-jam", "watch"),
+    *("stern-plane-jam", "stern-servo", "watch"),
 )
 # In these the boat itself changes so fast, as docs/validation.md tells.
 STEEP_BOATS = (
     *("depth-gauge-failure", "emergency-deep", "rise-jam-shallow", "steering-jam"),
-    "stern-plane-jam",
+    *("stern-plane-jam", "stern-servo"),
 )
 ROUGH_SEAS = ("depth-gauge-failure", "emergency-deep")  # later is not always worse there
 

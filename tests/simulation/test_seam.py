@@ -51,7 +51,12 @@ FOREIGN: Final = frozenset(
     {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched", "select", "signal"}
 )
 # Who starts processes or hears signals, beside those that are not played.
-FOREIGN_USERS: Final = frozenset({("trainer/session/run.py", "signal")})  # in the main thread alone
+FOREIGN_USERS: Final = frozenset(
+    {
+        ("trainer/session/run.py", "signal"),  # in the main thread alone
+        ("trainer/session/doors/owner.py", "signal"),  # which a played session has not
+    }
+)
 
 
 def past_the_seam(path: Path, name: str) -> Iterator[str]:
