@@ -47,6 +47,7 @@ SHOWN = (
     *("oil_spent", "tank_gain", "hydraulic_pump", "isolated", "mode", "mode_ordered", "mode_ticks"),
     *("bus_dead", "breaker_open", "bus_tie", "overload", "loads_shed", "battery_spent"),
     *("unpowered", "smoke", "ventilation", "fighting", "fight_ticks"),
+    *("trim_flood", "trim_forward"),  # whose pumps are loads
 )
 # Those that decide what the gauges read are held still here: they are what the gauges test is for.
 GAUGES = ("casualty", "casualty_amount")

@@ -64,7 +64,7 @@ def test_a_casualty_waits_for_a_condition_and_for_a_while(
     page = opened(shared, look)
     caller.ask("give command")
     page.locator("#find").fill("rudder-stuck")
-    page.locator("#offers button").click()
+    page.locator("#offers button").first.click()
     page.locator("#how").select_option("when")
     page.locator("#quantity").select_option("depth")
     page.locator("#sense").select_option("<")
@@ -77,7 +77,7 @@ def test_a_casualty_waits_for_a_condition_and_for_a_while(
     expect(page.locator("#ahead")).to_be_hidden()
 
     page.locator("#find").fill("bow-stuck")
-    page.locator("#offers button").click()
+    page.locator("#offers button").first.click()
     page.locator("#how").select_option("in")
     page.locator("#moment").fill("noon")
     page.locator("#give").click()

@@ -29,6 +29,12 @@ EXEMPT: Final = {
     ("frame.js", 'session.refusal.replace(/: (--token|type role) .*$/, "")'): (
         "leaves out what a terminal types; other words are shown whole"
     ),
+    **{
+        (f"stations/{page}.js", 'text.replace(/: (--token|type role) .*$/, "")'): (
+            "leaves out what a terminal types; other words are shown whole"
+        )
+        for page in ("class", "entrance")
+    },
     ("frame.js", "told in RIGGED"): "an order to the crew in words, as the officer has told it",
     ("instructor/completion.js", r"text.toLowerCase().trimStart().split(/\s+/)"): GRAMMAR,
     ("model/causes.js", r'text.replace(/^.*?: | \[\d+\]$/g, "")'): BESIDE,

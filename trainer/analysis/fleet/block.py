@@ -83,6 +83,7 @@ def supports_boat(vessel: Record, state: Record) -> bool:
         and free
         and sound
         and s.polar == 0.0
+        and s.plant_touched == 0.0
         and alone_in_the_world(state)
         and tanks_rest(vessel, state)
     )

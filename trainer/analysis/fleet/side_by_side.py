@@ -6,6 +6,7 @@ flies that stretch alone. So does one whose centres lie off the middle, or that 
 inertia.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from trainer.analysis.fleet.block import (
     load_state,
     make_ready,
     new_block,
+    state_in,
     store_state,
     supports_boat,
     supports_scheme,
@@ -37,6 +39,8 @@ from trainer.analysis.fleet.shipped import SoloWork, new_solo
 from trainer.analysis.fleet.tick import tick_abreast
 from trainer.core.compact import off_centre
 from trainer.core.kernel import Numbers, kernel, unlocked
+from trainer.core.plant.plant import CALM_TICKS
+from trainer.core.plant.power import drain_battery
 
 
 class ThreadWork(NamedTuple):
@@ -78,6 +82,29 @@ def choose_members(
 
 
 @kernel
+def drain_batteries(fleet: Ensemble, first: int, count: int, work: ThreadWork) -> None:
+    """Drain the batteries of lanes that are due, as ``advance_plant`` does.
+
+    Loads are those at the start of the stretch, because nothing that draws is touched within it.
+    A lane whose battery is empty strays.
+    """
+    for lane in range(count):
+        flown = state_in(work.block, lane)[0]
+        due = flown.tick == CALM_TICKS * math.floor(flown.tick * (1.0 / CALM_TICKS))
+        if work.alone[lane] != 0 or not due:
+            continue
+        state = fleet.states[record_span(fleet.states, first + lane)]
+        s = state[0]
+        u_c, spent = s.u_c, s.battery_spent
+        s.u_c, s.battery_spent = flown.u_c, flown.battery_spent
+        vessel = fleet.vessels[record_span(fleet.vessels, first + lane)]
+        drain_battery(vessel, CALM_TICKS * fleet.scheme[0].h, state)
+        flown.battery_spent = s.battery_spent
+        work_in(work.block, lane)[0].strayed += s.plant_touched
+        s.u_c, s.battery_spent, s.plant_touched = u_c, spent, 0.0
+
+
+@kernel
 def fly_abreast(
     fleet: Ensemble, first: int, start: int, end: int, work: ThreadWork, out: FlightTrack
 ) -> None:
@@ -86,6 +113,7 @@ def fly_abreast(
     for lane in range(LANE_COUNT):
         load_state(fleet.states[record_span(fleet.states, first + lane)], lane, work.block)
     for tick in range(start, end):
+        drain_batteries(fleet, first, count, work)
         tick_abreast(fleet.scheme, work.block)
         if (tick + 1) % out.every != 0:
             continue
