@@ -44,10 +44,13 @@ class Sender(Protocol):
 
 
 class Outbox:
-    """Write lines from a thread. When the port is slow, lines are dropped."""
+    """Write lines from a thread. When the port is slow, lines are dropped.
+
+    It holds three of the longest answers (``casualties``, some 150 lines) with news beside them.
+    """
 
     def __init__(
-        self, write: Callable[[bytes], object], capacity: int = 256, line_end: bytes = b"\r\n"
+        self, write: Callable[[bytes], object], capacity: int = 512, line_end: bytes = b"\r\n"
     ) -> None:
         self.dropped = 0
         self.trouble = ""
