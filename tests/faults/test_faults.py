@@ -77,7 +77,7 @@ def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Benc
     recordings.judge(bench, tried, ("list", "--no-such"))
     assert tried.wrong == []
     assert tried.seen == {"told as damaged": 1}
-    loop = ("run", "--headless", "--speed", "max", "--duration", "90000h")
-    loop += ("--vessel", "remus100")  # which has no battery that ends
+    endless = ("--duration", "90000h", "--vessel", "remus100")  # which has no battery that ends
+    loop = ("run", "--headless", "--speed", "max", *endless)
     recordings.judge(bench, tried, loop, seconds=1)
     assert "run ended with -24" in tried.wrong[0]
