@@ -299,7 +299,8 @@ def options_of(serve: click.Command, words: list[str]) -> RunOptions:
     source = context.get_parameter_source
     default = click.core.ParameterSource.DEFAULT
     given = frozenset(name for name in context.params if source(name) is not default)
-    return RunOptions(**context.params, given=given, headless=True, serve=True)
+    context.params.pop("owned")  # the command obeys it before the run
+    return RunOptions(**context.params, given=given - {"owned"}, headless=True, serve=True)
 
 
 def attest(serve: click.Command) -> None:
