@@ -29,7 +29,7 @@ SIZES: Final = {
 }
 OFTEN: Final = ("phone", "laptop")  # the sizes of the short run
 IN_SHORT: Final = sample_cases(SIZES, *OFTEN)
-PALETTES: Final = ("dusk", "day", "night")
+PALETTES: Final = ("dusk", "day", "bright", "night")
 QUIET: Final = (  # nothing but the page asks for anything
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),

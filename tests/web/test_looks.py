@@ -29,6 +29,7 @@ some_pages = pytest.mark.parametrize(
 # Pairs of tokens: what is written or drawn, on what; WCAG 2.2, 1.4.3 and 1.4.11.
 TEXT = 4.5
 SHAPE = 3.0
+ENHANCED = 7.0  # WCAG 2.2, 1.4.6
 PAIRS = {
     **{(ink, ground): TEXT for ink in ("ink", "ink-2") for ground in ("page", "panel", "well")},
     **{("ink", ground): TEXT for ground in ("page", "panel", "well", "raised")},
@@ -73,6 +74,14 @@ def test_contrast_of_each_pair_of_tokens_suffices(palette: str) -> None:
     for (ink, ground), least in PAIRS.items():
         ratio = contrast(colours[ink], colours[ground])
         assert ratio >= least, f"{palette}: {ink} on {ground} is {ratio:.2f}"
+
+
+def test_a_palette_for_the_sun_has_the_contrast_of_the_enhanced_rule() -> None:
+    bright = tokens("bright")
+    for ink in ("ink", "ink-2", "ink-3", "ordered", "alarm-ink", "warning-ink", "caution-ink"):
+        for ground in ("page", "panel", "well"):
+            assert contrast(bright[ink], bright[ground]) >= ENHANCED, f"{ink} on {ground}"
+    assert contrast(bright["edge"], bright["panel"]) >= ENHANCED
 
 
 STANDS = """() => {

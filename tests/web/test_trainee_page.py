@@ -225,6 +225,9 @@ def test_a_step_lights_up_its_instrument_gives_its_hint_and_comes_again_if_misse
     expect(lit).to_have_attribute("aria-labelledby", "h-rudder")
     assert lit.evaluate(SHOWN) == "4px"
     expect(lit).to_be_visible()
+    dimmed = page.locator("section[data-dim]")
+    expect(dimmed.and_(page.locator(".planes"))).to_have_count(2)  # others work the planes
+    expect(dimmed.and_(page.locator(".rudder"))).to_have_count(0)
     page.locator("part-keys [data-name=log]:visible").click()
     type_order(page, FAST)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
-from typing import Final
+from typing import Final, NamedTuple
 
 import click
 import numpy as np
@@ -80,8 +80,17 @@ TEXT_WIDTH: Final = 79  # [columns] of what is printed
 CLOSE_RANGE_M: Final = 3000.0  # [m] from the boat, within which a ship's way widens the map
 
 
+class Chapter(NamedTuple):
+    """A chapter of the page: where links lead, its heading, what it holds."""
+
+    name: str
+    title: str
+    content: Markup
+
+
 def render(debrief: DebriefData, boat: str = "") -> str:
     """Return the page, one with a boat inside it; same record, same bytes."""
+    chapters = [*_parts(debrief, sections.PLAY_BY_LINK if boat else sections.PLAY_BY_ORDERS)]
     return fill_page(
         "debrief.html",
         "debrief.css",
@@ -90,7 +99,8 @@ def render(debrief: DebriefData, boat: str = "") -> str:
         under=_under(debrief),
         verdict=sections.verdict(debrief),
         briefing=debrief.plan.briefing,
-        parts=list(_parts(debrief, sections.PLAY_BY_LINK if boat else sections.PLAY_BY_ORDERS)),
+        contents=[(each.name, each.title) for each in chapters],
+        parts=[section(*each) for each in chapters],
         boat=boat,
         version=__version__,
         source=plain(debrief.source.name),
@@ -110,59 +120,59 @@ def _under(debrief: DebriefData) -> str:
     return " - ".join(filter(None, parts))
 
 
-def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Markup]:
+def _parts(debrief: DebriefData, play: sections.PlayOn) -> Iterator[Chapter]:
     """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("minutes", "What each minute cost", sections.minutes(debrief, play))
-        yield section("cost", "What cost most", sections.cost(debrief))
+        yield Chapter("minutes", "What each minute cost", sections.minutes(debrief, play))
+        yield Chapter("cost", "What cost most", sections.cost(debrief))
     if debrief.changes:
-        yield section("changes", "Changed by the instructor", sections.changes(debrief))
+        yield Chapter("changes", "Changed by the instructor", sections.changes(debrief))
     if debrief.forms:
-        yield section(
+        yield Chapter(
             "forms",
             "Assessors, peers and the program",
             compared_table(debrief.forms, debrief.final),
         )
-    yield section("charts", "Ordered and actual", _drawings(debrief))
+    yield Chapter("charts", "Ordered and actual", _drawings(debrief))
     yield from _talk(debrief)
     yield from _troubles(debrief)
     yield from _measured(debrief)
     if met := sections.ships(debrief):
-        yield section("ships", "Ships", met)
+        yield Chapter("ships", "Ships", met)
     if debrief.of_kind("mark"):
-        yield section("words", "Marks and remarks", sections.marks(debrief))
+        yield Chapter("words", "Marks and remarks", sections.marks(debrief))
     if debrief.hands:
-        yield section("hands", "Who gave orders", sections.hands(debrief))
+        yield Chapter("hands", "Who gave orders", sections.hands(debrief))
     if len(debrief.branches) > 1:
-        yield section("branches", "Branches", sections.branches(debrief))
-    yield section("ticks", "Ticks", sections.tick_ledger(debrief))
-    yield section("run", "What was flown", sections.run_facts(debrief))
-    yield section("log", "Orders and events", sections.log(debrief))  # the longest comes last
+        yield Chapter("branches", "Branches", sections.branches(debrief))
+    yield Chapter("ticks", "Ticks", sections.tick_ledger(debrief))
+    yield Chapter("run", "What was flown", sections.run_facts(debrief))
+    yield Chapter("log", "Orders and events", sections.log(debrief))  # the longest comes last
 
 
-def _talk(debrief: DebriefData) -> Iterator[Markup]:
+def _talk(debrief: DebriefData) -> Iterator[Chapter]:
     """Yield the orders to the crew, and how the crew worked with them."""
     if debrief.read_backs:
-        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
+        yield Chapter("orders", "Orders to the crew", sections.read_backs(debrief))
     if debrief.crew_work:
         content = sections.crew_work(debrief, debrief.crew_work)
-        yield section("crew", "How this crew worked", content)
+        yield Chapter("crew", "How this crew worked", content)
 
 
-def _troubles(debrief: DebriefData) -> Iterator[Markup]:
+def _troubles(debrief: DebriefData) -> Iterator[Chapter]:
     """Yield what broke, and the alerts."""
     content = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
-    yield section("casualties", "Casualties", content)
+    yield Chapter("casualties", "Casualties", content)
     if debrief.trajectory.alerts:
-        yield section("alerts", "Alerts", sections.alerts(debrief))
+        yield Chapter("alerts", "Alerts", sections.alerts(debrief))
 
 
-def _measured(debrief: DebriefData) -> Iterator[Markup]:
+def _measured(debrief: DebriefData) -> Iterator[Chapter]:
     """Yield the scores, and whose they are."""
     if debrief.card.scores:
-        yield section("scores", "Measures", sections.scores(debrief))
+        yield Chapter("scores", "Measures", sections.scores(debrief))
         if debrief.manned and debrief.task_marks:
-            yield section("whose", "Whose the marks are", sections.task_marks(debrief))
+            yield Chapter("whose", "Whose the marks are", sections.task_marks(debrief))
 
 
 def _drawings(debrief: DebriefData) -> Markup:

@@ -23,7 +23,7 @@ const STATES = {
   lost: say("NO LINK"),
   ended: say("ENDED"),
 };
-const PALETTES = ["dusk", "day", "night"];
+const PALETTES = ["dusk", "day", "bright", "night"];
 const FOOT = 0.3048; // [m]
 const BLOWN = ["forward", "mid", "aft", "negative"]; // tanks
 const BANKS = ["main", "emergency"];

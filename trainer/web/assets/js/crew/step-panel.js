@@ -19,6 +19,13 @@ const LIGHTS = {
   tanks: { place: ".panel.picture", part: "tanks", name: say("tanks") },
 };
 
+/** What works each axis, which is dimmed in a lesson that leaves it to others. @type {Record<string, string>} */
+const WORKED = {
+  rudder: ".panel.rudder",
+  planes: ".panel.planes",
+  ballast: ".panel.group",
+};
+
 /**
  * Shows the steps. Orders in backquotes of a text are keys that give them.
  * @param {import("../model/session.js").Session} session
@@ -41,6 +48,12 @@ export function furnishSteps(session, give, choose) {
     fill("#lesson-missed", missed ? missedInWords(missed) : "");
     for (const each of document.querySelectorAll("[data-lit]")) each.removeAttribute("data-lit");
     if (place) for (const each of document.querySelectorAll(`${place}, part-keys [data-name=${part}]`)) each.setAttribute("data-lit", "");
+    const hand = (session.exercise.hand ?? "").split(",");
+    for (const [axis, panels] of Object.entries(WORKED)) {
+      for (const each of document.querySelectorAll(panels)) {
+        each.toggleAttribute("data-dim", Boolean(step) && !hand.includes(axis) && !each.hasAttribute("data-lit"));
+      }
+    }
     if (begun && part) choose(part);
   });
 }

@@ -94,7 +94,7 @@ class ScopeView extends Chart {
     const { pen, width, height } = area;
     const radius = 0.5 * Math.min(width, height) - 2;
     const palette = document.documentElement.dataset.palette ?? "dusk";
-    const light = LIGHTS[palette] ?? LIGHTS.dusk;
+    const light = LIGHTS[palette === "bright" ? "day" : palette] ?? LIGHTS.dusk;
     const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
     this.dataset.view = shown;
     if (shown === "dark") this.tell(area, scene.words, light.ink);
