@@ -21,7 +21,7 @@ from trainer.api.by_number import BoatByNumber
 from trainer.api.exercise_fleet import (
     MOST_SEEN,
     SEED_COUNT,
-    SIGHTS,
+    SIGHT_NAMES,
     ExerciseFleet,
     drill_of,
     start_of,
@@ -44,12 +44,12 @@ Actions = NDArray[np.float32]
 Infos = dict[str, Any]
 ResetOptions = dict[str, Any]
 NO_NUMBER: Final = "step(): an action is a number from -1 to 1, and none is NaN"
-AUTORESETS: Final = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
+AUTORESET_MODES: Final = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
 
 
 def sight_space() -> Any:
     """Return the space of what is seen, which is typed otherwise from version to version."""
-    return spaces.Box(-MOST_SEEN, MOST_SEEN, (len(SIGHTS),), np.float32)
+    return spaces.Box(-MOST_SEEN, MOST_SEEN, (len(SIGHT_NAMES),), np.float32)
 
 
 def control_space(count: int) -> Any:
@@ -119,8 +119,8 @@ class ExerciseVectorEnv(VectorEnv[Seen, Actions, Any]):
         threads: int = 1,
     ) -> None:
         mode = AutoresetMode(autoreset_mode)
-        if mode not in AUTORESETS:
-            known = " or ".join(each.value for each in AUTORESETS)
+        if mode not in AUTORESET_MODES:
+            known = " or ".join(each.value for each in AUTORESET_MODES)
             raise ConfigError(f"autoreset_mode: must be {known}, not {mode.value}")
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self.fleet = ExerciseFleet(exercise, num_envs, step_s=step_s, threads=threads)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import trainer
-from trainer.api.exercise_fleet import SIGHTS, drill_of, start_of
+from trainer.api.exercise_fleet import SIGHT_NAMES, drill_of, start_of
 from trainer.boat.due_orders import entries_due
 from trainer.boat.effects import Effect, numbered_orders
 from trainer.config.files import shipped_names
@@ -32,11 +32,11 @@ def fleet_of(name: str, count: int) -> trainer.ExerciseFleet:
 def fly_drawn(fleet: trainer.ExerciseFleet, draws: list[int]) -> tuple[Numbers, Numbers]:
     """Return the actions of boats that steer by what they see, and what each earned."""
     random = np.random.default_rng(7)
-    shape = (fleet.count, len(fleet.controls), len(SIGHTS))
+    shape = (fleet.count, len(fleet.controls), len(SIGHT_NAMES))
     weights = random.choice((0.02, 0.1, 0.3), (fleet.count, 1, 1)) * random.standard_normal(shape)
     weights[0] = 0.0
-    weights[0, :, SIGHTS.index("depth less ordered")] = 0.5  # one that goes the right way
-    weights[0, :, SIGHTS.index("theta")] = -0.5
+    weights[0, :, SIGHT_NAMES.index("depth less ordered")] = 0.5  # one that goes the right way
+    weights[0, :, SIGHT_NAMES.index("theta")] = -0.5
     actions: list[Numbers] = []
     seen, earned = fleet.reset(draws=draws), np.zeros(fleet.count)
     for _ in range(fleet.steps):
@@ -96,7 +96,7 @@ def test_a_boat_that_begins_anew_leaves_the_others_as_they_are() -> None:
 
     others = [0, 2, 3]
     assert np.array_equal(before[others], after[others])
-    assert after[1, SIGHTS.index("time left")] == pytest.approx(600.0 / 120.0)
+    assert after[1, SIGHT_NAMES.index("time left")] == pytest.approx(600.0 / 120.0)
     assert fleet.begun.tolist() == [True, False, True, True]
 
 

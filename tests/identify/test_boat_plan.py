@@ -22,12 +22,12 @@ from trainer.identify.boat.noise import Noise, usual_noise
 from trainer.identify.boat.planned_trial import exercise_text, render_plan
 from trainer.identify.boat.prior import read_prior
 from trainer.identify.boat.trial import read_trial
-from trainer.identify.boat.trial_legs import LEGS, Leg, room_of, sail_legs, waters_of
+from trainer.identify.boat.trial_legs import TRIAL_LEGS, Leg, room_of, sail_legs, waters_of
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.units import DEGREE
 
 MINUTES = 6.0
-BY_NAME = {leg.name: leg for leg in LEGS}
+BY_NAME = {leg.name: leg for leg in TRIAL_LEGS}
 TURN_20 = Leg("turn at 20 deg", "rudder", 20.0)
 # deviations after a quarter of an hour, of fits of BB2 by another program: diameters at 15 and
 # 25 deg [m], depth after a minute of 5 deg of planes [m], critical speed [m/s]; NaN: it has none
@@ -95,7 +95,7 @@ def test_what_is_expected_is_what_a_fit_then_tells(own: Path) -> None:
     assert found.found.converged
     there = replace(prior, values=found.posterior.values)
     sailed = sail_legs(
-        prior.vessel, prior.values, LEGS[:1], 60.0, waters_of(prior.vessel, None, None)
+        prior.vessel, prior.values, TRIAL_LEGS[:1], 60.0, waters_of(prior.vessel, None, None)
     )
     told = plan.information_of(there, sailed._replace(trial=trial), found.noise)
     slopes = slopes_of(own)
@@ -173,7 +173,7 @@ def test_a_rudder_goes_over_at_the_angle_of_its_zigzag(own: Path) -> None:
 def test_too_many_orders_are_told(own: Path, tmp_path: Path) -> None:
     asked = plan.open_question(str(own), MINUTES, None, None)
     vessel = asked.prior.vessel
-    sailed = sail_legs(vessel, vessel.values, LEGS[:1], 60.0, asked.waters)
+    sailed = sail_legs(vessel, vessel.values, TRIAL_LEGS[:1], 60.0, asked.waters)
     many = sailed._replace(orders=sailed.orders * 600)
     with pytest.raises(ConfigError, match="orders, and an exercise has 500 at most"):
         exercise_text(plan.TrialPlan(asked.prior, asked.waters, many, ()), tmp_path / "x.toml")

@@ -22,7 +22,7 @@ from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.debrief.tick_judge import nobody_aboard
 
-BOATS: Final = 256  # policies of a generation, in pairs of opposite noise
+GENERATION_SIZE: Final = 256  # policies of a generation, in pairs of opposite noise
 HIDDEN_UNITS: Final = 12
 START_SIZE, NOISE_SIZE, PACE = 0.1, 0.15, 0.03  # [-] of weights; of a step by Adam
 FIRST_DECAY, SECOND_DECAY, LEAST_ROOT = 0.9, 0.99, 1e-8  # of Adam's means
@@ -90,16 +90,17 @@ def fly_policies(
 
 def generations_of(exercise: str, seed: int) -> Iterator[Numbers]:
     """Yield the weights of the mean policy after each generation."""
-    fleet = trainer.ExerciseFleet(exercise, BOATS)
+    fleet = trainer.ExerciseFleet(exercise, GENERATION_SIZE)
     policies, random = Policies(len(fleet.sights), len(fleet.controls)), np.random.default_rng(seed)
     mean = START_SIZE * random.standard_normal(policies.ends[-1])
     first = second = np.zeros_like(mean)
     for count in counted(1):
-        half = random.standard_normal((BOATS // 2, mean.size))
+        half = random.standard_normal((GENERATION_SIZE // 2, mean.size))
         noise = np.concatenate((half, -half))
-        draws = random.integers(1 << 31, size=BOATS // 2).tolist() * 2  # a pair has one sea
+        seas = random.integers(1 << 31, size=GENERATION_SIZE // 2).tolist()
+        draws = seas * 2  # a pair has one sea
         ranks = shared_ranks(fly_policies(fleet, policies, mean + NOISE_SIZE * noise, draws))
-        rise = np.einsum("b,bw->w", ranks, noise) / (BOATS * NOISE_SIZE)
+        rise = np.einsum("b,bw->w", ranks, noise) / (GENERATION_SIZE * NOISE_SIZE)
         first = FIRST_DECAY * first + (1.0 - FIRST_DECAY) * rise
         second = SECOND_DECAY * second + (1.0 - SECOND_DECAY) * rise * rise
         root = np.sqrt(second / (1.0 - SECOND_DECAY**count)) + LEAST_ROOT
@@ -138,7 +139,7 @@ def baselines(exercise: str, seed: int, generations: int) -> Baselines:
         BaselineMarks("reference crew", rehearsed(fleet, draws, crewed=True)),
         BaselineMarks(f"learned by seed {seed}", (*fly_policy(fleet, weights, draws).tolist(),)),
     ]
-    ticks = fleet.drill.last * (BOATS + TRIAL_SEAS) * generations
+    ticks = fleet.drill.last * (GENERATION_SIZE + TRIAL_SEAS) * generations
     digest = hashlib.sha256(weights.tobytes()).hexdigest()[:16]
     return Baselines(exercise, tuple(rows), generations, ticks, digest)
 

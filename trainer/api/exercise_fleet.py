@@ -40,13 +40,13 @@ OFF_SIZES: Final = {"course": 0.3, "depth": 10.0, "speed": 1.0, "pitch": 0.08}
 OFF_FIELDS: Final = {"course": "psi", "depth": "z", "speed": "u", "pitch": "theta"}
 TIME_SIZE_S: Final = 120.0
 # what an axis that is in hand is ordered by
-CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {
+AXIS_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {
     "rudder": ("rudder",),
     "planes": ("stern", "bow"),
     "speed": ("turns",),
     "ballast": ("flood auxiliary", "pump trim forward"),
 }
-WATER_CONTROLS: Final = CONTROLS["ballast"]
+WATER_CONTROLS: Final = AXIS_CONTROLS["ballast"]
 Sights = NDArray[np.float32]
 SIGHT_FIELDS: Final = (
     *USUAL_SIZES,
@@ -55,7 +55,7 @@ SIGHT_FIELDS: Final = (
     *(stamp for _, stamp in CREW_ORDERS.values()),
     "tick",
 )
-SIGHTS: Final = (
+SIGHT_NAMES: Final = (
     *USUAL_SIZES,
     *(f"{axis} less ordered" for axis in CREW_ORDERS),
     "time since an order",
@@ -96,7 +96,7 @@ class Drill:
 
     def sights(self, rows: Numbers) -> Sights:
         """Return what is seen in rows [n, SIGHT_FIELDS], by usual sizes."""
-        seen = np.empty((len(rows), len(SIGHTS)), np.float32)
+        seen = np.empty((len(rows), len(SIGHT_NAMES)), np.float32)
         write_sights(rows, self.toward, OFF_DIVISORS, self.times, seen)
         return seen
 
@@ -142,7 +142,7 @@ def drill_of(exercise: str | Path, step_s: float | None = None) -> Drill:
     refuse_words(plan)
     if boat.world.acts:
         raise ConfigError(f"{plan.title}: a current and ships are moved by run() of one Boat alone")
-    controls = tuple(name for axis in plan.hand for name in CONTROLS[axis])
+    controls = tuple(name for axis in plan.hand for name in AXIS_CONTROLS[axis])
     surfaces = (name for name in controls if name in SURFACES)
     lacking = {name for name in surfaces if not boat.carries(name)}
     controls = tuple(name for name in controls if name not in lacking)
@@ -233,14 +233,14 @@ class ExerciseFleet:
     ) -> None:
         self.drill = drill = drill_of(exercise, step_s)
         self.exercise, self.count = exercise, count
-        self.controls, self.sights, self.steps = drill.controls, SIGHTS, drill.steps
+        self.controls, self.sights, self.steps = drill.controls, SIGHT_NAMES, drill.steps
         options: FleetOptions = {"ticks": drill.ticks, "each_tick": True, "threads": threads}
         self._fleet = Fleet.of_plan(
             drill.plan, count, orders=drill.controls, reads=drill.reads, **options
         )
         self._judge = TickJudge(drill.plan, count)
         self._at = np.zeros(count, np.int64)  # [tick]
-        self._seen = np.zeros((count, len(SIGHTS)), np.float32)
+        self._seen = np.zeros((count, len(SIGHT_NAMES)), np.float32)
         self.marks = np.zeros(count)  # [%] that a record which ends here has
         self.lost = np.zeros(count, bool)
         self.reset()

@@ -22,7 +22,7 @@ from trainer.core.plant.parts import (
 from trainer.units import KNOT
 
 LITRE: Final = 1e-3  # [m3]
-STROKE: Final = math.radians(60.0)  # [rad] of which the file says the oil
+STROKE_RAD: Final = math.radians(60.0)  # [rad] of which the file says the oil
 KILOWATT_HOUR: Final = 3.6e6  # [J]
 NO_PLACE: Final = -1.0
 ENDURANCE_SPEEDS_KN: Final = (5.0, 10.0, 15.0, 20.0)
@@ -82,7 +82,7 @@ def _write_oil(plant: Plant, c: Any) -> None:
     surfaces = plant.surfaces
     strokes = surfaces.rudder_l, surfaces.stern_l, surfaces.bow_l
     for surface, litres in enumerate(strokes):
-        c.oil_angle[surface] = LITRE * litres / STROKE
+        c.oil_angle[surface] = LITRE * litres / STROKE_RAD
     c.oil_rated, c.oil_dead = 1e6 * surfaces.rated_mpa, 1e6 * surfaces.dead_mpa
     c.emergency_share, c.trail_share = surfaces.emergency_share, surfaces.trail_share
     c.hand_rate = math.radians(surfaces.hand_deg_s)

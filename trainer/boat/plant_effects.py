@@ -39,7 +39,7 @@ MOVED_NAMES: Final = {
     ("stern", "bow"): "both pairs of planes",
     X_PLANES: "the X-tail, rudder and stern planes,",
 }
-AIRWAYS: Final = {
+VENTILATION_CODES: Final = {
     "secure": (SECURED, "ventilation secured"),
     "run": (RUN_VENTILATION, "ventilation running"),
     "exhaust": (EXHAUSTING, "exhausting smoke; the boat needs air from above for it"),
@@ -117,7 +117,7 @@ def load_rows(_boat: Boat) -> Iterator[ConstantRow]:
 
 def ventilation_rows(_boat: Boat) -> Iterator[ConstantRow]:
     """Yield the orders to the ventilation."""
-    for word, (code, answer) in AIRWAYS.items():
+    for word, (code, answer) in VENTILATION_CODES.items():
         yield ConstantRow(f"ventilation {word}", {"ventilation": float(code)}, answer)
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from trainer.classroom.launch import ClassSite
     from trainer.config.class_file import ClassFile
 
-FOLDER: Final = click.Path(file_okay=False, path_type=Path)
+FOLDER_PATH: Final = click.Path(file_okay=False, path_type=Path)
 boats_option = click.option("--boats", type=int, default=3, metavar="N", help="How many, 1 to 24.")
 
 
@@ -52,8 +52,10 @@ boats_option = click.option("--boats", type=int, default=3, metavar="N", help="H
     help="Where the pages are; beyond this machine only with --token.",
 )
 @page_options
-@click.option("--folder", type=FOLDER, help="Of recordings. [default: in the recordings' folder]")
-@click.option("--resume", type=FOLDER, help="Go on with the class kept in this folder.")
+@click.option(
+    "--folder", type=FOLDER_PATH, help="Of recordings. [default: in the recordings' folder]"
+)
+@click.option("--resume", type=FOLDER_PATH, help="Go on with the class kept in this folder.")
 def class_command(
     exercise: str | None, token: tuple[str, ...], resume: Path | None, **options: Any
 ) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-RANKS: Final = ("emergency", "alarm", "warning", "caution")  # the most urgent first
-SILENCED: Final = "silenced"
-OWED_STATES: Final = ("active", SILENCED, "rectified")  # of who has not acknowledged it
-NORMAL: Final = "normal"
+RANK_WORDS: Final = ("emergency", "alarm", "warning", "caution")  # the most urgent first
+SILENCED_STATE: Final = "silenced"
+OWED_STATES: Final = ("active", SILENCED_STATE, "rectified")  # of who has not acknowledged it
+NORMAL_STATE: Final = "normal"
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,9 @@ class ListedAlert:
 
     def state(self, now: float) -> str:
         """Return its state at a time [s] on the screen's clock."""
-        return "active" if self.last_state == SILENCED and self.due <= now else self.last_state
+        return (
+            "active" if self.last_state == SILENCED_STATE and self.due <= now else self.last_state
+        )
 
     @property
     def owed(self) -> bool:
@@ -37,7 +39,7 @@ class ListedAlert:
     @property
     def place(self) -> tuple[bool, int, int]:
         """Return its place: what is owed first, then rank, then the newest."""
-        return not self.owed, RANKS.index(self.rank), -self.number
+        return not self.owed, RANK_WORDS.index(self.rank), -self.number
 
 
 @dataclass
@@ -60,7 +62,7 @@ class AlertList:
     def take_rank(self, _seconds: float, subject: str) -> None:
         """Take the rank of the next alert."""
         number, _, rank = subject.partition(",")
-        if rank in RANKS:
+        if rank in RANK_WORDS:
             self._ranks = {int(number): rank}
 
     def take(self, seconds: float, subject: str) -> None:
@@ -74,6 +76,6 @@ class AlertList:
         """Take what has become of an alert, which leaves the list once nothing is due."""
         number, state, left, duty, _ = subject.split(",", 4)
         known = self.alerts.pop(int(number), None)
-        if known and state != NORMAL:
+        if known and state != NORMAL_STATE:
             due = self.clock() + float(left)
             self.alerts[known.number] = replace(known, last_state=state, due=due, duty=duty)

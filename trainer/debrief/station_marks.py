@@ -21,9 +21,9 @@ from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.facts import REFERENCE_GIVER, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 
-AUTOMATIC: Final = "the autopilot"  # has what is held by order
+AUTOMATIC_HOLDER: Final = "the autopilot"  # has what is held by order
 STRANGE_HANDS: Final = {INSTRUCTOR_ROLE, REFERENCE_GIVER.role}  # whose no marks of a crew are
-UNNAMED: Final = "not named"  # had the watch until somebody said a name
+UNNAMED_PERSON: Final = "not named"  # had the watch until somebody said a name
 
 
 class TaskHand(NamedTuple):
@@ -33,7 +33,7 @@ class TaskHand(NamedTuple):
     persons: tuple[str, ...] = ()  # that had the watch then; "" where none was named
 
     def __str__(self) -> str:
-        names = ", then ".join(each or UNNAMED for each in self.persons)
+        names = ", then ".join(each or UNNAMED_PERSON for each in self.persons)
         return f"{self.role} ({names})" if names else self.role
 
 
@@ -56,7 +56,7 @@ class TaskMarks:
     def crewed(self) -> bool:
         """Return whether the crew worked it, and no instructor."""
         roles = {each.role for each in self.hands}
-        return bool(roles - {AUTOMATIC}) and not roles & STRANGE_HANDS
+        return bool(roles - {AUTOMATIC_HOLDER}) and not roles & STRANGE_HANDS
 
     @property
     def person(self) -> str:
@@ -76,7 +76,7 @@ class TaskMarks:
 
 
 class _Hold(NamedTuple):
-    """Who has an axis from a tick on; a role, AUTOMATIC, or "" after the exercise's schedule."""
+    """Who has an axis from a tick on: a role, AUTOMATIC_HOLDER, or "" by the schedule."""
 
     tick: int
     axis: str
@@ -88,7 +88,7 @@ def attribute_marks(
 ) -> tuple[TaskMarks, ...]:
     """Return whose the marks of each task are, of those that count."""
     holds = tuple(_holds(trajectory.orders))
-    there = {hold.role for hold in holds} - {"", AUTOMATIC} - STRANGE_HANDS
+    there = {hold.role for hold in holds} - {"", AUTOMATIC_HOLDER} - STRANGE_HANDS
     alone = there.pop() if len(there) == 1 else ""
     last, found = int(trajectory.ticks[-1]), []
     for score in card.scores:
@@ -120,11 +120,11 @@ def _holds(orders: Iterable[RecordedOrder]) -> Iterator[_Hold]:
         if entry.accepted is False or not isinstance(order, Order):
             continue
         scheduled = entry.giver.kind is GiverKind.SCHEDULE
-        role = AUTOMATIC if entry.giver.kind is GiverKind.GUARD else entry.giver.role
+        role = AUTOMATIC_HOLDER if entry.giver.kind is GiverKind.GUARD else entry.giver.role
         for axis in moved_axes(order):
             yield _Hold(entry.tick, axis, "" if scheduled else role)
             if axis in ORDER_WORDS[order.name].automates(order.word):
-                yield _Hold(entry.tick + (not scheduled), axis, AUTOMATIC)
+                yield _Hold(entry.tick + (not scheduled), axis, AUTOMATIC_HOLDER)
 
 
 def _hands(
@@ -146,7 +146,7 @@ def _hands(
         spans.setdefault(role, []).append((tick, tick))
     for place, axis in enumerate(() if spans else axes):
         for role, first, last in _spells(holds, axis, begin, end, carried=place == 0):
-            if role and not (place and role == AUTOMATIC):
+            if role and not (place and role == AUTOMATIC_HOLDER):
                 spans.setdefault(role, []).append((first, last))
     ordered = {axis for axis, steering in ORDERED_AXES.items() if steering in axes[:1]}
     for axis, entry in changed_orders(trajectory.orders):

@@ -41,7 +41,7 @@ from trainer.debrief.trajectory import (
 )
 from trainer.session.past.plan import Plan
 
-PARTS: Final = {"task": tallies.TASK, "answer": tallies.ANSWER, "keeping": tallies.KEEPING}
+PART_CODES: Final = {"task": tallies.TASK, "answer": tallies.ANSWER, "keeping": tallies.KEEPING}
 TRAVEL_COLUMNS: Final = (
     *(f"delta_{letter}" for letter in SURFACES.values()),
     *(f"{name}_by_hand" for name in SURFACES),
@@ -144,7 +144,7 @@ def _rule_row(rule: ScoreRule, boat: Boat, held: list[Row]) -> Row:
     score, step = rule.score, boat.method.step
     row: Row = {
         "measure": MEASURE_NAMES.index(score.measure),
-        "part": PARTS[rule.part],
+        "part": PART_CODES[rule.part],
         "band": score.band or 0.0,
         "begin": (score.from_s or 0.0) / step,
         "end": math.inf if score.to_s is None else score.to_s / step,

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from trainer.console.alerts import SILENCED, ListedAlert
+from trainer.console.alerts import SILENCED_STATE, ListedAlert
 from trainer.console.journal import clock
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, line
@@ -37,7 +37,7 @@ def duty_of(alert: ListedAlert, state: str) -> str:
     """Return the order that is due, or who is to give it; "" for none."""
     if not alert.owed:
         return ""
-    silence = "" if state in (SILENCED, "rectified") else f"ack silent {alert.number}"
+    silence = "" if state in (SILENCED_STATE, "rectified") else f"ack silent {alert.number}"
     if alert.rank == "emergency":  # it takes no acknowledgement
         return silence
     if alert.duty == "you":

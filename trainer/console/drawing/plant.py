@@ -13,7 +13,7 @@ from trainer.console.pane import Line, Lines, Run, fit, line
 NAME_COLUMNS: Final = 7  # [columns]
 LOW_OIL_MPA: Final = 16.0  # [MPa] below which oil is low, as the session's alert has it
 SMOKE_PERCENT: Final = 5.0  # [%] likewise
-SURFACES: Final = ("rudder", "stern", "bow")
+SURFACE_NAMES: Final = ("rudder", "stern", "bow")
 
 
 def told(model: SessionModel, field: str, says: str = "", *, usual: str = "") -> tuple[Run, ...]:
@@ -83,7 +83,7 @@ def plant(model: SessionModel, width: int, height: int) -> Lines:
             *told(model, "loads", "loads", usual="on"),
             *told(model, "ventilation", "ventilation", usual="running"),
         ),
-        supply(model, "plant", SURFACES),
+        supply(model, "plant", SURFACE_NAMES),
         line(
             (
                 f" dead {picture.word('plant', 'dead')}" if picture.word("plant", "dead") else "",

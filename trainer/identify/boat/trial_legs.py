@@ -69,7 +69,7 @@ class Leg(NamedTuple):
         return f"{begun}; at {self.execute:g} deg {motion}, {other} as much; and so to and fro"
 
 
-LEGS: Final = (
+TRIAL_LEGS: Final = (
     Leg("turn at 15 deg", "rudder", 15.0),
     Leg("turn at 25 deg", "rudder", 25.0),
     Leg("zig-zag 10/10", "rudder", 10.0, 10.0),
@@ -78,7 +78,7 @@ LEGS: Final = (
     Leg("vertical zig-zag 8/5", "stern", 8.0, 5.0),
     Leg("acceleration", "turns", 0.6),
 )
-PLAIN_LEG: Final = next(leg for leg in LEGS if leg.name == "zig-zag 20/20")
+PLAIN_LEG: Final = next(leg for leg in TRIAL_LEGS if leg.name == "zig-zag 20/20")
 
 
 class Waters(NamedTuple):
@@ -145,7 +145,7 @@ def _metres(option: str, whole: str, text: str) -> float:
 def able_legs(surfaces: Surfaces) -> tuple[Leg, ...]:
     """Return the legs that the surfaces of a boat allow."""
     most = {"rudder": surfaces.rudder_limit_deg, "stern": surfaces.stern_plane_limit_deg}
-    return tuple(leg for leg in LEGS if leg.angle <= most.get(leg.control, math.inf))
+    return tuple(leg for leg in TRIAL_LEGS if leg.angle <= most.get(leg.control, math.inf))
 
 
 class _Watch:
