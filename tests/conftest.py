@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Generator, Iterator
 from functools import partial
 from pathlib import Path
@@ -19,7 +18,6 @@ from helpers.installation import PACKAGES, SLOW_PACKAGES, install_missing
 from trainer.boat.boat import Boat
 
 NEEDING_THE_CORE_ALONE = ("core", "core and not slow", "laws")  # what is chosen by -m
-FLEETS = ("test_fleet", "test_sweep", "test_python_")  # files of tests that fly members at once
 WAITING = ("web", "session", "console")  # folders of tests that mostly wait, for ticks and pages
 pytest_plugins = [
     *("helpers.browser", "helpers.crewed", "helpers.few_points", "helpers.once_more"),
@@ -59,13 +57,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Begin to compile what several processes would compile side by side: the core, fits, fleets.
+    """Begin to compile what several processes would compile side by side: the core and fits.
 
     A boat's core comes with the package, except where settings of numba ask for other code; it is
     waited for. Fits, and ships that are not linear, go on beside the first tests, because their
-    own tests come late, and fleets too, whose tests come last. Who names files of tests waits for
-    the core alone: what else those need they compile. Programs are installed, where that is
-    allowed, unless no test starts any.
+    own tests come late. Who names files of tests waits for the core alone: what else those need
+    they compile. Programs are installed, where that is allowed, unless no test starts any.
     """
     if not getattr(session.config.option, "numprocesses", None):
         return
@@ -75,16 +72,11 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if named or chosen in NEEDING_THE_CORE_ALONE:
         assert_done(core)
         return
-    beside = [started("helpers.fitted")]
+    fits = started("helpers.fitted")
     if "not process" not in chosen:
         install_missing(PACKAGES | (SLOW_PACKAGES if chosen == "slow" else {}))
-        folder = tempfile.TemporaryDirectory()
-        session.config.add_cleanup(folder.cleanup)
-        few = ["--members", "2", "--jobs", "1", "--out", f"{folder.name}/few"]
-        beside.append(started("trainer", "sweep", "turn-uncertainty", *few))
     assert_done(core)
-    for process in beside:
-        session.config.add_cleanup(partial(assert_done, process))
+    session.config.add_cleanup(partial(assert_done, fits))
 
 
 @pytest.hookimpl(wrapper=True)
@@ -112,11 +104,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with tests that wait in half of the processes, with those that compute in the others.
 
     Each process takes its share as it stands here, and what others have left over. Tests of fits
-    come late, and those of fleets last of all, when these are compiled.
+    come late, when these are compiled.
     """
     items.sort(key=lambda item: item.path)  # which processes collect in orders of their own
     items.sort(key=lambda item: item.path.parent.name == "identify")
-    items.sort(key=flies_members)
     processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     half = max(processes // 2, 1)
     waiting = [item for item in items if item.path.parent.name in WAITING]
@@ -127,11 +118,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for i in range(half):
         items += waiting[i * few : (i + 1) * few] + computing[i * beside : (i + 1) * beside]
     items += computing[half * beside :]
-
-
-def flies_members(item: pytest.Item) -> bool:
-    """Return whether a test flies members of a fleet or sweep, which take minutes to compile."""
-    return item.path.name.startswith(FLEETS) or "fleet" in item.name or "boat sweep" in item.name
 
 
 @pytest.fixture(scope="session", autouse=True)

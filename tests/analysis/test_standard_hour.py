@@ -11,7 +11,6 @@ from trainer.analysis.bench.standard_hour import (
     digest,
     fly_standard_hour,
     for_level,
-    in_a_fleet,
     in_another_process,
     levels_here,
     lines,
@@ -77,11 +76,6 @@ def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None
     assert digest(fly_standard_hour(build(way))) == SHA256  # type: ignore[arg-type]
 
 
-@pytest.mark.process  # as all that flies fleets
-def test_a_member_of_a_fleet_ends_the_hour_in_the_same_bits() -> None:
-    assert digest(fly_standard_hour(in_a_fleet)) == SHA256
-
-
 @pytest.mark.process
 def test_an_interpreted_process_takes_the_same_ticks() -> None:
     expected = digest(fly_standard_hour(in_a_loop, SHORT))
@@ -97,7 +91,7 @@ def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(
 
 
 def test_the_ways_of_this_machine_are_compared_whole() -> None:
-    names = {way_name(), "in a fleet of 17", "interpreted", *levels_here()}
+    names = {way_name(), "interpreted", *levels_here()}
     assert set(ways()) == names
 
 

@@ -29,7 +29,6 @@ from trainer.config.vessel import load_vessel
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
 @click.option("--parts", is_flag=True, help="Only the tick by its parts, in a sea and in a calm.")
 @click.option("--against", metavar="COMMIT", help="With the parts: the tick beside that commit's.")
-@click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")
 @click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
 @click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")
 @click.option("--wasm", is_flag=True, help="Only an hour by the core for WebAssembly, in node.")

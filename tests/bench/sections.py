@@ -8,7 +8,6 @@ from c_twin.compiler import SAME_BITS, build
 
 from bench import (
     control,
-    fleet,
     footprint,
     identify,
     instructions,
@@ -51,7 +50,6 @@ SECTIONS: Final = {
         NoCompilerError, Section(lambda _wanted: same_bits_as_c(), whole.lines)
     ),
     "parts": Section(lambda wanted: parts.time_parts(wanted.file), parts.lines),
-    "side_by_side": Section(lambda wanted: fleet.time_side_by_side(wanted.file), fleet.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
     "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
     "wasm": or_left_out(

@@ -13,7 +13,6 @@ from helpers.tables_1969 import CORE_WORDS
 from helpers.typed import type_command
 
 from bench import control, footprint, peers, sections, wasm
-from bench import fleet as fleet_module
 from bench import parts as parts_module
 from bench.__main__ import bench
 from trainer.analysis.bench.sections import Section
@@ -93,7 +92,7 @@ def test_the_standard_hour_ends_in_the_same_bits_in_every_way_and_in_c() -> None
     figures = sections.same_bits_as_c()
 
     assert figures.same
-    assert len(figures.sha256) == 3 + len(levels_here()) + len(SAME_BITS)
+    assert len(figures.sha256) == 2 + len(levels_here()) + len(SAME_BITS)
 
 
 @pytest.mark.process
@@ -103,26 +102,6 @@ def test_an_hour_in_node_is_timed_without_its_start() -> None:
 
     assert figures.ticks == 7200
     assert f"7200 ticks {figures.hour_ms:.0f} ms" in wasm.lines(figures)[-1]
-
-
-@pytest.mark.process
-@pytest.mark.slow
-def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for name, few in (("FEW", 32), ("MANY", 64), ("ALONE", 50), ("FLIGHTS", 1)):
-        monkeypatch.setattr(fleet_module, name, few)
-    monkeypatch.setattr(fleet_module, "levels_here", lambda: ["x86-64-v2"])
-    monkeypatch.setattr(fleet_module, "level_per_s", lambda _file, level: len(level) * 1.0)
-
-    figures = fleet_module.time_side_by_side(load_vessel("bb2"))
-
-    rates = (figures.alone_per_s, figures.few_per_s, figures.many_per_s, figures.threads_per_s)
-    assert min(rates) > 0.0
-    assert figures.levels_per_s == {"x86-64-v2": 9.0}
-    assert (figures.few_boats, figures.many_boats) == (32, 64)
-    assert figures.many_of_few == pytest.approx(figures.many_per_s / figures.few_per_s)
-    assert fleet_module.few_per_s(str(load_vessel("bb2").path)) > 0.0
 
 
 def test_a_step_of_scipy_takes_the_boat_on(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -45,7 +45,7 @@ HERE = platforms.fitting_name(binding.get_host_cpu_features()) or ""
 MAKE = "trainer boat export-core trainer/boat/shipped --cpu shipped"
 CALLERS = ("analysis", "api", "boat", "config", "debrief", "report", "session", "cli")
 # what goes on compiling: fleets, ships, and what is lowered
-COMPILING = ("analysis/fleet", "analysis/sweep", "boat/ship", "boat/export", "identify")
+COMPILING = ("analysis/sweep", "boat/ship", "boat/export", "identify")
 MAX_BYTES = 1_090_000  # of all objects, a quarter of it for units
 MANY_PER_CALL = {entry.fly, entry.sail, entry.steer}
 jitted = pytest.mark.skipif(

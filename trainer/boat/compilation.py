@@ -1,6 +1,6 @@
 """What numba compiles on this machine, announced once and marked in the cache.
 
-A boat needs none of it (``machine_code``); fits, ships and fleets do. A cache folder holds a mark
+A boat needs none of it (``machine_code``); fits and ships do. A cache folder holds a mark
 once all that they need has been compiled into it. The mark is named by what numba asks before it
 gives machine code back, so that it speaks for this Python, this numba, this processor and these
 files only.
@@ -18,12 +18,7 @@ from pathlib import Path
 from types import FrameType
 
 from trainer.core.digest import sources
-from trainer.core.kernel import INTERPRETED, is_tested
-
-
-def known_compiler() -> bool:
-    """Return whether kernels are compiled, by a version of numba that fleets know."""
-    return not INTERPRETED and is_tested(importlib.metadata.version("numba"))
+from trainer.core.kernel import INTERPRETED
 
 
 @contextlib.contextmanager

@@ -7,7 +7,7 @@ not that there is none.
 from collections.abc import Sequence
 from typing import Final
 
-BENCH_COMPARISONS: Final = ("--against-c", "--side-by-side", "--footprint", "--peers", "--identify")
+BENCH_COMPARISONS: Final = ("--against-c", "--footprint", "--peers", "--identify")
 # By the command and its removed option, "" for the whole command: what to type now. An option comes
 # before its whole command, because the first match is taken.
 MOVED_COMMANDS: Final = {

@@ -16,7 +16,6 @@ KERNEL_FOLDERS = (  # folders that have any
     "core",
     "boat/ship",
     "identify/kernels",
-    "analysis/fleet",
     "analysis/sweep",
 )
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.

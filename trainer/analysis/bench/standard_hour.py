@@ -1,9 +1,8 @@
 """One hour is the same everywhere, in every way of this machine.
 
-However the tick is computed, compiled or interpreted, for whatever processor, alone or in a fleet,
-the hour ends in the same bits; ``digest`` is their name. Orders are carried out by the
-helm, between ticks, on the records themselves. ``trainer dev bench`` flies it in each way, and says
-which differs.
+However the tick is computed, compiled or interpreted, for whatever processor, the hour ends in the
+same bits; ``digest`` is their name. Orders are carried out by the helm, between ticks, on the
+records themselves. ``trainer dev bench`` flies it in each way, and says which differs.
 """
 
 import hashlib
@@ -17,10 +16,8 @@ from pathlib import Path
 from typing import Final
 
 import click
-import numpy as np
 
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.fleet.ensemble import NO_ORDERS, Ensemble, fly_members
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
@@ -75,7 +72,6 @@ HOUR_ORDERS: Final = """
 """
 
 TickRunner = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
-FLEET_MEMBERS: Final = 17  # a full block of LANE_COUNT boats, and one boat that begins the next
 CHILD_PROGRAM: Final = """
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
@@ -128,19 +124,6 @@ class SameBits:
     same: bool
 
 
-def in_a_fleet(records: Records, count: int) -> int:
-    """Take ``count`` ticks as the last member of a fleet. Return 1 where any member is lost.
-
-    A fleet flies a member alone where side by side cannot compute it, such as in a sea. The test
-    covers that too.
-    """
-    vessel, compact, scheme, state, _ = records
-    fleet = Ensemble(vessel, compact, scheme, np.repeat(state, FLEET_MEMBERS))
-    lost = fly_members(fleet, NO_ORDERS, count, max(count, 1), ()).lost
-    state[:] = fleet.states[-1:]
-    return int((lost >= 0).any())
-
-
 def in_another_process(environment: dict[str, str], last: int = HOUR_TICKS) -> str:
     """Return the digest of the hour up to ``last``, computed with other numba settings.
 
@@ -179,7 +162,6 @@ def ways(last: int = HOUR_TICKS) -> dict[str, Callable[[], str]]:
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
         way_name(): partial(fly_hour, in_a_loop, last),
-        f"in a fleet of {FLEET_MEMBERS}": partial(fly_hour, in_a_fleet, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
     }

@@ -11,18 +11,10 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.analysis.fleet.ensemble import NO_ORDERS, Ensemble, Schedule, orders
-from trainer.analysis.fleet.shipped import (
-    Codes,
-    find_codes,
-    fly_level,
-    order_boats_sea,
-    set_boat_out,
-    stand_boat_by,
-)
 from trainer.analysis.manoeuvres.flight import MAX_FLIGHT_CYCLES, Conn, Manoeuvre, Mark
 from trainer.analysis.manoeuvres.submarine import CONTROL_SURFACES, DEEP_WATER_M
 from trainer.analysis.manoeuvres.vehicle import Control
+from trainer.analysis.sweep.ensemble import NO_ORDERS, Ensemble, Schedule, boat_of, orders
 from trainer.boat.assemble import (
     Method,
     body_values,
@@ -35,9 +27,12 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.autopilot.autopilot import stand_by_all
+from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
-from trainer.core.state import STATE, new_scratch
+from trainer.core.sea.sea import order_sea
+from trainer.core.start import level_flight, set_out
+from trainer.core.state import STATE
 from trainer.core.terms import LENGTH_POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
 
@@ -122,46 +117,6 @@ def script_of(
     return Script(tuple(scribe.lines), tuple(conn.marks), scribe.tick)
 
 
-class FleetStart(NamedTuple):
-    """How all boats of a fleet start."""
-
-    speed: Numbers  # [member] [m/s]
-    depth: float  # [m]
-    law: float  # of depth keeping
-    calm: Numbers  # [member, ...] what ``order_sea`` takes
-
-
-@kernel
-def start_fleet(
-    codes: Codes, fleet: Ensemble, exact: Record, how: FleetStart, scratch: Record, fit: Numbers
-) -> None:
-    """Start every boat of a fleet at depth in a calm.
-
-    ``fit`` becomes 1 where a boat flies straight, else 0.
-    """
-    scheme = fleet.scheme
-    for member in range(fleet.states.size):
-        index = min(member, fleet.compacts.size - 1)  # one may serve them all
-        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[index : index + 1]
-        state = fleet.states[member : member + 1]
-        c, s = vessel[0], state[0]
-        for i in range(s.whole.size):
-            s.whole[i] = 0.0
-        s.weight, s.x_g, s.y_g, s.z_g = c.weight, c.x_g, c.y_g, c.z_g
-        fit[member] = fly_level(codes, vessel, compact, exact, state, scratch, how.speed[member])
-        if fit[member] == 0.0:
-            continue
-        s.z, s.seed = how.depth, 1.0
-        set_boat_out(codes, vessel, compact, scheme, state, scratch)
-        stand_boat_by(codes, vessel, scheme[0].h, state, scratch)
-        s.telegraph_order = s.u_c
-        calm = how.calm[min(member, how.calm.shape[0] - 1)]
-        for i in range(1, s.sea.size):
-            s.sea[i] = calm[i]
-        order_boats_sea(codes, vessel, scheme[0].h, 0.0, calm, scratch, state)
-        s.depth_law = how.law
-
-
 class VesselBatch(NamedTuple):
     """Vessels by member, and the sense of a deflection as ``Boat.toward`` has it."""
 
@@ -225,6 +180,26 @@ def carries_surface(made: VesselBatch, surface: str) -> NDArray[np.bool_]:
     return np.asarray((made.toward[surface] != 0.0) & (made.vessels[f"limit_{letter}"] > 0.0))
 
 
+def start_member(boat: tuple[Record, ...], exact: Record, speed: float, calm: Numbers) -> bool:
+    """Start a boat at depth in a calm; return whether it flies straight.
+
+    ``speed`` is in m/s, ``exact`` the scheme with the equations alone, ``calm`` what ``order_sea``
+    takes.
+    """
+    vessel, compact, scheme, state, scratch = boat
+    c, s, h = vessel[0], state[0], float(scheme["h"][0])
+    s.weight, s.x_g, s.y_g, s.z_g = c.weight, c.x_g, c.y_g, c.z_g
+    if not level_flight(vessel, compact, exact, state, scratch, speed):
+        return False
+    s.z, s.seed = DEEP_WATER_M, 1.0
+    set_out(*boat)
+    stand_by_all(vessel, h, state, scratch)
+    s.telegraph_order = s.u_c
+    s.sea[1:] = calm[1 : s.sea.size]
+    order_sea(vessel, h, 0.0, calm, scratch, state)
+    return True
+
+
 def start_members(
     made: VesselBatch, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
@@ -238,15 +213,19 @@ def start_members(
     exact = equations_alone(scheme)
     exact["exact"] = 1
     calm = load_sea("calm")
-    gravities = np.unique(made.vessels["g"])
-    if len(gravities) > 1:
-        gravities = made.vessels["g"]
-    settings = np.array([sea_settings(calm, float(g)) for g in gravities])
+    gravities = made.vessels["g"]
+    settings = {g: np.array(sea_settings(calm, g)) for g in np.unique(gravities).tolist()}
     fleet = Ensemble(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
-    fit, how = np.zeros(count), FleetStart(speeds, DEEP_WATER_M, law, settings)
     with np.errstate(all="ignore"):
-        start_fleet(find_codes(), fleet, exact, how, new_scratch(), fit)
-    able = fit > 0.0
+        able = np.array(
+            [
+                start_member(
+                    boat_of(fleet, i), exact, float(speeds[i]), settings[float(gravities[i])]
+                )
+                for i in range(count)
+            ]
+        )
+    fleet.states["depth_law"] = law
     for control in needs:
         if control in CONTROL_SURFACES:
             able &= carries_surface(made, CONTROL_SURFACES[control][0])

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from trainer.analysis.fleet.ensemble import fly_members
 from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust_manoeuvre, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import (
@@ -25,6 +24,7 @@ from trainer.analysis.manoeuvres.submarine import (
     Submarine,
 )
 from trainer.analysis.sweep import fleets
+from trainer.analysis.sweep.ensemble import fly_members
 from trainer.analysis.sweep.fleets import Script, script_of
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member_values, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
@@ -224,7 +224,7 @@ class ManoeuvreSubject:
             law = max(law, REPORT_LAW)  # without gains the report's
         fleet, able = fleets.start_members(made, case.method, speeds, law, self.trial.needs)
         schedule = fleets.join_scripts(fleet.states, made, written)
-        flight = fly_members(fleet, schedule, written[0].ticks, 1, UNTIMED_COLUMNS)
+        flight = fly_members(fleet, schedule, written[0].ticks, UNTIMED_COLUMNS)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
         steep = np.abs(flight.rows[:, :, UNTIMED_COLUMNS.index("theta")]) > MAX_PITCH_RAD
         good = able & (flight.lost < 0) & ~steep.any(axis=1)

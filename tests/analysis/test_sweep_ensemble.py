@@ -1,48 +1,28 @@
 """Boats flown many at once are the boats flown alone."""
 
 import hashlib
-import re
-import subprocess
-import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
 
-import numba
 import numpy as np
 import pytest
-from helpers.places import environment
-from numba import config, float64, int64
-from numba.types import Type  # type: ignore[attr-defined]
 
-from trainer.analysis.fleet import tick as tick_module
-from trainer.analysis.fleet.block import supports_boat, supports_scheme, tanks_rest
-from trainer.analysis.fleet.ensemble import (
+from trainer.analysis.sweep.ensemble import (
     NO_ORDERS,
     Ensemble,
-    FleetFlight,
+    EnsembleFlight,
     Schedule,
     fly_members,
     orders,
 )
-from trainer.analysis.fleet.lanes import BLOCK_TYPE, LANE_COUNT, relay_kernel
-from trainer.analysis.fleet.side_by_side import new_work
-from trainer.boat import compilation, machine_code
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.core import kernel
-from trainer.core.elementary import cosine, exponential, sine
-from trainer.core.kernel import inlined
 from trainer.core.kinematics import EXACT_TRIGONOMETRY, LINEAR_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY
 from trainer.core.state import STATE, new_scratch
 from trainer.core.update import update
 
-pytestmark = pytest.mark.process  # fleets are compiled
-
 TICKS = 120
-MEMBERS = LANE_COUNT + 5  # a whole block, and one that is not full
+MEMBERS = 7
 MakeBoat = Callable[..., Boat]
-compiled = pytest.mark.skipif(config.DISABLE_JIT, reason="without JIT every member flies alone")  # type: ignore[attr-defined]
 
 
 @pytest.fixture
@@ -50,7 +30,6 @@ def boat(make_boat: MakeBoat) -> Boat:
     """Return a boat of the modified set under way."""
     boat = make_boat(equations="modified")
     boat.start(5.0, 100.0, 0.0)
-    boat.state.trim_by_hand = 1.0  # with water on the move a boat flies alone
     return boat
 
 
@@ -137,30 +116,17 @@ def names_at(difference: np.ndarray) -> set[str]:
 
 def fly_as_alone(
     fleet: Ensemble, schedule: Schedule = NO_ORDERS, ticks: int = TICKS
-) -> FleetFlight:
+) -> EnsembleFlight:
     """See that members flown at once end in all as those flown one by one; return the flight."""
     alone, rows = flown_alone(fleet, schedule, ticks)
 
-    flown = fly_members(fleet, schedule, ticks, 1, ("u", "z", "delta_s"))
+    flown = fly_members(fleet, schedule, ticks, ("u", "z", "delta_s"))
 
     different = fleet.states["whole"].view(np.uint64) != alone["whole"].view(np.uint64)
     assert names_at(different) == set()
     assert digest(fleet.states) == digest(alone)
     assert np.array_equal(flown.rows, rows, equal_nan=True)
     return flown
-
-
-@pytest.fixture
-def works(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """Return where a fleet works, once it has flown."""
-    made: list[Any] = []
-
-    def make() -> Any:
-        made.append(new_work())
-        return made[0]
-
-    monkeypatch.setattr("trainer.analysis.fleet.side_by_side.new_work", make)
-    return made
 
 
 @pytest.mark.parametrize(
@@ -184,15 +150,6 @@ def test_every_number_of_a_member_is_that_of_the_boat_flown_alone(
     rows = fly_as_alone(fleet).rows
 
     assert np.isfinite(rows[:, -1]).all(axis=1).sum() > MEMBERS // 2, "most come to the end"
-
-
-@compiled
-def test_ordinary_members_are_not_flown_alone(boat: Boat, works: list[Any]) -> None:
-    fly_members(fleet_of(boat, LANE_COUNT), NO_ORDERS, 10, 10, ("z",))
-
-    assert works[0].alone.tolist() == [0] * LANE_COUNT
-    numbers = works[0].block.reshape(-1, LANE_COUNT)
-    assert numbers[STATE_OFFSETS["tick"]].tolist() == [10.0] * LANE_COUNT
 
 
 def test_members_obey_at_ticks_of_their_own(boat: Boat) -> None:
@@ -219,60 +176,6 @@ def test_a_member_that_comes_up_from_the_deep_feels_the_surface(boat: Boat) -> N
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("sea_height", 3.0),
-        ("casualty", 1.0),
-        ("held_position", 1.0),
-        ("depth_law", 1.0),
-        ("move_trim", 500.0),
-        ("hover", 1.0),
-        ("breach_aft", 0.01),
-        ("negative_flood", 1.0),
-        ("compressor", 1.0),
-        ("drained", 2.0),
-        ("trim_by_hand", 0.0),
-        ("wave_share", 0.5),
-        ("ascent", 1.0),
-    ],
-)
-def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(
-    boat: Boat, name: str, value: float
-) -> None:
-    fleet = fleet_of(boat, 3)
-    fleet.states["sea_omega"] = 0.6
-    fleet.states[1].whole[STATE_OFFSETS[name]] = value
-
-    assert [supports_boat(fleet.vessels, fleet.states[i : i + 1]) for i in range(3)] == [1, 0, 1]
-    fly_as_alone(fleet, ticks=30)
-
-
-@compiled
-def test_members_off_centre_fly_alone_and_the_others_side_by_side(
-    boat: Boat, works: list[Any]
-) -> None:
-    fleet = fleet_of(boat, 4)._replace(compacts=np.repeat(boat.records.compact, 4))
-    fleet.compacts["off_centre"][1] = 1.0
-    fleet.compacts["YB"][1] = 1e5
-    fleet.states["water"][2] -= 1.0
-    fleet = fleet._replace(vessels=np.repeat(boat.records.vessel, 4))
-    fleet.vessels["y"][2] = 0.5  # of the tanks: seen when their water is weighed
-
-    fly_as_alone(fleet, ticks=30)
-
-    assert works[0].alone[:4].tolist() == [0, 1, 1, 0]
-
-
-def test_a_boat_whose_buoyancy_varies_with_depth_is_no_ordinary_one(boat: Boat) -> None:
-    for name in ("compressibility", "layers"):
-        vessel = boat.records.vessel.copy()
-        vessel[name] = 1.0
-
-        assert tanks_rest(vessel, boat.records.state)
-        assert not supports_boat(vessel, boat.records.state)
-
-
-@pytest.mark.parametrize(
     ("equations", "rates", "integrator"),
     [
         ("full", "lagged", "adams2"),
@@ -281,14 +184,13 @@ def test_a_boat_whose_buoyancy_varies_with_depth_is_no_ordinary_one(boat: Boat) 
         ("modified", "lagged", "adams3"),
     ],
 )
-def test_other_ways_to_compute_a_fleet_are_flown_alone(
+def test_a_member_flies_by_any_equations_and_integrator(
     make_boat: MakeBoat, equations: str, rates: str, integrator: str
 ) -> None:
     boat = make_boat("bb2", equations, rates, integrator)
     boat.start(5.0, 100.0, 0.0)
     fleet = random_fleet(boat, 9)
 
-    assert not supports_scheme(boat.records.scheme)
     fly_as_alone(fleet, ticks=20)
 
 
@@ -299,7 +201,7 @@ def test_armed_triggers_fire_in_a_fleet(boat: Boat) -> None:
     boat.records.scheme["trigger_threshold"][0, 0] = 5.0
     fleet = fleet_of(boat, 2)
 
-    fly_members(fleet, NO_ORDERS, 10, 10, ("z",))
+    fly_members(fleet, NO_ORDERS, 10, ("z",))
 
     assert fleet.states["triggers_spent"].tolist() == [1.0, 1.0]
 
@@ -319,7 +221,7 @@ def test_gains_follow_the_speed_through_the_schedule(boat: Boat) -> None:
 
 def test_a_boat_without_autopilot_may_follow_one_that_has_it(boat: Boat) -> None:
     fleet = random_fleet(boat, 11)
-    fleet.vessels["gain_count"][LANE_COUNT:] = 0.0  # in lanes that had one
+    fleet.vessels["gain_count"][1:] = 0.0
 
     fly_as_alone(fleet, ticks=30)
 
@@ -329,7 +231,7 @@ def test_an_order_acts_before_its_tick(boat: Boat) -> None:
     places = [STATE_OFFSETS["ordered_r"], STATE_OFFSETS["rudder_by_hand"]]
     schedule = orders([3, 3], places, [[0.1, 1.0], [0.2, 1.0]])
 
-    flown = fly_members(fleet, schedule, 5, 1, ("command_r", "ordered_r"))
+    flown = fly_members(fleet, schedule, 5, ("command_r", "ordered_r"))
 
     assert flown.rows[:, 3] == pytest.approx(np.zeros((2, 2)), abs=1e-12)
     assert flown.rows[:, 4].tolist() == [[0.1, 0.1], [0.2, 0.2]]
@@ -339,11 +241,11 @@ def test_a_member_whose_numbers_are_lost_stays_and_the_others_go_on(boat: Boat) 
     fleet = fleet_of(boat, 3)
     schedule = orders(4, STATE_OFFSETS["q"], [[0.0], [np.inf], [0.0]])
 
-    flown = fly_members(fleet, schedule, 10, 2, ("tick",))
+    flown = fly_members(fleet, schedule, 10, ("tick",))
 
     assert flown.lost.tolist() == [-1, 4, -1]
     assert fleet.states["tick"].tolist() == [10.0, 4.0, 10.0]
-    assert np.isnan(flown.rows[1, 3:]).all()
+    assert np.isnan(flown.rows[1, 5:]).all()
     assert not np.isnan(flown.rows[[0, 2]]).any()
 
 
@@ -366,103 +268,9 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
     long = 20 * TICKS  # that they do overlap
 
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda fleet: fly_members(fleet, NO_ORDERS, long, long, ("z",)), fleets[:2]))
+        list(pool.map(lambda fleet: fly_members(fleet, NO_ORDERS, long, ("z",)), fleets[:2]))
     for fleet in fleets[2:]:
-        fly_members(fleet, NO_ORDERS, long, long, ("z",))
+        fly_members(fleet, NO_ORDERS, long, ("z",))
 
     assert digest(fleets[0].states) == digest(fleets[2].states)
     assert digest(fleets[1].states) == digest(fleets[3].states)
-
-
-@compiled
-@pytest.mark.parametrize(
-    ("name", "first"),
-    [
-        ("compute_rates", int64),
-        pytest.param("deflect_surfaces", float64, marks=pytest.mark.slow),
-        pytest.param("advance_command_speed", float64, marks=pytest.mark.slow),
-    ],
-)
-def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
-    # a cached kernel cannot be looked into
-    fresh = inlined(getattr(tick_module, name).py_func).dispatcher
-    fresh.compile((first, BLOCK_TYPE))
-
-    assert re.search(r"<\d+ x double>", fresh.inspect_llvm(fresh.signatures[0]))
-
-
-@compiled
-@pytest.mark.parametrize("function", [sine, cosine, exponential])
-def test_elementary_functions_have_the_same_bits_in_a_lane(function: Callable) -> None:  # type: ignore[type-arg]
-    in_lane = relay_kernel(function, tick_module.LANE_KERNELS)
-    random = np.random.default_rng(3)
-    arguments = [
-        *random.uniform(-20.0, 20.0, 3000),
-        *random.uniform(-1e5, 1e5, 1000),
-        *(k * np.pi / 4 for k in range(-9, 10)),
-        *(0.0, -0.0, 1e9, -1e12, 700.0, -800.0),
-    ]
-
-    for x in arguments:
-        assert np.float64(in_lane(x)).tobytes() == np.float64(function(x)).tobytes()
-
-
-@pytest.mark.slow
-def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
-    boat: Boat, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    fleets = [random_fleet(boat, 11) for _ in range(2)]
-    schedule = orders(
-        [3, 40, 40],
-        [STATE_OFFSETS["ordered_depth"], STATE_OFFSETS["ordered_r"], STATE_OFFSETS["ordered_psi"]],
-        [90.0, 0.2, 0.0],
-    )
-    first = fly_members(fleets[0], schedule, TICKS, 2, ("u", "z", "psi"))
-
-    monkeypatch.setattr(kernel, "TESTED_NUMBA", ((9, 0), (9, 1)))
-    assert not compilation.known_compiler()
-    monkeypatch.setitem(sys.modules, "trainer.analysis.fleet.side_by_side", None)
-    second = fly_members(fleets[1], schedule, TICKS, 2, ("u", "z", "psi"))
-
-    assert digest(fleets[0].states) == digest(fleets[1].states)
-    assert np.array_equal(first.rows, second.rows, equal_nan=True)
-    assert np.array_equal(first.lost, second.lost)
-
-
-@compiled
-def test_the_compiler_is_one_that_vector_code_was_tested_with() -> None:
-    assert compilation.known_compiler(), (
-        f"numba {numba.__version__} is not within TESTED of core/kernel.py: fleets fly one by one "
-        "with it, ticks are slower, nothing is exported. Extend it, and run this, test_tick.py "
-        "and test_export.py."
-    )
-
-
-FLEET_IN_A_NEW_PROCESS = """
-import numpy as np
-from trainer.analysis.fleet import shipped
-from trainer.analysis.sweep.fleets import by_files, start_members
-from trainer.boat.assemble import Method
-from trainer.config.vessel import load_vessel
-
-method = Method("modified", "lagged", "exact", "adams2", 0.5)
-fleet, able = start_members(by_files([load_vessel("bb2")], method), method, np.array([5.0]), 0, ())
-compiled = [each.__name__ for each in shipped.SHIPPED_KERNELS if "dispatcher" in vars(each)]
-print(f"fit {able.astype(float)}, compiled {compiled}")
-"""
-
-
-@compiled
-@pytest.mark.skipif(
-    machine_code.way_name() == machine_code.BY_NUMBA, reason="no machine code is shipped for this"
-)
-def test_a_fleet_does_not_compile_what_is_shipped(tmp_path: Path) -> None:
-    told = subprocess.run(
-        [sys.executable, "-c", FLEET_IN_A_NEW_PROCESS],
-        env=environment(XDG_CACHE_HOME=str(tmp_path)),  # nothing is compiled yet
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-
-    assert told.stdout == "fit [1.], compiled []\n"
