@@ -108,7 +108,7 @@ def boat_of(ensemble: Ensemble, member: int) -> tuple[Record, ...]:
 def stretches_of(
     schedule: Schedule, member: int, ticks: int
 ) -> Iterator[tuple[int, int, list[tuple[int, float]]]]:
-    """Yield begin, end and what is written at the begin of each stretch without an order."""
+    """Yield begin and end of each stretch, and what is written at its begin."""
     row = min(member, len(schedule.tick) - 1)
     due = schedule.tick[row].tolist()
     writes = list(zip(schedule.offset[row].tolist(), schedule.value[row].tolist(), strict=True))
