@@ -17,8 +17,6 @@ from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
 
-pytestmark = pytest.mark.process  # fleets are compiled
-
 FACTOR = "distribution = 'normal'\nmean = 1.0\nstd = 0.1\nrelative = true"
 SAMPLE = "[sample]\nplan = 'latin-hypercube'\nmembers = {members}\nseed = 5"
 

@@ -23,7 +23,7 @@ from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core import digest
 
-pytestmark = pytest.mark.process  # fleets are compiled
+pytestmark = pytest.mark.process  # fits are compiled, and studies flown in processes
 
 TURNS = """
 schema = "sweep/1"

@@ -25,7 +25,7 @@ from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
 from trainer.report.plots import Panel
 
-pytestmark = pytest.mark.process  # fleets are compiled
+pytestmark = pytest.mark.process  # fits are compiled, and studies flown in processes
 
 HEAD = """schema = "sweep/1"
 name = "test"

@@ -447,7 +447,6 @@ def test_a_manoeuvre_by_call_is_that_of_the_command() -> None:
     assert turn.columns["t"].size == turn.columns["z"].size
 
 
-@pytest.mark.process  # fleets are compiled
 def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
