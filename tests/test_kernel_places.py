@@ -26,7 +26,7 @@ from trainer.identify.kernels.nonlinear_steering import BENT
 
 PACKAGE: Final = Path(trainer.__file__).parent
 FOLDERS: Final = ("core", "identify/kernels", "boat/ship")
-KINDS: Final = {"kernel", "part", "lean", "unlocked", "inlined"}
+KINDS: Final = {"kernel", "inline_kernel", "lean_kernel", "unlocked"}
 ARRAYS: Final = ("Numbers", "Entries", "Complexes", "Mask", "Places", "NDArray", "Terms")
 NEXT_ROW: Final = "the next row of a table, beside the one that was found"
 AS_IN_THE_REPORT: Final = "entries of a matrix, by the numbers that its source gives them"

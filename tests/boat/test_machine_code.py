@@ -57,7 +57,7 @@ def unpacked(name: str) -> bytes:
     return gzip.decompress((FOLDER / f"{name}.o.gz").read_bytes())
 
 
-DECORATORS = {"kernel", "part", "unlocked", "inlined"}
+DECORATORS = {"kernel", "inline_kernel", "unlocked"}
 
 
 def core_thing(module: str, name: str) -> Any:

@@ -15,7 +15,15 @@ from trainer.boat.plant import plant_facts
 from trainer.config.vessel import load_vessel
 from trainer.core.plant.fire import advance_fire
 from trainer.core.plant.oil import advance_oil, draw_oil, fed_share, oil_pressure, rate_share
-from trainer.core.plant.parts import BUSES, CONSUMERS, FIRST_LEG, MAIN, PORT, RUNNING, is_dead
+from trainer.core.plant.parts import (
+    BUS_NAMES,
+    CONSUMER_NAMES,
+    FIRST_LEG,
+    MAIN,
+    PORT,
+    RUNNING,
+    is_dead,
+)
 from trainer.core.plant.plant import work_plant
 from trainer.core.plant.power import bus_load, drain_battery
 from trainer.io.orders.grammar import Order, parse
@@ -132,7 +140,7 @@ def test_a_battery_lasts_so_long_at_a_speed(
 
     drain_battery(vessel, H, state)
 
-    loads = sum(float(bus_load(vessel, bus, state)) for bus in range(len(BUSES)))
+    loads = sum(float(bus_load(vessel, bus, state)) for bus in range(len(BUS_NAMES)))
     assert loads == pytest.approx(159.2e3)
     assert loads + 5.2e6 * (knots / 20.0) ** 3 == pytest.approx(1e3 * kilowatts, rel=5e-6)
     spent = float(boat.state.battery_spent) / H
@@ -184,7 +192,9 @@ def test_a_fire_that_is_cleared_gives_back_what_it_burnt(boat: Boat) -> None:
     for _ in range(700):
         boat.tick()
     assert s.starboard_dead == 1.0
-    assert is_dead(CONSUMERS.index("propulsion"), boat.records.state) == (s.burnt[AFT] >= 180.0)
+    assert is_dead(CONSUMER_NAMES.index("propulsion"), boat.records.state) == (
+        s.burnt[AFT] >= 180.0
+    )
 
     ordered(boat, "clear fire-aft")
     boat.tick()
@@ -198,7 +208,7 @@ def test_a_bus_that_is_lost_stops_what_hangs_on_it_alone(boat: Boat) -> None:
     ordered(boat, "casualty bus-starboard-lost")
     boat.tick()
 
-    dead = {name for i, name in enumerate(CONSUMERS) if is_dead(i, boat.records.state)}
+    dead = {name for i, name in enumerate(CONSUMER_NAMES) if is_dead(i, boat.records.state)}
     assert dead == {"hydraulic_2", "drain", "compressor", "log", "sounder"}
     assert bus_load(boat.records.vessel, 1, boat.records.state) == 0.0
 
@@ -210,7 +220,7 @@ def test_a_bus_that_is_lost_stops_what_hangs_on_it_alone(boat: Boat) -> None:
 
 
 def test_the_gyro_goes_on_for_a_quarter_of_an_hour(boat: Boat) -> None:
-    s, gyro = boat.state, CONSUMERS.index("gyro")
+    s, gyro = boat.state, CONSUMER_NAMES.index("gyro")
     s.port_fault = 1.0
     for tick in range(1, 1803):
         work_plant(boat.records.vessel, H, boat.records.state)
@@ -251,7 +261,7 @@ def test_an_empty_battery_leaves_all_dead(boat: Boat) -> None:
         boat.tick()
 
     assert [s.bus_dead[i] for i in range(3)] == [1.0, 1.0, 1.0]
-    assert is_dead(CONSUMERS.index("propulsion"), boat.records.state)
+    assert is_dead(CONSUMER_NAMES.index("propulsion"), boat.records.state)
     assert s.plant_touched == 1.0
 
 

@@ -12,12 +12,12 @@ from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.plant.parts import (
     BURNING_ITEMS,
-    BUSES,
-    CONSUMERS,
+    BUS_NAMES,
+    CONSUMER_NAMES,
     FED_AUTOPILOT,
     OIL_PUMPS,
     OIL_SYSTEMS,
-    PLACES,
+    PLACE_NAMES,
 )
 from trainer.units import KNOT
 
@@ -41,7 +41,7 @@ def plant_facts(plant: Plant, fastest: float) -> PlantFacts:
 
     A stroke is that of the stern planes, 60 degrees; the pumps stand still.
     """
-    always = CONSUMERS[FED_AUTOPILOT:]
+    always = CONSUMER_NAMES[FED_AUTOPILOT:]
     loads = sum(row.power_w for row in plant.hotel)
     loads += sum(row.power_w for row in plant.consumers if row.name in always)
     battery = plant.battery
@@ -92,11 +92,11 @@ def _write_oil(plant: Plant, c: Any) -> None:
 def _write_power(plant: Plant, c: Any) -> None:
     """Write what draws power, from where, and the battery."""
     for row in plant.consumers:
-        index = CONSUMERS.index(row.name)
-        c.feeders[index] = sum(1 << BUSES.index(bus) for bus in row.buses)
+        index = CONSUMER_NAMES.index(row.name)
+        c.feeders[index] = sum(1 << BUS_NAMES.index(bus) for bus in row.buses)
         c.power_drawn[index] = row.power_w
     for hotel in plant.hotel:
-        bus = BUSES.index(hotel.bus)
+        bus = BUS_NAMES.index(hotel.bus)
         c.hotel[bus], c.hotel_shed[bus] = hotel.power_w, hotel.shed_w
     battery = plant.battery
     c.bus_limit, c.overload_time = battery.bus_limit_w, battery.overload_s
@@ -110,10 +110,10 @@ def _write_fire(plant: Plant, c: Any) -> None:
     c.burn_place[:] = c.place_bus[:] = NO_PLACE
     for item in plant.burning:
         index = BURNING_ITEMS.index(item.name)
-        c.burn_place[index], c.burn_dose[index] = PLACES.index(item.compartment), item.dose_s
+        c.burn_place[index], c.burn_dose[index] = PLACE_NAMES.index(item.compartment), item.dose_s
     for row in plant.compartments:
         if row.bus:
-            c.place_bus[PLACES.index(row.name)] = BUSES.index(row.bus)
+            c.place_bus[PLACE_NAMES.index(row.name)] = BUS_NAMES.index(row.bus)
     fire = plant.fire
     c.fire_start, c.fire_growth, c.fire_fight = fire.start, fire.growth_s, fire.fight_s
     c.fire_party, c.fire_out = fire.party_s, fire.out

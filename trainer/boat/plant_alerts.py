@@ -14,7 +14,7 @@ import numpy as np
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
-from trainer.core.plant.parts import BUSES, MAIN, OIL_SYSTEMS, PLACES
+from trainer.core.plant.parts import BUS_NAMES, MAIN, OIL_SYSTEMS, PLACE_NAMES
 
 MEGAPASCAL: Final = 1e6  # [Pa]
 LOW_MPA, WHOLE_MPA = 16.0, 18.0  # [MPa] oil is low below, and no more from here on; estimates
@@ -86,12 +86,12 @@ def plant_alerts(boat: Boat) -> Iterator[PlantAlert]:
     # where the tick has let all out, rounding may leave a drop
     least = dead - 1e-9 * float(c.oil_usable[MAIN])
     yield PlantAlert(MAIN_LOST, "", words, STATE_OFFSETS["oil_spent"] + MAIN, least, rated)
-    for bus, name in enumerate(BUSES):
+    for bus, name in enumerate(BUS_NAMES):
         offset = STATE_OFFSETS["bus_dead"] + bus
         yield PlantAlert(BUS_LOST, name, f"BUS LOST: {name}", offset, 0.0, 0.0)
     words = f"OVERLOAD: a breaker opens in {float(c.overload_time):g} s"
     yield PlantAlert(OVERLOAD, "", words, STATE_OFFSETS["overload"], 0.0, 0.0)
-    for place, name in enumerate(PLACES):
+    for place, name in enumerate(PLACE_NAMES):
         offset = STATE_OFFSETS["smoke"] + place
         yield PlantAlert(FIRE, name, f"FIRE: smoke {name}", offset, SEEN_SMOKE, THIN_SMOKE)
 

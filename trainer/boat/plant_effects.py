@@ -10,11 +10,11 @@ from trainer.boat.boat import Boat
 from trainer.core.plant.parts import (
     EXHAUSTING,
     HAND,
-    MODES,
+    MODE_NAMES,
     NORMAL,
     OIL_PUMPS,
     OIL_SYSTEMS,
-    PLACES,
+    PLACE_NAMES,
     RUN_VENTILATION,
     RUNNING,
     SECURED,
@@ -68,7 +68,7 @@ def mode_rows(boat: Boat, said: str, surfaces: tuple[str, ...]) -> Iterator[Cons
     if boat.vessel.x_tail and {*carried} & {*X_PLANES}:
         carried = [name for name in SURFACES if name in {*carried, *X_PLANES}]
     whom = MOVED_NAMES.get(tuple(carried), "all surfaces")
-    for code, mode in enumerate(MODES):
+    for code, mode in enumerate(MODE_NAMES):
         if mode in plant.surfaces.modes:
             ordered = {f"{name}_mode_ordered": float(code) for name in carried}
             begun = {f"{name}_mode_ticks": JUST_ORDERED for name in carried}
@@ -124,7 +124,7 @@ def ventilation_rows(_boat: Boat) -> Iterator[ConstantRow]:
 def fight_rows(boat: Boat) -> Iterator[ConstantRow]:
     """Yield the orders to fight a fire."""
     seconds = boat.file.plant.fire.party_s if boat.file.plant else 0.0
-    for number, place in enumerate(PLACES, start=1):
+    for number, place in enumerate(PLACE_NAMES, start=1):
         sent = {"fighting": float(number), "fight_ticks": JUST_ORDERED}
         answer = f"party to the fire {place}, at it within {seconds:g} s"
         yield ConstantRow(f"fight fire {place}", sent, answer)

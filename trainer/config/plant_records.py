@@ -21,14 +21,14 @@ from trainer.config.schema import (
 )
 from trainer.core.plant.parts import (
     BURNING_ITEMS,
-    BUSES,
-    CONSUMERS,
-    MODES,
+    BUS_NAMES,
+    CONSUMER_NAMES,
+    MODE_NAMES,
     OIL_PUMPS,
-    PLACES,
+    PLACE_NAMES,
 )
 
-NORMAL_MODE, EMERGENCY_MODE, HAND_MODE = MODES
+NORMAL_MODE, EMERGENCY_MODE, HAND_MODE = MODE_NAMES
 PUMP_CONSUMERS: Final = tuple(f"hydraulic_{name}" for name in OIL_PUMPS)
 
 
@@ -65,7 +65,7 @@ class OilPump:
 class SurfaceOil:
     """The oil that surfaces draw, and what each way of moving them gives."""
 
-    modes: tuple[str, ...] = required(Choices(MODES, "ways to move the surfaces"))
+    modes: tuple[str, ...] = required(Choices(MODE_NAMES, "ways to move the surfaces"))
     rudder_l: float = required("L", above(0, 1e5), "oil for 60 degrees of rudder")
     stern_l: float = required("L", above(0, 1e5), "... of stern planes")
     bow_l: float = required("L", above(0, 1e5), "... of bow planes")
@@ -84,8 +84,8 @@ class SurfaceOil:
 class Consumer:
     """What draws power, and from where."""
 
-    name: str = required(Choice(CONSUMERS, "which"))
-    buses: tuple[str, ...] = required(Choices(BUSES, "what can feed it"))
+    name: str = required(Choice(CONSUMER_NAMES, "which"))
+    buses: tuple[str, ...] = required(Choices(BUS_NAMES, "what can feed it"))
     power_w: float = _power("drawn while it runs")
 
 
@@ -93,7 +93,7 @@ class Consumer:
 class Hotel:
     """The small consumers of a bus together."""
 
-    bus: str = required(Choice(BUSES, "which"))
+    bus: str = required(Choice(BUS_NAMES, "which"))
     power_w: float = _power("drawn")
     shed_w: float = _power("of it, that `loads shed` takes off")
 
@@ -129,8 +129,8 @@ class Fire:
 class Compartment:
     """A compartment that can burn."""
 
-    name: str = required(Choice(PLACES, "which"))
-    bus: str | None = optional(Choice(BUSES, "that has to be dead to fight it well; none"))
+    name: str = required(Choice(PLACE_NAMES, "which"))
+    bus: str | None = optional(Choice(BUS_NAMES, "that has to be dead to fight it well; none"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +138,7 @@ class BurningItem:
     """What a fire takes away."""
 
     name: str = required(Choice(BURNING_ITEMS, "a consumer or a bus"))
-    compartment: str = required(Choice(PLACES, "where it stands"))
+    compartment: str = required(Choice(PLACE_NAMES, "where it stands"))
     dose_s: float = _time("of a whole compartment's fire that it stands")
 
 
@@ -155,11 +155,11 @@ class Plant:
         Rows(OilPump, ("note",), len(OIL_PUMPS), len(OIL_PUMPS), "of oil, below")
     )
     consumers: tuple[Consumer, ...] = required(
-        Rows(Consumer, ("note",), len(CONSUMERS), len(CONSUMERS), "all of them, below")
+        Rows(Consumer, ("note",), len(CONSUMER_NAMES), len(CONSUMER_NAMES), "all of them, below")
     )
-    hotel: tuple[Hotel, ...] = required(Rows(Hotel, ("note",), 0, len(BUSES), "by bus, below"))
+    hotel: tuple[Hotel, ...] = required(Rows(Hotel, ("note",), 0, len(BUS_NAMES), "by bus, below"))
     compartments: tuple[Compartment, ...] = required(
-        Rows(Compartment, ("note",), len(PLACES), len(PLACES), "that can burn, below")
+        Rows(Compartment, ("note",), len(PLACE_NAMES), len(PLACE_NAMES), "that can burn, below")
     )
     burning: tuple[BurningItem, ...] = required(
         Rows(BurningItem, ("note",), 0, len(BURNING_ITEMS), "what fires take away, below")
@@ -184,7 +184,7 @@ def plant_problems(plant: Plant) -> list[str]:
     if NORMAL_MODE not in surfaces.modes:
         problems.append(f"surfaces.modes = {list(surfaces.modes)}: lacks {NORMAL_MODE!r}")
     problems += [
-        f"consumers: {row.name} has no bus: give it one of {', '.join(BUSES)}"
+        f"consumers: {row.name} has no bus: give it one of {', '.join(BUS_NAMES)}"
         for row in plant.consumers
         if not row.buses
     ]

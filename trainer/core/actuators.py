@@ -17,14 +17,14 @@ from trainer.core.casualties import (
     slot_of,
 )
 from trainer.core.elementary import exponential
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.plant.oil import draw_oil, fed_share
 from trainer.core.plant.parts import NORMAL
 
 AMIDSHIPS_ANGLE = math.radians(0.5)  # [rad] a command this small is one amidships
 
 
-@part
+@inline_kernel
 def advance_surface(
     angle: float, ordered: float, limit: float, furthest: float, share: float
 ) -> float:
@@ -38,7 +38,7 @@ def advance_surface(
     return angle + min(max(travel, -furthest), furthest)
 
 
-@part
+@inline_kernel
 def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
     """Return the angle [rad] towards which a surface moves.
 
@@ -68,7 +68,7 @@ def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state
     return within(command, 0.0, c.limit[surface])
 
 
-@part
+@inline_kernel
 def servo_fault_of(surface: int, state: Record) -> int:
     """Return the slot [-] of the stuck servo that drives a surface, -1 for none.
 
@@ -79,7 +79,7 @@ def servo_fault_of(surface: int, state: Record) -> int:
     return slot_of(SERVO_CODE[surface], state)
 
 
-@part
+@inline_kernel
 def fed_target(vessel: Record, furthest: float, surface: int, share: float, state: Record) -> float:
     """Return the angle [rad] towards which a surface moves with a plant.
 
@@ -132,7 +132,7 @@ def move_fed_surfaces(vessel: Record, h: float, lag_share: float, state: Record)
     draw_oil(vessel, abs(s.delta_r - was_r), abs(s.delta_s - was_s), abs(s.delta_b - was_b), state)
 
 
-@part
+@inline_kernel
 def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     """Advance rudder and planes by ``h`` [s] towards their commands.
 

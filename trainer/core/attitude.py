@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import arctangent, cosine_and_sine
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 from trainer.core.state import PAST_CYCLES, PHI, PSI, THETA
 
 POLAR_PITCH: Final = 1.3089969389957472  # [rad] 75 deg; Euler's rates divide by cos theta
@@ -18,13 +18,13 @@ HALF_TURN: Final = 3.141592653589793
 FULL_TURN: Final = 6.283185307179586
 
 
-@part
+@inline_kernel
 def is_polar(state: Record) -> bool:
     """Return whether the boat is within 15 deg of the vertical."""
     return bool(abs(state[0].theta) > POLAR_PITCH)
 
 
-@part
+@inline_kernel
 def rotated(
     a: float, b: float, c: float, turn: tuple[float, float, float]
 ) -> tuple[float, float, float]:
@@ -46,13 +46,13 @@ def rotated(
     return a + first * a1 + second * a2, b + first * b1 + second * b2, c + first * c1 + second * c2
 
 
-@part
+@inline_kernel
 def nearest_turn(angle: float, old: float) -> float:
     """Return ``angle`` [rad] plus the whole turns that bring it nearest to ``old`` [rad]."""
     return angle + FULL_TURN * math.floor((old - angle) / FULL_TURN + 0.5)
 
 
-@part
+@inline_kernel
 def turned(
     phi: float, theta: float, psi: float, turn: tuple[float, float, float]
 ) -> tuple[float, float, float]:
@@ -80,7 +80,7 @@ def turned(
     return heel, pitch, nearest_turn(arctangent(east, north), psi)
 
 
-@part
+@inline_kernel
 def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
     """Set heel, pitch and heading [rad]; move the past motion by the same jump.
 
@@ -96,14 +96,14 @@ def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
         s.past_motion[back, PSI] += jump_psi
 
 
-@part
+@inline_kernel
 def is_beyond(state: Record) -> bool:
     """Return whether heel is beyond half a turn, or pitch beyond the vertical."""
     s = state[0]
     return abs(s.theta) > 0.5 * HALF_TURN or abs(s.phi) > HALF_TURN
 
 
-@part
+@inline_kernel
 def bring_within(state: Record) -> None:
     """Bring heel within half a turn and pitch within a quarter, for the same attitude."""
     s = state[0]
@@ -111,7 +111,7 @@ def bring_within(state: Record) -> None:
     take_attitude(heel, pitch, heading, state)
 
 
-@part
+@inline_kernel
 def forget_rates(state: Record) -> None:
     """Replace the past rates of the attitude by the present ones.
 

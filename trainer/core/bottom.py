@@ -18,7 +18,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine, sine
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import (
     AXIAL,
     GROUND_DEPTH,
@@ -43,13 +43,13 @@ Vector = tuple[float, float, float]
 Axes = tuple[Vector, Vector, Vector]  # of the body over ground: ahead, to starboard, down
 
 
-@part
+@inline_kernel
 def keel_below(vessel: Record) -> float:
     """Return how far [m] the keel is below the origin."""
     return 0.5 * vessel[0].hull_diameter + vessel[0].hull_axis
 
 
-@part
+@inline_kernel
 def clearance(state: Record, keel: float) -> float:
     """Return the least height [m] of a level ``keel`` [m] over the ground."""
     s = state[0]
@@ -59,13 +59,13 @@ def clearance(state: Record, keel: float) -> float:
     return least - s.z - keel
 
 
-@part
+@inline_kernel
 def dot(a: Vector, b: Vector) -> float:
     """Return the product of two vectors."""
     return a[NORTH] * b[NORTH] + a[EAST] * b[EAST] + a[DOWN] * b[DOWN]
 
 
-@part
+@inline_kernel
 def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float) -> float:
     """Return the load [N] on a point ``p`` [m] below the ground.
 
@@ -83,7 +83,7 @@ def carried(vessel: Record, scheme: Record, state: Record, p: float, rise: float
     return min(max(normal, -scheme[0].breakout / SOUNDING_COUNT), 0.0)
 
 
-@part
+@inline_kernel
 def push(
     vessel: Record, scheme: Record, state: Record, load: float, n: Vector, v: Vector
 ) -> Vector:
@@ -103,7 +103,7 @@ def push(
     )
 
 
-@part
+@inline_kernel
 def holding(vessel: Record, scheme: Record, state: Record) -> float:
     """Return up to which height [m] the ground holds a hull that lay there."""
     if scheme[0].breakout <= 0.0 or state[0].aground == 0.0:
@@ -112,7 +112,7 @@ def holding(vessel: Record, scheme: Record, state: Record) -> float:
     return scheme[0].breakout / (SPRING_FREQUENCY * SPRING_FREQUENCY * mass)
 
 
-@part
+@inline_kernel
 def axes(state: Record) -> Axes:
     """Return the body's axes over ground: ahead, to starboard, down."""
     s = state[0]
@@ -132,7 +132,7 @@ def axes(state: Record) -> Axes:
     return (cos_th * cos_psi, cos_th * sin_psi, -sin_th), right, down
 
 
-@part
+@inline_kernel
 def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) -> Vector:
     """Return the velocity [m/s] over ground of the keel at ``x`` and ``z`` [m]."""
     s = state[0]
@@ -147,7 +147,7 @@ def over_ground(state: Record, turned: Axes, x: float, keel: float, z: float) ->
     )
 
 
-@part
+@inline_kernel
 def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> None:
     """Add a force [N] on the keel at ``x`` [m], with its moments.
 
@@ -163,7 +163,7 @@ def add_at(turned: Axes, x: float, keel: float, f: Vector, force: Numbers) -> No
     force[YAWING] += x * aside
 
 
-@part
+@inline_kernel
 def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the ground on the keel."""
     s = state[0]
@@ -185,7 +185,7 @@ def add_ground(vessel: Record, scheme: Record, keel: float, state: Record, force
         add_at(turned, x, keel, push(vessel, scheme, state, load, n, v), force)
 
 
-@part
+@inline_kernel
 def bottom_forces(vessel: Record, scheme: Record, state: Record, force: Numbers) -> None:
     """Add what the ground does to a hull that touches it, and count the ticks.
 

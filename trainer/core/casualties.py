@@ -23,9 +23,9 @@ from trainer.core.ballast.tanks import (
     PUMPS,
     TRIM_FORWARD,
 )
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.noise import GAUGE_NOISE, SOUNDER_NOISE, gaussian
-from trainer.core.plant.parts import BUSES, FED_GYRO, OIL_SYSTEMS, PLACES, is_dead
+from trainer.core.plant.parts import BUS_NAMES, FED_GYRO, OIL_SYSTEMS, PLACE_NAMES, is_dead
 from trainer.core.state import GROUND_DEPTH, SOUNDING_COUNT, VALVES, offset_of
 from trainer.core.surfaces import SURFACES
 
@@ -97,10 +97,10 @@ PLANT_FAULTS: Final = (  # likewise, from its "plant_fault"
     *_part_kinds("hydraulic-{}-failed", "hydraulic", "failed", PLANT_SIZE, OIL_SYSTEMS),
     *_part_kinds("oil-leak-{}", "oil", "leak", PLANT_SIZE, ("header",)),
     *_part_kinds("oil-leak-{}", "oil", "leak", "oil_angle", tuple(SURFACES)),
-    *(CasualtyKind(f"bus-{bus}-lost", "bus", "lost", size=PLANT_SIZE) for bus in BUSES),
+    *(CasualtyKind(f"bus-{bus}-lost", "bus", "lost", size=PLANT_SIZE) for bus in BUS_NAMES),
     CasualtyKind("cells-lost", "cells", "lost", size=PLANT_SIZE),
     CasualtyKind("power-dip", "power", "dip", size=PLANT_SIZE),
-    *(CasualtyKind(f"fire-{place}", "fire", "burning", size=PLANT_SIZE) for place in PLACES),
+    *(CasualtyKind(f"fire-{place}", "fire", "burning", size=PLANT_SIZE) for place in PLACE_NAMES),
 )
 CASUALTY_TABLE: Final = (
     *(
@@ -171,7 +171,7 @@ PROPULSION_STUCK: Final = CODES["propulsion-stuck"]
 AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
 
 
-@part
+@inline_kernel
 def slot_of(kind: int, state: Record) -> int:
     """Return the slot [-] that holds ``kind``, NO_SLOT if none does.
 
@@ -186,7 +186,7 @@ def slot_of(kind: int, state: Record) -> int:
     return NO_SLOT
 
 
-@part
+@inline_kernel
 def fault_of(surface: int, state: Record) -> int:
     """Return the slot [-] of the casualty that acts on a surface, whatever feeds it.
 
@@ -249,7 +249,7 @@ def ramp(slot: int, state: Record) -> None:
         s.casualty_ticks[slot] = ticks + 1.0
 
 
-@part
+@inline_kernel
 def advance_casualties(state: Record) -> None:
     """Advance all ramps by one tick, then write the faults of tanks, air and plant."""
     s = state[0]
@@ -265,7 +265,7 @@ def advance_casualties(state: Record) -> None:
             write_fault(int(s.casualty[i]), s.casualty_amount[i], state)
 
 
-@part
+@inline_kernel
 def sounding(state: Record) -> float:
     """Return how far [m] the ground is below the origin, 0 without an echo."""
     s = state[0]
@@ -381,7 +381,7 @@ def end(kind: int, ticks: float, state: Record) -> int:
     return 1
 
 
-@part
+@inline_kernel
 def holds(scheme: Record, trigger: int, state: Record) -> bool:
     """Return whether the state meets the condition of a trigger."""
     m = scheme[0]
@@ -390,7 +390,7 @@ def holds(scheme: Record, trigger: int, state: Record) -> bool:
     return excess > 0.0 or (excess == 0.0 and m.trigger_strict[trigger] == 0.0)
 
 
-@part
+@inline_kernel
 def fire_triggers(scheme: Record, state: Record) -> None:
     """Begin the casualties whose conditions the last state meets.
 

@@ -13,13 +13,13 @@ y_G, x_B, y_B and the products of inertia, which the report leaves out, act wher
 import math
 
 from trainer.core.full import mass
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.kinematics import Attitude
 from trainer.core.propulsion import thrust
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
-@part
+@inline_kernel
 def forces(compact: Record, attitude: Attitude, state: Record, force: Numbers) -> None:
     """Write the right sides of (12)-(17) without accelerations to ``force``.
 
@@ -89,7 +89,7 @@ def forces(compact: Record, attitude: Attitude, state: Record, force: Numbers) -
     )
 
 
-@part
+@inline_kernel
 def further_forces(compact: Record, state: Record, force: Numbers) -> None:
     """Add the terms to ``force`` that (12)-(17) do not have.
 
@@ -123,7 +123,7 @@ def further_forces(compact: Record, state: Record, force: Numbers) -> None:
     )
 
 
-@part
+@inline_kernel
 def slip_forces(compact: Record, state: Record, force: Numbers) -> None:
     """Add the terms of the propeller's slip to ``force``, which (12)-(17) do not have.
 
@@ -147,7 +147,7 @@ def slip_forces(compact: Record, state: Record, force: Numbers) -> None:
     force[YAWING] += slip * (c.N_r_eta * s.r + c.N_v_eta * s.v + c.N_dr_eta * u * s.delta_r)
 
 
-@part
+@inline_kernel
 def off_centre(compact: Record, state: Record) -> bool:
     """Return whether the boat has any of y_G, x_B, y_B, I_xy, I_yz, I_xz."""
     return compact[0].off_centre != 0.0 or state[0].y_g != 0.0
@@ -189,7 +189,7 @@ def off_centre_forces(compact: Record, attitude: Attitude, state: Record, force:
     )
 
 
-@part
+@inline_kernel
 def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     """Add forces [N] and moments [N m] from outside."""
     c = compact[0]
@@ -201,7 +201,7 @@ def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     force[YAWING] += external[YAWING] * c.T6
 
 
-@part
+@inline_kernel
 def lagged_rates(compact: Record, force: Numbers, state: Record) -> None:
     """Write u' v' w' p' q' r' in that order.
 

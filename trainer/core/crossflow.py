@@ -8,11 +8,11 @@ from the boat.
 
 import math
 
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
-@part
+@inline_kernel
 def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
     """Add Y Z [N] and M N [N m] of the hull's strips.
 
@@ -30,7 +30,7 @@ def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
         force[YAWING] += x * lateral
 
 
-@part
+@inline_kernel
 def add_tail_and_sail(vessel: Record, state: Record, force: Numbers) -> None:
     """Add the cross-flow drag [N], [N m] of tail and sail in the water."""
     c, s = vessel[0], state[0]

@@ -9,10 +9,10 @@ out: the change over the hull itself, and the lift of the water's rotation.
 """
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 
 
-@part
+@inline_kernel
 def is_moving(state: Record) -> bool:
     """Return whether there is any current."""
     s = state[0]
@@ -21,7 +21,7 @@ def is_moving(state: Record) -> bool:
     )
 
 
-@part
+@inline_kernel
 def carry_along(state: Record) -> None:
     """Add the current to the rates of x and y, its shear to the accelerations."""
     s = state[0]

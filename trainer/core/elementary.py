@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import kernel, part
+from trainer.core.kernel import inline_kernel, kernel
 
 # Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53, so
 # that each coefficient is rounded once, and alike on every machine.
@@ -38,13 +38,14 @@ ARCTANGENT_EIGHTHS: Final = np.array(  # arctan k/8, to the nearest double
         0.7853981633974483,
     ]
 )
-MAX_POWER: Final = 64  # of two in the table, whose products are exact
-POWERS_OF_TWO: Final = np.ldexp(1.0, np.arange(-MAX_POWER, MAX_POWER + 1))
+# 1.5 times 2^52: what is added to it is rounded to a whole number, which its last bits then are
+ROUNDER: Final = 6755399441055744.0
+EXPONENT_BIAS, EXPONENT_SHIFT = 1023, 52  # of the exponent in a double's bits
 SMALL_ANGLE: Final = 0.78  # [rad] below pi/4, where no quarter turn is the nearest
 LOGARITHM_COEFFICIENTS: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])
 
 
-@part
+@inline_kernel
 def _sine_series(r: float) -> float:
     """Return sin r [-] for |r| <= pi/4, by its Taylor series to r^17."""
     s = r * r
@@ -54,7 +55,7 @@ def _sine_series(r: float) -> float:
     return r + r * s * p
 
 
-@part
+@inline_kernel
 def _cosine_series(r: float) -> float:
     """Return cos r [-] for |r| <= pi/4, by its Taylor series to r^16."""
     s = r * r
@@ -67,39 +68,26 @@ def _cosine_series(r: float) -> float:
     return whole + (((1.0 - whole) - half) + s * s * p)
 
 
-@part
-def _nearest(x: float) -> int:
-    """Return the whole number nearest to ``x`` [-], the upper one if two are as near."""
-    return math.floor(x + 0.5)
+@inline_kernel
+def _bits(x: float) -> int:
+    """Return the bits of ``x`` as a whole number."""
+    return np.float64(x).view(np.int64)  # type: ignore[return-value]  # numpy's own kind
 
 
-@part
-def _as_float(k: int) -> float:
-    """Return a whole number as a float [-]."""
-    return float(k)
+@inline_kernel
+def _power_of_two(rounded: float) -> float:
+    """Return 2 to the whole number, -1022 to 1023, that was added to ROUNDER [-]."""
+    return np.int64((_bits(rounded) + EXPONENT_BIAS) << EXPONENT_SHIFT).view(np.float64)
 
 
-@part
-def _times_power_of_two(x: float, k: int) -> float:
-    """Return ``x`` times 2 to the ``k`` [-]."""
-    if -MAX_POWER <= k <= MAX_POWER:
-        return float(x * POWERS_OF_TWO[MAX_POWER + k])
-    return math.ldexp(x, k)
-
-
-@part
-def _quarter_turns(x: float) -> int:
-    """Return the number of quarter turns nearest to ``x`` [rad], x >= 0."""
-    return _nearest(x * 0.6366197723675814)
-
-
-@part
-def _remainder(x: float, turns: int) -> float:
-    """Return ``x`` [rad] less ``turns`` quarter turns."""
-    k = _as_float(turns)
+@inline_kernel
+def _remainder(x: float) -> tuple[float, int]:
+    """Return ``x`` [rad] >= 0 less the nearest whole number of quarter turns, and the quadrant."""
+    rounded = x * 0.6366197723675814 + ROUNDER
+    k = rounded - ROUNDER
     # pi/2 in parts of at most 32 bits and a rest: products are exact up to 2^21 quarter turns
     r = x - k * 1.5707963267341256
-    return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
+    return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21, _bits(rounded) & 3
 
 
 @kernel
@@ -122,33 +110,29 @@ def nearest_turn(x: float) -> float:
     return r if x >= 0.0 else -r
 
 
-@part
+@inline_kernel
 def sine(x: float) -> float:
     """Return sin x [-], exactly odd."""
     size = abs(x)
     if not size < 1e9:
         # NaN where x is not finite, 0 where no run goes on (MAX_DISTANCE of ``update``)
         return x - x
-    turns = _quarter_turns(size)
-    r = _remainder(size, turns)
-    quadrant = turns & 3
+    r, quadrant = _remainder(size)
     value = _sine_series(r) if quadrant & 1 == 0 else _cosine_series(r)
     if quadrant >= 2:
         value = -value
     return value if x >= 0.0 else -value
 
 
-@part
+@inline_kernel
 def cosine_of_size(x: float) -> float:
     """Return cos x [-] for 0 <= x < 1e9."""
-    turns = _quarter_turns(x)
-    r = _remainder(x, turns)
-    quadrant = turns & 3
+    r, quadrant = _remainder(x)
     value = _cosine_series(r) if quadrant & 1 == 0 else _sine_series(r)
     return -value if quadrant in (1, 2) else value
 
 
-@part
+@inline_kernel
 def cosine(x: float) -> float:
     """Return cos x [-], exactly even."""
     size = abs(x)
@@ -157,7 +141,7 @@ def cosine(x: float) -> float:
     return cosine_of_size(size)
 
 
-@part
+@inline_kernel
 def cosine_and_sine(x: float) -> tuple[float, float]:
     """Return cos x and sin x [-], with the bits of ``cosine`` and ``sine``.
 
@@ -170,38 +154,36 @@ def cosine_and_sine(x: float) -> tuple[float, float]:
     return cosine_and_sine_of_any(x)
 
 
-@part
+@inline_kernel
 def cosine_and_sine_of_any(x: float) -> tuple[float, float]:
-    """Return cos x and sin x [-] by one way for all angles."""
+    """Return cos x and sin x [-] by one way for all angles.
+
+    It chooses between numbers, not between ways, so that a loop of it is computed side by side.
+    """
     size = abs(x)
-    if not size < 1e9:
-        return 1.0 + (x - x), x - x
-    turns = _quarter_turns(size)
-    r = _remainder(size, turns)
-    quadrant = turns & 3
+    r, quadrant = _remainder(size)
     even, odd = _cosine_series(r), _sine_series(r)
-    c, s = (even, odd) if quadrant & 1 == 0 else (odd, even)
-    if quadrant in (1, 2):
-        c = -c
-    if (quadrant >= 2) != (x < 0.0):
-        s = -s
-    return c, s
+    crossed, known = quadrant & 1 == 1, size < 1e9
+    c, s = (odd if crossed else even), (even if crossed else odd)
+    c = -c if (quadrant + 1) & 2 == 2 else c
+    s = -s if (quadrant & 2 == 2) != (x < 0.0) else s
+    return (c if known else 1.0 + (x - x)), (s if known else x - x)
 
 
-@part
+@inline_kernel
 def exponential(x: float) -> float:
     """Return e^x [-]; x beyond +-700 is taken as +-700, since e^710 overflows."""
     bounded = min(max(x, -700.0), 700.0)
-    power = _nearest(bounded * 1.4426950408889634)
-    k = _as_float(power)
+    rounded = bounded * 1.4426950408889634 + ROUNDER
+    k = rounded - ROUNDER
     r = (bounded - k * 0.6931471803691238) - k * 1.9082149292705877e-10
     p = EXPONENTIAL_COEFFICIENTS[0]
     for i in range(1, EXPONENTIAL_COEFFICIENTS.size):
         p = p * r + EXPONENTIAL_COEFFICIENTS[i]
-    return _times_power_of_two(1.0 + (r + r * r * p), power)
+    return (1.0 + (r + r * r * p)) * _power_of_two(rounded)
 
 
-@part
+@inline_kernel
 def _logarithm_series(s: float) -> float:
     """Return (artanh s)/s - 1, doubled [-], for |s| <= 0.172, by its Taylor series to s^20."""
     z = s * s
@@ -211,7 +193,7 @@ def _logarithm_series(s: float) -> float:
     return 2.0 * z * p
 
 
-@part
+@inline_kernel
 def logarithm_of_positive(x: float) -> float:
     """Return ln x [-] for a finite x > 0."""
     m, k = math.frexp(x)
@@ -225,7 +207,7 @@ def logarithm_of_positive(x: float) -> float:
     return k * 0.6931471803691238 - ((half - small) - f)
 
 
-@part
+@inline_kernel
 def logarithm(x: float) -> float:
     """Return ln x [-].
 
@@ -238,22 +220,22 @@ def logarithm(x: float) -> float:
     return logarithm_of_positive(x)
 
 
-@part
+@inline_kernel
 def _arctangent_of_share(t: float) -> float:
     """Return arctan t [rad] for 0 <= t <= 1, by the nearest eighth and a Taylor series to z^15."""
     if not t <= 1.0:
         return t  # not a number stays one
-    eighth = _nearest(8.0 * t)
-    c = 0.125 * _as_float(eighth)
+    rounded = 8.0 * t + ROUNDER
+    c = 0.125 * (rounded - ROUNDER)
     z = (t - c) / (1.0 + t * c)
     s = z * z
     p = ARCTANGENT_COEFFICIENTS[0]
     for i in range(1, ARCTANGENT_COEFFICIENTS.size):
         p = p * s + ARCTANGENT_COEFFICIENTS[i]
-    return ARCTANGENT_EIGHTHS[eighth] + (z + z * s * p)
+    return ARCTANGENT_EIGHTHS[_bits(rounded) & 15] + (z + z * s * p)
 
 
-@part
+@inline_kernel
 def arctangent(y: float, x: float) -> float:
     """Return the angle [rad] of the point ``x``, ``y`` from the x axis.
 

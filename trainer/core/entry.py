@@ -10,7 +10,7 @@ from typing import Final
 
 from trainer.core.casualties import instruments
 from trainer.core.elementary import cosine, nearest_turn, sine
-from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel, record_dtype
 from trainer.core.soundings import sound
 from trainer.core.update import update
 
@@ -31,7 +31,7 @@ LOOKOUT: Final = record_dtype(
 )
 
 
-@part
+@inline_kernel
 def tick(records: tuple[Record, ...], chart: Numbers) -> int:
     """Sound the ground of a chart that has numbers, then advance by one tick.
 
@@ -65,7 +65,7 @@ def fly(records: tuple[Record, ...], chart: Numbers, offsets: Numbers, out: Numb
     return 0
 
 
-@part
+@inline_kernel
 def find_refused(rules: Numbers, values: Numbers) -> int:
     """Return 1 + the first order whose value is out of bounds, else 0."""
     for k in range(rules.shape[0]):
@@ -75,7 +75,7 @@ def find_refused(rules: Numbers, values: Numbers) -> int:
     return 0
 
 
-@part
+@inline_kernel
 def obey_numbers(rules: Numbers, values: Numbers, state: Record) -> None:
     """Write to the state what orders by numbers ask for, rule by rule."""
     s = state[0]

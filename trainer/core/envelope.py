@@ -9,7 +9,7 @@ the largest angle of flow in any turn or zig-zag of the shipped boats is 31 deg.
 import math
 from typing import Final
 
-from trainer.core.kernel import Field, Record, part
+from trainer.core.kernel import Field, Record, inline_kernel
 
 INSIDE_RANGE, EXTRAPOLATED_RANGE, OUTSIDE_RANGE = 0, 1, 2
 # rows and columns of thrust_astern, by u and the command speed
@@ -85,14 +85,14 @@ PROVED_TURN_RATIO: Final = (
 MOST_SUBSTEPS: Final = 64
 
 
-@part
+@inline_kernel
 def cross_speed_squared(vessel: Record, state: Record) -> float:
     """Return v^2 + w^2 with the speed at 0.3 lengths from the origin [m2/s2]."""
     s = state[0]
     return s.v * s.v + s.w * s.w + vessel[0].cross_arm * (s.q * s.q + s.r * s.r)
 
 
-@part
+@inline_kernel
 def wide_share(vessel: Record, state: Record) -> float:
     """Return the share of the wide set in the accelerations [-]: 0 inside, 1 outside."""
     c = vessel[0]
@@ -107,7 +107,7 @@ def wide_share(vessel: Record, state: Record) -> float:
     return x * x * (3.0 - 2.0 * x)
 
 
-@part
+@inline_kernel
 def validity(vessel: Record, state: Record) -> int:
     """Return how far the equations hold: INSIDE_RANGE, EXTRAPOLATED_RANGE or OUTSIDE_RANGE [-].
 
@@ -120,7 +120,7 @@ def validity(vessel: Record, state: Record) -> int:
     return EXTRAPOLATED_RANGE if cross > c.tested * square else INSIDE_RANGE
 
 
-@part
+@inline_kernel
 def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
     """Return into how many parts a tick of ``h`` [s] is divided.
 

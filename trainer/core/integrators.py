@@ -14,7 +14,7 @@ from trainer.core.attitude import (
     turned,
 )
 from trainer.core.envelope import substeps
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.rates import rates
 from trainer.core.scheme import (
     ADAMS,
@@ -31,7 +31,7 @@ STEP_TOLERANCE = 1e-3  # of each variable's largest value
 MIN_SCALE = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as
 
 
-@part
+@inline_kernel
 def remember(state: Record) -> None:
     """Complete the history of the rates after a start or a jump.
 
@@ -45,7 +45,7 @@ def remember(state: Record) -> None:
         s.history = float(PAST_CYCLES)
 
 
-@part
+@inline_kernel
 def remember_motion(h: float, state: Record) -> None:
     """Complete the history of the motion likewise, for methods that look back on it."""
     s = state[0]
@@ -55,7 +55,7 @@ def remember_motion(h: float, state: Record) -> None:
                 s.past_motion[back, i] = s.motion[i] - (back + 1) * h * s.rates[i]
 
 
-@part
+@inline_kernel
 def recall(scheme: Record, state: Record) -> None:
     """Put sum a_i X_n-i in the place of the motion, and shift its history."""
     how = scheme[0]
@@ -71,7 +71,7 @@ def recall(scheme: Record, state: Record) -> None:
         s.motion[i] = value
 
 
-@part
+@inline_kernel
 def shift_rates(state: Record) -> None:
     """Put the present rates at the head of the past ones.
 
@@ -85,7 +85,7 @@ def shift_rates(state: Record) -> None:
         s.past_rates[0, i] = s.rates[i]
 
 
-@part
+@inline_kernel
 def adams_of(scheme: Record, terms: int, state: Record) -> None:
     """Advance by h sum b_i X'_n-i and shift the history of the rates.
 
@@ -108,13 +108,13 @@ def adams_of(scheme: Record, terms: int, state: Record) -> None:
     shift_rates(state)
 
 
-@part
+@inline_kernel
 def adams(scheme: Record, state: Record) -> None:
     """Advance by the scheme's method, one of Adams' kind: a_1 = 1 and no other."""
     adams_of(scheme, scheme[0].depth, state)
 
 
-@part
+@inline_kernel
 def past_share(h: float, state: Record) -> float:
     """Return c [-] of Adams' second order over unequal steps.
 
@@ -124,7 +124,7 @@ def past_share(h: float, state: Record) -> float:
     return 0.5 * h / last if last > 0.0 else 0.5
 
 
-@part
+@inline_kernel
 def adams_unequal(h: float, state: Record) -> None:
     """Advance by ``h`` [s] with second order, after a step of another length."""
     s = state[0]
@@ -136,7 +136,7 @@ def adams_unequal(h: float, state: Record) -> None:
     shift_rates(state)
 
 
-@part
+@inline_kernel
 def turn_of(h: float, state: Record) -> tuple[float, float, float]:
     """Return the turn [rad] about the body's axes in a step of ``h`` [s].
 
@@ -153,7 +153,7 @@ def turn_of(h: float, state: Record) -> tuple[float, float, float]:
     )
 
 
-@part
+@inline_kernel
 def multistep_step(scheme: Record, h: float, state: Record) -> None:
     """Advance by ``h`` [s] from rates already computed; near the vertical by turning."""
     how = scheme[0]
@@ -181,14 +181,14 @@ def multistep_step(scheme: Record, h: float, state: Record) -> None:
     s.polar = 1.0 if polar else 0.0
 
 
-@part
+@inline_kernel
 def multistep(scheme: Record, state: Record) -> None:
     """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i, the scheme's method."""
     recall(scheme, state)
     adams(scheme, state)
 
 
-@part
+@inline_kernel
 def turn_from_start(share: float, turn: Numbers, state: Record, scratch: Record) -> None:
     """Turn the attitude from that at the step's start.
 
@@ -307,7 +307,7 @@ def variable_runge_kutta(
                 s.substep = min(2.0 * max(h, s.substep), MAX_STEP_S)
 
 
-@part
+@inline_kernel
 def look_back(a: Numbers, b: Numbers, depth: int, h: float, state: Record, out: Numbers) -> None:
     """Write sum a_i X_n-i + h sum b_i X'_n-i to ``out`` (12,).
 
@@ -322,7 +322,7 @@ def look_back(a: Numbers, b: Numbers, depth: int, h: float, state: Record, out: 
         out[i] = value
 
 
-@part
+@inline_kernel
 def shift_histories(state: Record) -> None:
     """Put the present motion and rates at the head of the past ones."""
     s = state[0]
@@ -371,7 +371,7 @@ def pair_step(
         state[0].history = 0.0
 
 
-@part
+@inline_kernel
 def forget_unequal(scheme: Record, state: Record) -> None:
     """Forget the history after substeps, unless the method can use it.
 
@@ -383,7 +383,7 @@ def forget_unequal(scheme: Record, state: Record) -> None:
         state[0].history = 0.0
 
 
-@part
+@inline_kernel
 def advance(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:

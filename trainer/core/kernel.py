@@ -95,16 +95,14 @@ def compiled_with(**options: Any) -> Callable[[Function], Function]:
     return decorate
 
 
-# A part is a kernel whose machine code is put into that of the kernels that call it: calling parts
-# one by one took a third of the rest of the time. What is called seldom, or from many places, is no
-# part, and says so: a kernel that is first compiled within a part would take over its forceinline,
-# and the rates would be in the tick nine times over, for twice the time and memory of compiling. An
-# unlocked kernel runs long and lets other threads go on. An inlined one is a part that each of its
-# callers compiles anew.
+# The machine code of an inline kernel is put into that of the kernels that call it: calling them
+# one by one took a third of the rest of the time. What is called seldom, or from many places, is
+# not inline, and says so: a kernel that is first compiled within an inline one would take over its
+# forceinline, and the rates would be in the tick nine times over, for twice the time and memory of
+# compiling. An unlocked kernel runs long and lets other threads go on.
 kernel = compiled_with(cache=True, error_model="numpy", forceinline=False, **LEAN_OPTIONS)
-part = compiled_with(cache=True, error_model="numpy", forceinline=True, **LEAN_OPTIONS)
+inline_kernel = compiled_with(cache=True, error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 unlocked = compiled_with(cache=True, error_model="numpy", nogil=True, **LEAN_OPTIONS)
-inlined = compiled_with(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 
 
 def record_dtype(*fields: Field) -> np.dtype:

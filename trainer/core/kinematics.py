@@ -23,7 +23,7 @@ here, always exact, because its equations are not the report's.
 """
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 
 EXACT_TRIGONOMETRY, POLYNOMIAL_TRIGONOMETRY, LINEAR_TRIGONOMETRY = (
     0,
@@ -36,7 +36,7 @@ Attitude = tuple[float, float, float, float]  # [-] sine and cosine of roll, the
 MIN_PITCH_COSINE = 0.02  # [-] of |cos theta|: the equations are singular at 90 degrees
 
 
-@part
+@inline_kernel
 def pitch_roll_sine_and_cosine(trig: int, angle: float) -> tuple[float, float]:
     """Return sine and cosine [-] of pitch or roll [rad].
 
@@ -51,7 +51,7 @@ def pitch_roll_sine_and_cosine(trig: int, angle: float) -> tuple[float, float]:
     return sin_angle, cos_angle
 
 
-@part
+@inline_kernel
 def attitude_of(trig: int, state: Record) -> Attitude:
     """Return sine and cosine [-] of roll and pitch, as the equation set takes them."""
     s = state[0]
@@ -60,7 +60,7 @@ def attitude_of(trig: int, state: Record) -> Attitude:
     return sin_phi, cos_phi, sin_th, cos_th
 
 
-@part
+@inline_kernel
 def guard_cosine(cos_theta: float) -> float:
     """Return ``cos_theta`` [-] kept away from zero."""
     if abs(cos_theta) >= MIN_PITCH_COSINE:
@@ -68,7 +68,7 @@ def guard_cosine(cos_theta: float) -> float:
     return MIN_PITCH_COSINE if cos_theta >= 0.0 else -MIN_PITCH_COSINE
 
 
-@part
+@inline_kernel
 def kinematics(attitude: Attitude, state: Record) -> None:
     """Write the rates of attitude and of x, y, z, [ASSES] (7), errata A16-A19."""
     s = state[0]

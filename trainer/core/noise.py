@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine_of_any, cosine_of_size, logarithm_of_positive
-from trainer.core.kernel import part
+from trainer.core.kernel import inline_kernel
 
 WORD_MASK = 0xFFFFFFFF
 KEY_PARITY = 0x1BD11BDA
@@ -27,14 +27,14 @@ SEA_BANK: Final = 7  # of the standard spectrum, and the next of the peaked one
 SOUNDER_NOISE: Final = 9
 
 
-@part
+@inline_kernel
 def _round(x: int, y: int, turn: int) -> tuple[int, int]:
     """Return two words [-] after a round."""
     x = (x + y) & WORD_MASK
     return x, (((y << turn) | (y >> (32 - turn))) & WORD_MASK) ^ x
 
 
-@part
+@inline_kernel
 def _four_rounds(
     x: int, y: int, turns: tuple[int, int, int, int], first: int, second: int
 ) -> tuple[int, int]:
@@ -47,7 +47,7 @@ def _four_rounds(
     return (x + first) & WORD_MASK, (y + second) & WORD_MASK
 
 
-@part
+@inline_kernel
 def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
     """Return two random 32-bit words [-].
 
@@ -62,7 +62,7 @@ def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[in
     return _four_rounds(x, y, ODD_TURNS, parity, key_0 + 5)
 
 
-@part
+@inline_kernel
 def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
     """Return the two random 32-bit words [-] of a seed, a stream and a tick."""
     return threefry(
@@ -70,7 +70,7 @@ def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
     )
 
 
-@part
+@inline_kernel
 def uniform(seed: int, stream: int, tick: int) -> float:
     """Return a number [-] between 0 and 1 in steps of 2^-52.
 
@@ -80,7 +80,7 @@ def uniform(seed: int, stream: int, tick: int) -> float:
     return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16
 
 
-@part
+@inline_kernel
 def gaussian(seed: int, stream: int, tick: int) -> float:
     """Return a normal deviate [-] of mean 0 and variance 1.
 
@@ -92,7 +92,7 @@ def gaussian(seed: int, stream: int, tick: int) -> float:
     return radius * cosine_of_size(y * 1.4629180792671596e-09)
 
 
-@part
+@inline_kernel
 def gaussian_pair(seed: int, stream: int, tick: int) -> tuple[float, float]:
     """Return the deviate of ``gaussian`` [-] and the other of its pair, which is independent."""
     x, y = _words(seed, stream, tick)

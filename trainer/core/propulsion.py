@@ -26,13 +26,13 @@ from trainer.core.envelope import (
     TURNING_AHEAD,
     TURNING_ASTERN,
 )
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.plant.parts import FED_PROPULSION, FED_TELEGRAPH, is_dead
 
 POWER_ROOT_STEPS: Final = 24  # at most: from ten times the root ten are enough
 
 
-@part
+@inline_kernel
 def thrust(vessel: Record, state: Record) -> float:
     """Return thrust less axial drag [N], the third line of [ASSES] (1).
 
@@ -58,7 +58,7 @@ def thrust(vessel: Record, state: Record) -> float:
     return u * (a * abs(u) + b * u_c) + k * u_c * u_c
 
 
-@part
+@inline_kernel
 def thrust_astern(vessel: Record, state: Record) -> float:
     """Return thrust less axial drag [N] going astern, by the propeller's other two quadrants."""
     s = state[0]
@@ -82,7 +82,7 @@ def excess_eta(vessel: Record, state: Record) -> float:
     return s.u_c / speed - 1.0
 
 
-@part
+@inline_kernel
 def propulsion_target(state: Record) -> float:
     """Return the command speed [m/s] that the propulsion aims at, casualties included."""
     s = state[0]
@@ -93,7 +93,7 @@ def propulsion_target(state: Record) -> float:
     return wanted * (1.0 - s.casualty_amount[lost]) if lost >= 0 else wanted
 
 
-@part
+@inline_kernel
 def within_power(vessel: Record, way: int, flow: float, n: float) -> float:
     """Return the revolutions [1/s], at most ``n``, that the engine's power allows: P/(2 pi Q).
 
@@ -112,7 +112,7 @@ def within_power(vessel: Record, way: int, flow: float, n: float) -> float:
     return n
 
 
-@part
+@inline_kernel
 def most_revolutions(vessel: Record, way: int, flow: float) -> float:
     """Return the most revolutions [1/s] that the limits of torque and power allow.
 
@@ -127,7 +127,7 @@ def most_revolutions(vessel: Record, way: int, flow: float) -> float:
     return within_power(vessel, way, flow, n) if c.power_limit > 0.0 else n
 
 
-@part
+@inline_kernel
 def within_engine(vessel: Record, wanted: float, state: Record) -> float:
     """Return the command speed [m/s] that the engine can turn, at most ``wanted``."""
     c = vessel[0]
@@ -141,7 +141,7 @@ def within_engine(vessel: Record, wanted: float, state: Record) -> float:
     return wanted
 
 
-@part
+@inline_kernel
 def lag_share(vessel: Record, h: float) -> float:
     """Return the share [-] of their way that the revolutions go in ``h`` [s]."""
     lag = vessel[0].propulsion_lag
@@ -156,7 +156,7 @@ def write_lag_share(vessel: Record, h: float, scratch: Record) -> None:
     work.lag_share = lag_share(vessel, h)
 
 
-@part
+@inline_kernel
 def kept_lag_share(vessel: Record, h: float, scratch: Record) -> float:
     """Return the share of a tick of ``h`` [s], made anew where needed."""
     work = scratch[0]
@@ -165,7 +165,7 @@ def kept_lag_share(vessel: Record, h: float, scratch: Record) -> float:
     return float(work.lag_share)
 
 
-@part
+@inline_kernel
 def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """Advance the command speed by ``h`` [s] towards ``command_u_c``.
 
@@ -175,7 +175,7 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     turn_propeller(vessel, h, lag_share(vessel, h), state)
 
 
-@part
+@inline_kernel
 def turn_propeller(vessel: Record, h: float, share: float, state: Record) -> None:
     """Advance the command speed likewise, by a ``share`` [-] that is known."""
     c = vessel[0]

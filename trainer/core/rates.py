@@ -10,7 +10,7 @@ from trainer.core import full as full_set
 from trainer.core import wide
 from trainer.core.current import carry_along, is_moving
 from trainer.core.envelope import wide_share
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.kinematics import Attitude, attitude_of, kinematics
 from trainer.core.scheme import COMPACT_EQUATIONS, LONGITUDINAL_EQUATIONS
 from trainer.core.solve import exact, sweep
@@ -18,7 +18,7 @@ from trainer.core.stall import is_stalled, write_stalled
 from trainer.core.surfaced import emerges, write_near
 
 
-@part
+@inline_kernel
 def compact_accelerations(
     compact: Record,
     scheme: Record,
@@ -55,7 +55,7 @@ def compact_accelerations(
         sweep(work.inertia, work.force, acceleration)
 
 
-@part
+@inline_kernel
 def full_accelerations(
     vessel: Record,
     scheme: Record,

@@ -15,7 +15,7 @@ from trainer.core.ballast.tanks import BANKS, FIRST_DRY, TANKS
 from trainer.core.bottom import SOUNDING_STATIONS, keel_below
 from trainer.core.casualties import GAUGES, SOUNDER, instruments
 from trainer.core.elementary import arctangent, cosine_and_sine
-from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel, record_dtype
 from trainer.core.kinematics import guard_cosine
 from trainer.core.plant.oil import oil_pressure
 from trainer.core.plant.power import bus_load
@@ -77,7 +77,7 @@ def new_readings() -> Record:
     return np.zeros(1, READINGS)
 
 
-@part
+@inline_kernel
 def toward(vessel: Record, surface: int) -> float:
     """Return the sign [-] of a deflection that turns right or makes the boat rise.
 
@@ -95,7 +95,7 @@ def toward(vessel: Record, surface: int) -> float:
     return 1.0 if effect > 0.0 else -1.0
 
 
-@part
+@inline_kernel
 def wrapped(angle: float) -> float:
     """Return an angle [rad] as the one within half a turn."""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
@@ -211,13 +211,13 @@ def read_surroundings(vessel: Record, state: Record, readings: Record) -> None:
     out.origin, out.ordered_origin = origin(s.sea), origin(s.sea_target)
 
 
-@part
+@inline_kernel
 def peak_period(sea: Numbers) -> float:
     """Return the period [s] of a sea's peak, nothing in a calm."""
     return 2.0 * math.pi / sea[OMEGA] if sea[HEIGHT] != 0.0 else NOTHING
 
 
-@part
+@inline_kernel
 def origin(sea: Numbers) -> float:
     """Return where a sea comes from [rad], nothing in a calm."""
     return sea[DIRECTION] + math.pi if sea[HEIGHT] != 0.0 else NOTHING

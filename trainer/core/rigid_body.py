@@ -6,11 +6,11 @@ the report has them.
 
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.full import mass
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
-@part
+@inline_kernel
 def body_forces(vessel: Record, state: Record, force: Numbers) -> None:
     """Write forces [N] and moments [N m] of a turning body's mass to ``force``.
 
@@ -33,7 +33,7 @@ def body_forces(vessel: Record, state: Record, force: Numbers) -> None:
     force[YAWING] = m * (s.x_g * aside - s.y_g * ahead) + q * roll - p * pitch
 
 
-@part
+@inline_kernel
 def add_weight(vessel: Record, state: Record, force: Numbers) -> None:
     """Add weight and buoyancy [N] and their moments [N m]."""
     c, s = vessel[0], state[0]

@@ -13,7 +13,7 @@ from typing import Final
 
 from trainer.core.bottom import SOUNDING_STATIONS
 from trainer.core.elementary import cosine, cosine_and_sine
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import GROUND_DEPTH, GROUND_EAST, GROUND_NORTH, SOUNDING_COUNT
 
 SOUTH, WEST, ALONG, ACROSS, CHART_ENDS, ROWS, COLUMNS, FIRST_SAMPLE = (
@@ -35,7 +35,7 @@ SELDOM_MASK: Final = 15  # [-] a power of two less one
 Cell = tuple[int, int]  # row and column of its first sample
 
 
-@part
+@inline_kernel
 def sound_in(chart: Numbers, cell: Cell, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes at ``i`` rows and ``j`` columns of a chart."""
     s = state[0]
@@ -52,7 +52,7 @@ def sound_in(chart: Numbers, cell: Cell, i: float, j: float, station: int, state
     s.bottom[GROUND_EAST, station] = chart[ACROSS] * (right + a * (beyond - right))
 
 
-@part
+@inline_kernel
 def sound_at_edge(chart: Numbers, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes where a chart may have ended, as at its edge."""
     s = state[0]
@@ -66,7 +66,7 @@ def sound_at_edge(chart: Numbers, i: float, j: float, station: int, state: Recor
         s.bottom[GROUND_EAST, station] = 0.0
 
 
-@part
+@inline_kernel
 def sound_plane(chart: Numbers, i: float, j: float, station: int, state: Record) -> None:
     """Write depth and slopes of a plane, whose chart is a cell of it."""
     s = state[0]
@@ -80,7 +80,7 @@ def sound_plane(chart: Numbers, i: float, j: float, station: int, state: Record)
     s.bottom[GROUND_EAST, station] = chart[ACROSS] * right
 
 
-@part
+@inline_kernel
 def sound(vessel: Record, chart: Numbers, state: Record) -> None:
     """Write the ground under the stations along the hull, as they lie now.
 

@@ -8,11 +8,11 @@ Where the file gives no angle, nothing stalls.
 ``rates`` takes the lost lift off both sets of equations.
 """
 
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 
-@part
+@inline_kernel
 def incidence(vessel: Record, surface: int, state: Record) -> float:
     """Return u times the incidence of rudder (0), stern (1) or bow planes (2) [m/s]."""
     s = state[0]
@@ -21,7 +21,7 @@ def incidence(vessel: Record, surface: int, state: Record) -> float:
     return s.u * s.surface[surface] + flow
 
 
-@part
+@inline_kernel
 def is_stalled(vessel: Record, state: Record) -> bool:
     """Return whether rudder or planes are beyond their stall, going ahead."""
     u = state[0].u
@@ -33,7 +33,7 @@ def is_stalled(vessel: Record, state: Record) -> bool:
     return stalled
 
 
-@part
+@inline_kernel
 def lost_lift(vessel: Record, surface: int, state: Record) -> float:
     """Return the part of u^2 times a surface's angle that stall takes [m2/s2]."""
     c, u = vessel[0], state[0].u
@@ -42,7 +42,7 @@ def lost_lift(vessel: Record, surface: int, state: Record) -> float:
     return (1.0 - c.stall_slope[surface]) * u * beyond
 
 
-@part
+@inline_kernel
 def write_stalled(vessel: Record, outer: Numbers, state: Record, out: Numbers) -> None:
     """Write forces [N] and moments [N m] from outside, less the lift that stall takes."""
     c = vessel[0]

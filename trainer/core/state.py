@@ -319,6 +319,11 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     ("relative", (SEA_COMPONENTS,)),  # [-] frequency over that of the peak
     ("phase_start", (SEA_COMPONENTS,)),  # [rad]
     ("amplitude", (SEA_COMPONENTS,)),  # [-] for variance 1
+    # its components' phases above the boat, then what each pulls with
+    ("phase_cos", (SEA_COMPONENTS,)),  # [-]
+    ("phase_sin", (SEA_COMPONENTS,)),
+    ("pull_cos", (SEA_COMPONENTS,)),  # [m/s2]
+    ("pull_sin", (SEA_COMPONENTS,)),
     # work space of the wave forces
     "g",  # [m/s2]
     "depth",  # [m]

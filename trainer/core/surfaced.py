@@ -17,7 +17,7 @@ from typing import Final
 
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.kinematics import EXACT_TRIGONOMETRY, Attitude, attitude_of
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
@@ -29,13 +29,13 @@ TROUGH_SHARE: Final = 1.5
 TRAVEL_SHARE: Final = 2.0  # [-] of the way at the present rates, since the boat may speed up
 
 
-@part
+@inline_kernel
 def is_shallow(vessel: Record, state: Record) -> bool:
     """Return whether anything of the boat could be above the water at some attitude."""
     return bool(state[0].z < vessel[0].surface_line + state[0].sea_height)
 
 
-@part
+@inline_kernel
 def is_near_surface(vessel: Record, h: float, state: Record) -> bool:
     """Return whether the water's surface can cut the hull within ``h`` [s].
 
@@ -50,7 +50,7 @@ def is_near_surface(vessel: Record, h: float, state: Record) -> bool:
     return bool(room_below(vessel, state) < TRAVEL_SHARE * h * rise)
 
 
-@part
+@inline_kernel
 def room_below(vessel: Record, state: Record) -> float:
     """Return the least room [m] between the hull and the deepest trough."""
     c, s = vessel[0], state[0]
@@ -58,7 +58,7 @@ def room_below(vessel: Record, state: Record) -> float:
     return float(s.z - c.station_reach * abs(s.theta) - c.hull_reach - deepest)
 
 
-@part
+@inline_kernel
 def axis_depth(
     vessel: Record, station: int, attitude: Attitude, scratch: Record, state: Record
 ) -> float:
@@ -70,7 +70,7 @@ def axis_depth(
     return level - c.station_x[station] * sin_th + across * cos_th
 
 
-@part
+@inline_kernel
 def share_above(vessel: Record, scratch: Record, state: Record) -> float:
     """Return the share of the hull's volume above the water [-]."""
     c = vessel[0]
@@ -82,7 +82,7 @@ def share_above(vessel: Record, scratch: Record, state: Record) -> float:
     return share
 
 
-@part
+@inline_kernel
 def is_cut(vessel: Record, scratch: Record, state: Record) -> bool:
     """Return whether the water's surface cuts the hull at some station."""
     attitude = attitude_of(EXACT_TRIGONOMETRY, state)
@@ -92,7 +92,7 @@ def is_cut(vessel: Record, scratch: Record, state: Record) -> bool:
     return False
 
 
-@part
+@inline_kernel
 def dry_sail(vessel: Record, state: Record) -> float:
     """Return the share of the sail's height that is above the water [-]."""
     c, s = vessel[0], state[0]
@@ -105,7 +105,7 @@ def dry_sail(vessel: Record, state: Record) -> float:
     return min(max(-top / c.sail_height, 0.0), 1.0)
 
 
-@part
+@inline_kernel
 def sinking(vessel: Record, station: int, attitude: Attitude, state: Record) -> float:
     """Return the speed [m/s] at which the axis goes down at a station."""
     c, s = vessel[0], state[0]
@@ -116,7 +116,7 @@ def sinking(vessel: Record, station: int, attitude: Attitude, state: Record) -> 
     return (aside * sin_phi + down * cos_phi) * cos_th - (s.u + z * s.q - c.y_b * s.r) * sin_th
 
 
-@part
+@inline_kernel
 def damping(vessel: Record, station: int, chord: float) -> float:
     """Return the damping [N s/m] of a station that is cut, when it sinks.
 
@@ -169,7 +169,7 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     force[YAWING] -= heavy * c.y_b * down_x
 
 
-@part
+@inline_kernel
 def take_off(x: float, z: float, lateral: float, force: Numbers) -> None:
     """Take a lateral force [N] at a point [m] off Y, K and N."""
     force[LATERAL] -= lateral
@@ -205,7 +205,7 @@ def take_off_dry_sail(vessel: Record, state: Record, force: Numbers) -> None:
     force[ROLLING] -= dry * (heeling + c.hull_axis * side)
 
 
-@part
+@inline_kernel
 def emerges(vessel: Record, state: Record) -> bool:
     """Return whether the surface may cut the hull, or the sail stands out."""
     if not is_shallow(vessel, state):
@@ -213,7 +213,7 @@ def emerges(vessel: Record, state: Record) -> bool:
     return room_below(vessel, state) < 0.0 or dry_sail(vessel, state) != 0.0
 
 
-@part
+@inline_kernel
 def write_near(vessel: Record, scratch: Record, state: Record) -> None:
     """Write ``near``: what acts from outside in this tick, and what the surface does now.
 

@@ -19,7 +19,7 @@ from trainer.core.bottom import bottom_forces
 from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.envelope import validity
 from trainer.core.integrators import advance
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.plant.plant import advance_plant
 from trainer.core.propulsion import kept_lag_share, turn_propeller
 from trainer.core.sea.forces import wave_forces
@@ -32,7 +32,7 @@ X: Final = MOTION.index("x")  # y follows
 Z: Final = MOTION.index("z")
 
 
-@part
+@inline_kernel
 def cast_off(state: Record) -> None:
     """Move a boat that is held in place to where it would be.
 
@@ -49,7 +49,7 @@ def cast_off(state: Record) -> None:
                 s.past_motion[back, X + i] += jump
 
 
-@part
+@inline_kernel
 def make_fast(x: float, y: float, z: float, state: Record) -> None:
     """Put what is held back to where it was [m].
 
@@ -81,7 +81,7 @@ MAX_SPEED = 1e3  # [m/s] or [rad/s]
 MAX_DISTANCE = 1e9  # [rad] or [m]
 
 
-@part
+@inline_kernel
 def lost(state: Record) -> int:
     """Return 1 + the index in WATCHED_NAMES of the first number out of range.
 
@@ -99,7 +99,7 @@ def lost(state: Record) -> int:
     return found
 
 
-@part
+@inline_kernel
 def copy_written(source: Numbers, out: Numbers) -> None:
     """Copy what a tick may write from one state to another."""
     touched = source[PLANT_BEGIN] != 0.0 or out[PLANT_BEGIN] != 0.0
@@ -127,7 +127,7 @@ def put_back(state: Record, scratch: Record) -> None:
     copy_written(scratch[0].before, state[0].whole)
 
 
-@part
+@inline_kernel
 def is_sound(state: Record) -> bool:
     """Return whether even the sums of the sizes are in range.
 
@@ -143,7 +143,7 @@ def is_sound(state: Record) -> bool:
     return speeds < MAX_SPEED and distances < MAX_DISTANCE and rates < MAX_RATE
 
 
-@part
+@inline_kernel
 def outside(vessel: Record, scheme: Record, state: Record, scratch: Record) -> None:
     """Write the forces of sea, depth, ground and ships near for the tick.
 

@@ -11,7 +11,7 @@ import math
 from trainer.core import full
 from trainer.core.crossflow import add_hull_strips, add_tail_and_sail
 from trainer.core.envelope import BY_P, BY_Q, BY_R, BY_V, BY_W, wide_share
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
 from trainer.core.scheme import LONGITUDINAL_EQUATIONS
@@ -20,7 +20,7 @@ from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 from trainer.core.surfaced import dry_sail
 
 
-@part
+@inline_kernel
 def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the added masses.
 
@@ -47,7 +47,7 @@ def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -
     force[YAWING] += q * roll - p * pitch + v * along - u * aside
 
 
-@part
+@inline_kernel
 def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
     """Add the viscous forces [N] and moments [N m] of the whole boat.
 
@@ -71,7 +71,7 @@ def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
     force[PITCHING] += c.M_star * u * u
 
 
-@part
+@inline_kernel
 def surface_effect(vessel: Record, surface: int, state: Record) -> float:
     """Return u|u| times the effective angle of a surface [m2/s2], at most that of stall."""
     c, s = vessel[0], state[0]
@@ -81,7 +81,7 @@ def surface_effect(vessel: Record, surface: int, state: Record) -> float:
     return s.u * abs(s.u) * effect * min(max(s.surface[surface], -most), most)
 
 
-@part
+@inline_kernel
 def add_surfaces(vessel: Record, state: Record, force: Numbers) -> None:
     """Add forces [N] and moments [N m] of rudder and planes, which reverse astern."""
     c, s = vessel[0], state[0]
@@ -118,7 +118,7 @@ def forces(vessel: Record, state: Record, force: Numbers) -> None:
         force[AXIAL] += thrust(vessel, state)
 
 
-@part
+@inline_kernel
 def make_symmetric(out: Numbers) -> None:
     """Make the matrix of added masses symmetric, as an ideal fluid's is.
 

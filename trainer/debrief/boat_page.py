@@ -36,7 +36,7 @@ from trainer.config.sea import peak_frequency, significant_height, step_problem
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.casualties import CASUALTY_TABLE, KINDS, CasualtyKind
 from trainer.core.kernel import Numbers
-from trainer.core.plant.parts import CONSUMERS, MODES
+from trainer.core.plant.parts import CONSUMER_NAMES, MODE_NAMES
 from trainer.core.sea.sea import HEIGHT, OMEGA
 from trainer.core.state import MAX_CASUALTIES, VALVES
 from trainer.core.surfaces import SURFACES
@@ -111,8 +111,8 @@ def fittings(boat: Boat) -> dict[str, Any]:
         "kinds": KINDS,
         "slots": MAX_CASUALTIES,
         "axes": CREW_AXES,
-        "modes": MODES,
-        "consumers": CONSUMERS,
+        "modes": MODE_NAMES,
+        "consumers": CONSUMER_NAMES,
         "counts": {kind.name: amount_count(boat, kind) for kind in CASUALTY_TABLE},
     }
 

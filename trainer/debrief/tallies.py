@@ -8,7 +8,7 @@ tick; here is what they need to remember. numba compiles it where it is first as
 import math
 from typing import Any, Final
 
-from trainer.core.kernel import Numbers, Record, kernel, part, record_dtype
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel, record_dtype
 from trainer.debrief.gates import FULL_BREACH_S, GATE_CAP, GATE_TIME_S
 from trainer.debrief.judgement import (
     KEEPING_SHARE,
@@ -106,7 +106,7 @@ TALLY: Final = record_dtype(
 )
 
 
-@part
+@inline_kernel
 def off_target(rule: Row, row: Numbers) -> float:
     """Return how far a quantity is above its target, a course the short way round."""
     target = rule.target if rule.aim < 0.0 else row[int(rule.aim)] / rule.size
@@ -116,7 +116,7 @@ def off_target(rule: Row, row: Numbers) -> float:
     return float(off)
 
 
-@part
+@inline_kernel
 def all_hold(rule: Row, conditions: Record, row: Numbers) -> bool:
     """Return whether all conditions of a rule hold."""
     first = int(rule.first_condition)
@@ -131,7 +131,7 @@ def all_hold(rule: Row, conditions: Record, row: Numbers) -> bool:
     return True
 
 
-@part
+@inline_kernel
 def moved(rule: Row, rows: Numbers, k: int) -> float:
     """Return how far the surfaces of a rule moved to a tick [deg]."""
     total, slots, count = 0.0, int(rule.slots), int(rule.slot_count)
@@ -142,7 +142,7 @@ def moved(rule: Row, rows: Numbers, k: int) -> float:
     return total
 
 
-@part
+@inline_kernel
 def remember(ring: Numbers, tick: int, share: float) -> float:
     """Keep a share as that of a tick; return the one before it."""
     at = tick % ring.size
@@ -151,7 +151,7 @@ def remember(ring: Numbers, tick: int, share: float) -> float:
     return gone
 
 
-@part
+@inline_kernel
 def follow_band(t: Row, tick: int, needed: float, inside: float) -> None:
     """Count how long the quantity was in its band since it was first outside."""
     if inside > 0.0 and t.inside == 0.0:
@@ -164,7 +164,7 @@ def follow_band(t: Row, tick: int, needed: float, inside: float) -> None:
     t.inside = inside
 
 
-@part
+@inline_kernel
 def take_way(rule: Row, t: Row, rows: Numbers, k: int) -> None:
     """Add the way of the surfaces [deg] or of the boat [m] to a tick."""
     t.travel += 1.0
@@ -175,7 +175,7 @@ def take_way(rule: Row, t: Row, rows: Numbers, k: int) -> None:
     t.sum += math.hypot(rows[k, x] - rows[k - 1, x], rows[k, x + 1] - rows[k - 1, x + 1])
 
 
-@part
+@inline_kernel
 def take_off(rule: Row, t: Row, tick: int, off: float, ring: Numbers) -> None:
     """Take into account how far a quantity is above its target."""
     measure, inside = int(rule.measure), 1.0 if abs(off) <= rule.band else 0.0
@@ -195,7 +195,7 @@ def take_off(rule: Row, t: Row, tick: int, off: float, ring: Numbers) -> None:
         t.sum += share if measure == IN_BAND else share - remember(ring, tick, share)
 
 
-@part
+@inline_kernel
 def take_extreme(rule: Row, t: Row, row: Numbers) -> None:
     """Take into account how far a quantity goes, or its distance from a target."""
     measure, first = int(rule.measure), t.rows == 1.0
@@ -210,7 +210,7 @@ def take_extreme(rule: Row, t: Row, row: Numbers) -> None:
         t.extreme = min(t.extreme, value) if measure == LOWEST else max(t.extreme, value)
 
 
-@part
+@inline_kernel
 def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring: Numbers) -> None:
     """Take one tick into account for a rule whose window it may be in."""
     row, since, was = rows[k], max(t.onset - 1.0, 0.0), t.previous
@@ -232,7 +232,7 @@ def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring:
         take_off(rule, t, tick, off_target(rule, row), ring)
 
 
-@part
+@inline_kernel
 def take_cap(rule: Row, t: Row, conditions: Record, row: Numbers) -> None:
     """Take one tick into account for a cap: ``extreme`` is then 1."""
     measure, value = int(rule.measure), row[int(rule.column)] / rule.size
@@ -258,7 +258,7 @@ def take_cap(rule: Row, t: Row, conditions: Record, row: Numbers) -> None:
         t.extreme = 1.0
 
 
-@part
+@inline_kernel
 def timed(rule: Row, t: Row, tick: int) -> float:
     """Return the time [s] to the band, as ``measures.time_to`` says. NaN: there is none."""
     if t.left == 0.0:
@@ -273,7 +273,7 @@ def timed(rule: Row, t: Row, tick: int) -> float:
     return float((t.last_tick - t.first_tick) * rule.step * (first - rule.band) / (first - last))
 
 
-@part
+@inline_kernel
 def value_of(rule: Row, t: Row, tick: int) -> float:
     """Return the value of a rule that has looked at a tick. NaN: there is none."""
     measure, value = int(rule.measure), float(t.extreme)
@@ -295,13 +295,13 @@ def value_of(rule: Row, t: Row, tick: int) -> float:
     return way_of(rule, t) if measure >= ACTIVITY else value
 
 
-@part
+@inline_kernel
 def way_of(rule: Row, t: Row) -> float:
     """Return the way [m], or the pace [deg/min]."""
     return float(t.sum if rule.measure == DISTANCE else 60.0 * t.sum / (t.travel * rule.step))
 
 
-@part
+@inline_kernel
 def marks_now(rule: Row, t: Row, tick: int) -> float:
     """Return the marks of a rule [%]. NaN: it does not count."""
     measure = int(rule.measure)
@@ -321,7 +321,7 @@ def marks_now(rule: Row, t: Row, tick: int) -> float:
     return float(100.0 * min(max(share, 0.0), 1.0))
 
 
-@part
+@inline_kernel
 def cap_of(rules: Record, tallies: Record) -> float:
     """Return the most that is left [%]; -1 where the boat turned over."""
     cap, lost = 100.0, False
@@ -339,7 +339,7 @@ def cap_of(rules: Record, tallies: Record) -> float:
     return LOST_CAP if lost else float(cap)
 
 
-@part
+@inline_kernel
 def earn_tasks(rules: Record, tallies: Record, tick: int) -> float:
     """Write what each rule earned; return the mean of the tasks [%]."""
     tasks = weight = 0.0
@@ -358,7 +358,7 @@ def earn_tasks(rules: Record, tallies: Record, tick: int) -> float:
     return tasks / weight if weight > 0.0 else 100.0
 
 
-@part
+@inline_kernel
 def total_now(rules: Record, tallies: Record, tick: int) -> float:
     """Return the total [%] of a record that ends at a tick; void is 0."""
     others, earned, weight = earn_tasks(rules, tallies, tick), 0.0, 0.0
@@ -381,7 +381,7 @@ def total_now(rules: Record, tallies: Record, tick: int) -> float:
     return float(max(min(total, cap_of(rules, tallies)), 0.0))
 
 
-@part
+@inline_kernel
 def find_onset(rule: Row, t: Row, row: Numbers) -> bool:
     """Return whether the casualty of a rule comes at this tick."""
     if rule.since == 0.0 or t.onset > 0.0:

@@ -26,7 +26,7 @@ from trainer.boat.ship.forward_numbers import (
     quantities,
     run_steps,
 )
-from trainer.core.kernel import Numbers, inlined, kernel
+from trainer.core.kernel import Numbers, inline_kernel, kernel
 
 Terms = NDArray[np.int64]
 DrivenStates = tuple[int, ...]  # indices of what the equations accelerate
@@ -200,13 +200,13 @@ def rows_of(terms: Terms) -> int:
     return most
 
 
-@inlined
+@inline_kernel
 def units_of(ship: Numbers, x: Numbers) -> Units:
     """Return length and stiffness with the last two of the state."""
     return Units(ship[LENGTH], ship[STIFFNESS_INDEX], x[x.size - 2], x[x.size - 1])
 
 
-@inlined
+@inline_kernel
 def in_units(factor: float, part: int, units: Units) -> float:
     """Return a factor in the units of its part.
 
@@ -251,7 +251,7 @@ def add_heel(x: Numbers, out: Numbers) -> None:
             out[e, i] += heeled
 
 
-@inlined
+@inline_kernel
 def states_of(driven: DrivenStates) -> int:
     """Return how many states there are.
 

@@ -17,7 +17,7 @@ import math
 from typing import Final
 
 from trainer.core.autopilot.steering import OWN_LAW, stand_by
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import PITCH_GAIN, PITCH_RATE_GAIN, STERN_GAINS
 from trainer.units import KNOT
 
@@ -40,14 +40,14 @@ QUIET_PITCH: Final = 5.0 * DEGREE
 SURFACED_DEPTH: Final = 0.625  # [diameters] of the origin: the boat is at the surface
 
 
-@part
+@inline_kernel
 def is_blown(state: Record) -> bool:
     """Return whether a main tank's emergency valve is open."""
     s = state[0]
     return EMERGENCY_OPENING in (s.blow_forward, s.blow_mid, s.blow_aft)
 
 
-@part
+@inline_kernel
 def is_surfacing(state: Record) -> bool:
     """Return whether main ballast is blown to keep depth 0.
 
@@ -57,7 +57,7 @@ def is_surfacing(state: Record) -> bool:
     return s.ordered_depth == 0.0 and max(s.blow_forward, s.blow_mid, s.blow_aft) > 0.0
 
 
-@part
+@inline_kernel
 def minds_blow(vessel: Record, state: Record) -> bool:
     """Return whether the pilot has planes with which to answer a blow."""
     s = state[0]
@@ -65,7 +65,7 @@ def minds_blow(vessel: Record, state: Record) -> bool:
     return planes and s.depth_law == OWN_LAW and vessel[0].gain_count > 0.0
 
 
-@part
+@inline_kernel
 def watch_blow(vessel: Record, state: Record) -> None:
     """Begin an ascent when main ballast is blown in an emergency, or to surface.
 
@@ -81,7 +81,7 @@ def watch_blow(vessel: Record, state: Record) -> None:
         s.ascent_quiet = s.ordered_depth = 0.0
 
 
-@part
+@inline_kernel
 def take_up_bubble(h: float, state: Record) -> None:
     """Move the pitch that is to be held by ``h`` [s].
 
@@ -97,7 +97,7 @@ def take_up_bubble(h: float, state: Record) -> None:
     s.ascent_pitch += min(max(change, -BUBBLE_RATE * h), BUBBLE_RATE * h)
 
 
-@part
+@inline_kernel
 def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the planes and the after group of a boat that comes up.
 
@@ -116,7 +116,7 @@ def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None
         s.blow_aft = EMERGENCY_OPENING if s.theta > AFT_BLOW_PITCH else 0.0
 
 
-@part
+@inline_kernel
 def hand_back(vessel: Record, h: float, state: Record) -> None:
     """End an ascent that has come to rest.
 
@@ -138,7 +138,7 @@ def hand_back(vessel: Record, h: float, state: Record) -> None:
     s.depth_reference_rate = 0.0
 
 
-@part
+@inline_kernel
 def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the planes from a blow until a depth is kept again."""
     if state[0].ascent == ASCENT_AFLOAT:
@@ -148,7 +148,7 @@ def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
         hand_back(vessel, h, state)
 
 
-@part
+@inline_kernel
 def lay_amidships(state: Record) -> None:
     """Command the planes to zero, but those in hand to their order."""
     s = state[0]
@@ -156,7 +156,7 @@ def lay_amidships(state: Record) -> None:
     s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
 
 
-@part
+@inline_kernel
 def go_on_from(state: Record, surface: int, law: float) -> None:
     """Keep the depth ``law`` [rad] of a plane ready during an ascent.
 

@@ -26,7 +26,7 @@ from trainer.core.autopilot.trimming import keep_trim
 from trainer.core.autopilot.waves import sense_waves
 from trainer.core.ballast.hover import is_hovering
 from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.plant.parts import FED_AUTOPILOT, is_dead
 
 
@@ -49,7 +49,7 @@ def hold_commands(gains: Numbers, state: Record) -> None:
     stand_by(state, BOW, plane_law(state, gains, first_gain(BOW)), False)  # noqa: FBT003
 
 
-@part
+@inline_kernel
 def keep_planes(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Command both pairs of planes.
 
@@ -72,7 +72,7 @@ def keep_planes(vessel: Record, h: float, scratch: Record, state: Record) -> Non
     s.wave_share = 0.0  # the law for waves begins anew
 
 
-@part
+@inline_kernel
 def autopilot(vessel: Record, h: float, state: Record, scratch: Record) -> None:
     """Write the commanded rudder, planes and revolutions of this tick.
 

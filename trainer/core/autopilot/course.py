@@ -10,11 +10,11 @@ lanes.
 
 from trainer.core.autopilot.reference import within
 from trainer.core.autopilot.steering import ASTERN_SPEED, RUDDER, stand_by, steer
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import COURSE_GAIN, COURSE_INTEGRAL_GAIN, SWAY_GAIN, YAW_RATE_GAIN
 
 
-@part
+@inline_kernel
 def course_law(state: Record, gains: Numbers) -> float:
     """Return the rudder angle [rad] of a boat going ahead, without the integral."""
     s = state[0]
@@ -25,7 +25,7 @@ def course_law(state: Record, gains: Numbers) -> float:
     )
 
 
-@part
+@inline_kernel
 def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the rudder.
 

@@ -32,7 +32,7 @@ from trainer.core.autopilot.steering import (
     steer,
 )
 from trainer.core.autopilot.waves import law_in_waves, learning_in_waves, pass_notches, soften
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import (
     DEPTH_GAIN,
     DEPTH_RATE_GAIN,
@@ -51,7 +51,7 @@ LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] below it planes do not hold a boat goi
 SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used in full
 
 
-@part
+@inline_kernel
 def plane_law(state: Record, gains: Numbers, first: int) -> float:
     """Return a plane angle [rad] without its integral.
 
@@ -68,7 +68,7 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
     )
 
 
-@part
+@inline_kernel
 def law_astern(state: Record, gains: Numbers, surface: int) -> float:
     """Return a plane angle [rad] going astern, where each force of a plane is turned.
 
@@ -84,7 +84,7 @@ def law_astern(state: Record, gains: Numbers, surface: int) -> float:
     return -depth - gains[first + DEPTH_RATE_GAIN] * (s.depth_reference_rate - s.zdot)
 
 
-@part
+@inline_kernel
 def depth_error(gains: Numbers, state: Record) -> float:
     """Return the depth error [m] to be integrated.
 
@@ -100,7 +100,7 @@ def depth_error(gains: Numbers, state: Record) -> float:
     return error if abs(rate) < share * gains[DEPTH_SLEW + SLEW_RATE] else 0.0
 
 
-@part
+@inline_kernel
 def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
     """Command a pair of planes of a boat that goes astern.
 
@@ -112,7 +112,7 @@ def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
     s.command[surface] = share * angle
 
 
-@part
+@inline_kernel
 def keep_plane(
     vessel: Record, h: float, scratch: Record, state: Record, surface: int, lasting: float
 ) -> None:
@@ -140,7 +140,7 @@ def keep_plane(
         steer(vessel, state, surface, law, step + h * gains[first + RELIEF_GAIN] * lasting)
 
 
-@part
+@inline_kernel
 def keep_depth(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Command both pairs of planes.
 

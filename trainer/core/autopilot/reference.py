@@ -7,7 +7,7 @@ that was driven off returns at the allowed rate, and not with all surfaces hard 
 
 import math
 
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import DEPTH_SLEW, SLEW_ACCELERATION, SLEW_COUNT, SLEW_RATE
 
 DEPTH_AXIS, COURSE_AXIS = 0, 1  # which of the two references
@@ -16,7 +16,7 @@ LEASH_SHARE = 0.25  # [-]
 APPROACH_TICKS = 4.0  # [ticks] time constant of the last approach, too slow to hunt
 
 
-@part
+@inline_kernel
 def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h: float) -> float:
     """Return the next rate of a reference ``distance`` short of its order.
 
@@ -31,7 +31,7 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
     return rate + change
 
 
-@part
+@inline_kernel
 def leash(gains: Numbers, slew: int) -> float:
     """Return how far [m or rad] a reference may be from the boat.
 
@@ -44,13 +44,13 @@ def leash(gains: Numbers, slew: int) -> float:
     return 0.0
 
 
-@part
+@inline_kernel
 def within(value: float, centre: float, most: float) -> float:
     """Return ``value``, or the nearest to it that is at most ``most`` from ``centre``."""
     return min(max(value, centre - most), centre + most)
 
 
-@part
+@inline_kernel
 def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Record) -> None:
     """Move the reference of depth or course to its order for ``h`` [s].
 
@@ -65,7 +65,7 @@ def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Reco
     s.reference[axis] = within(moved, here, leash(gains, slew))
 
 
-@part
+@inline_kernel
 def follow_boat(axis: int, here: float, rate: float, gains: Numbers, state: Record) -> None:
     """Leave the reference of depth or course at the boat.
 
@@ -79,7 +79,7 @@ def follow_boat(axis: int, here: float, rate: float, gains: Numbers, state: Reco
     s.reference_rate[axis] = within(rate, 0.0, fastest)
 
 
-@part
+@inline_kernel
 def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     """Move the depth reference by ``h`` [s].
 
@@ -92,7 +92,7 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
         move_reference(DEPTH_AXIS, s.z, h, gains, state)
 
 
-@part
+@inline_kernel
 def slew_course(h: float, gains: Numbers, state: Record) -> None:
     """Move the heading reference by ``h`` [s].
 

@@ -11,7 +11,7 @@ because waves shall not move pumps.
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Numbers, part
+from trainer.core.kernel import Numbers, inline_kernel
 from trainer.core.state import SECTION_NUMBERS
 
 Section = tuple[float, float, float, float, float]
@@ -21,14 +21,14 @@ EARLY, LATE, OUTPUT = 0, 1, 2  # their indices: two memories, and the output
 MAX_HALF_ANGLE: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
 
 
-@part
+@inline_kernel
 def warped(omega: float, h: float) -> float:
     """Return tan(omega h/2) [-], with omega h/2 at most MAX_HALF_ANGLE."""
     cos_half, sin_half = cosine_and_sine(min(0.5 * omega * h, MAX_HALF_ANGLE))
     return sin_half / cos_half
 
 
-@part
+@inline_kernel
 def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
     """Return the section of a notch at ``omega`` [rad/s].
 
@@ -42,7 +42,7 @@ def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
     return first / a0, middle, last / a0, middle, (1.0 - 2.0 * poles * c + square) / a0
 
 
-@part
+@inline_kernel
 def low_pass(omega: float, h: float, damping: float) -> Section:
     """Return the section of a low-pass at ``omega`` [rad/s] with this damping ratio [-].
 
@@ -56,13 +56,13 @@ def low_pass(omega: float, h: float, damping: float) -> Section:
     return gain, 2.0 * gain, gain, middle, (1.0 - 2.0 * damping * c + square) / a0
 
 
-@part
+@inline_kernel
 def section_in(numbers: Numbers) -> Section:
     """Return the section [-] whose numbers are in the work space."""
     return numbers[B0], numbers[B1], numbers[B2], numbers[A1], numbers[A2]
 
 
-@part
+@inline_kernel
 def pass_section(section: Section, x: float, fresh: bool, first: int, out: Numbers) -> None:  # noqa: FBT001 a fact
     """Pass ``x`` through a section whose numbers are from ``first`` on in ``out``.
 

@@ -11,7 +11,7 @@ law is this project's own; times and limits are estimates, except for what docs/
 from typing import Final
 
 from trainer.core.autopilot.steering import is_turning
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 
 LOW_PASS_TIME_S: Final = 5.0  # [s] of the low-passes
 ANSWER_TIME_S: Final = 400.0  # [s] after an order, in which ...
@@ -22,7 +22,7 @@ PROPELLER_SLACK: Final = (
 )
 
 
-@part
+@inline_kernel
 def follow_speed(h: float, state: Record) -> None:
     """Follow speed and yaw rate for ``h`` [s].
 
@@ -36,7 +36,7 @@ def follow_speed(h: float, state: Record) -> None:
     s.speed_order = s.ordered_speed
 
 
-@part
+@inline_kernel
 def largest_trim(state: Record) -> float:
     """Return the largest trim [m/s] that is allowed, either way.
 
@@ -46,7 +46,7 @@ def largest_trim(state: Record) -> float:
     return share * abs(state[0].ordered_speed) + rest
 
 
-@part
+@inline_kernel
 def follow_trim(vessel: Record, h: float, state: Record) -> None:
     """Follow for ``h`` [s] what the boat shows of its trim.
 
@@ -69,7 +69,7 @@ def follow_trim(vessel: Record, h: float, state: Record) -> None:
     s.speed_rate_1, s.speed_rate_2 = first, 0.0 if answering else second
 
 
-@part
+@inline_kernel
 def learnt(vessel: Record, h: float, state: Record) -> float:
     """Return the speed trim [m/s] after ``h`` [s].
 
@@ -85,7 +85,7 @@ def learnt(vessel: Record, h: float, state: Record) -> float:
     return s.speed_trim if over or under else new
 
 
-@part
+@inline_kernel
 def is_short(vessel: Record, state: Record) -> bool:
     """Return whether the engine gives all it can and the boat remains too slow."""
     c = vessel[0]
@@ -96,7 +96,7 @@ def is_short(vessel: Record, state: Record) -> bool:
     return lacking and all_given and not is_turning(vessel, state)
 
 
-@part
+@inline_kernel
 def keep_speed(vessel: Record, h: float, state: Record) -> None:
     """Command the revolutions, as ordered by hand or to keep the speed.
 

@@ -7,7 +7,7 @@ difference between that angle and the autopilot's own is the hand-over; it fades
 from typing import Final
 
 from trainer.core.elementary import exponential
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import (
     DEPTH_SLEW,
     GAINS,
@@ -31,7 +31,7 @@ LEVEL_SHARE: Final = (
 ARRIVAL_TOLERANCE: Final = 1e-6  # [rad] a surface this near its order has arrived
 
 
-@part
+@inline_kernel
 def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
     """Write the gains for speed ``u`` [m/s], interpolated.
 
@@ -49,13 +49,13 @@ def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
         gains[i] = c.gain[lower, i] + share * (c.gain[upper, i] - c.gain[lower, i])
 
 
-@part
+@inline_kernel
 def first_gain(surface: int) -> int:
     """Return the index [-] of the first gain of a pair of planes."""
     return STERN_GAINS + PLANE_COUNT * (surface - STERN)
 
 
-@part
+@inline_kernel
 def is_level(gains: Numbers, state: Record) -> bool:
     """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
     s = state[0]
@@ -63,7 +63,7 @@ def is_level(gains: Numbers, state: Record) -> bool:
     return abs(s.zdot) < LEVEL_SHARE * gains[DEPTH_SLEW + SLEW_RATE] and abs(s.q) < pitch_rate
 
 
-@part
+@inline_kernel
 def is_turning(vessel: Record, state: Record) -> bool:
     """Return whether the boat turns.
 
@@ -74,7 +74,7 @@ def is_turning(vessel: Record, state: Record) -> bool:
     return abs(rate) >= vessel[0].turning_rate
 
 
-@part
+@inline_kernel
 def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  # noqa: FBT001 a fact
     """Follow a surface that others command, for a bumpless change to its own ``law`` [rad].
 
@@ -88,7 +88,7 @@ def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  #
     s.handover[surface] = trim - s.integral[surface]
 
 
-@part
+@inline_kernel
 def steer(vessel: Record, state: Record, surface: int, law: float, step: float) -> None:
     """Command a surface by its ``law`` [rad] and its integral, which moves by ``step`` [rad].
 
@@ -103,14 +103,14 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
     s.command[surface] = min(max(angle, -limit), limit)
 
 
-@part
+@inline_kernel
 def is_handed_over(state: Record) -> bool:
     """Return whether a hand-over is left to fade."""
     s = state[0]
     return bool(s.rudder_handover != 0.0 or s.stern_handover != 0.0 or s.bow_handover != 0.0)
 
 
-@part
+@inline_kernel
 def fade(vessel: Record, h: float, state: Record) -> None:
     """Make the hand-overs of steered surfaces smaller, by ``h`` [s] of their fading.
 

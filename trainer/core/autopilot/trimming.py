@@ -17,7 +17,7 @@ from typing import Final
 from trainer.core.autopilot.steering import OWN_LAW, is_turning
 from trainer.core.ballast.hover import is_hovering
 from trainer.core.ballast.tanks import TRIM_AFT, TRIM_FORWARD
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 
 TRIM_MEMORY_S: Final = 60.0  # [s]
 MAX_DEPTH_ERROR_M: Final = 2.0  # [m] of the ordered depth
@@ -30,7 +30,7 @@ LEVELLING_RATE: Final = 0.004  # [1/s] rate of the stern planes' integral per pi
 MAX_FREE_PLANES: Final = 20.0 * math.pi / 180.0  # [rad] beyond it the stern planes have other work
 
 
-@part
+@inline_kernel
 def is_trimming(state: Record) -> bool:
     """Return whether the boat is in the steady flight in which its trim shows."""
     s = state[0]
@@ -40,7 +40,7 @@ def is_trimming(state: Record) -> bool:
     return automatic and free and near
 
 
-@part
+@inline_kernel
 def beyond(wanted: float, least: float, h: float, most: float) -> float:
     """Return how much [kg] is moved in ``h`` [s] of what is ``wanted`` [kg].
 
@@ -51,7 +51,7 @@ def beyond(wanted: float, least: float, h: float, most: float) -> float:
     return min(max(wanted * h / TRIM_TIME_S, -most * h), most * h)
 
 
-@part
+@inline_kernel
 def keep_trim(vessel: Record, h: float, state: Record) -> None:
     """Follow what the planes carry, and level the boat.
 

@@ -17,7 +17,7 @@ from typing import Final
 
 from trainer.core.autopilot.sections import OUTPUT, SECTION_SIZE, notch, pass_section, section_in
 from trainer.core.autopilot.steering import STERN, first_gain
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.state import SECTION_NUMBERS
 from trainer.core.vessel import PITCH_RATE_GAIN, STERN_GAINS
 
@@ -41,7 +41,7 @@ LEAST_RATIO: Final = 1.1  # [-] frequency met over the loop's own, up to which n
 LIMIT_BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
 
 
-@part
+@inline_kernel
 def count(h: float, band: float, state: Record) -> None:
     """Count an upward crossing of zero by ``band`` [m/s].
 
@@ -56,26 +56,26 @@ def count(h: float, band: float, state: Record) -> None:
         s.wave_since = 0.0
 
 
-@part
+@inline_kernel
 def are_counted(state: Record) -> bool:
     """Return whether enough waves came by lately for their period to be known."""
     s = state[0]
     return s.wave_count >= AVERAGED_WAVES and s.wave_since < MAX_QUIET_PERIODS * s.wave_period
 
 
-@part
+@inline_kernel
 def are_felt(state: Record) -> bool:
     """Return whether waves move the boat."""
     return state[0].wave_power > FELT_DEPTH_RATE * FELT_DEPTH_RATE
 
 
-@part
+@inline_kernel
 def frequency_met(state: Record) -> float:
     """Return the frequency [rad/s] at which the boat meets waves, as counted."""
     return 6.283185307179586 / state[0].wave_period
 
 
-@part
+@inline_kernel
 def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
     """Return a factor [-] on a gain, between its values at the limits.
 
@@ -89,7 +89,7 @@ def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
     return below + min(max(lower, 0.0), 1.0) * (between - below) + rise
 
 
-@part
+@inline_kernel
 def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
     """Return the frequency met over the loop's own [-]."""
     c = vessel[0]
@@ -98,7 +98,7 @@ def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
     return frequency_met(state) / max(pace, 1e-6)
 
 
-@part
+@inline_kernel
 def sense_waves(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Follow for ``h`` [s] what the depth rate shows of waves.
 
@@ -132,7 +132,7 @@ def write_notches(h: float, scratch: Record, state: Record) -> None:
         work.lower_notch[i], work.upper_notch[i] = lower[i], upper[i]
 
 
-@part
+@inline_kernel
 def soften(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Write factors [-] and notches for the waves that are felt, if there are any.
 
@@ -149,7 +149,7 @@ def soften(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     work.learning = 1.0 + s.wave_share * (between_limits(ratio, INTEGRAL_GAINS) - 1.0)
 
 
-@part
+@inline_kernel
 def pass_notches(h: float, scratch: Record, state: Record, surface: int, law: float) -> None:
     """Pass the softened ``law`` [rad] of a pair through its notches.
 
@@ -167,7 +167,7 @@ def pass_notches(h: float, scratch: Record, state: Record, surface: int, law: fl
     pass_section(section_in(work.upper_notch), x, fresh, first + UPPER, s.notch)
 
 
-@part
+@inline_kernel
 def law_in_waves(state: Record, surface: int, law: float) -> float:
     """Return the angle [rad] that ``law`` [rad] becomes in the waves that are felt."""
     s = state[0]
@@ -177,7 +177,7 @@ def law_in_waves(state: Record, surface: int, law: float) -> float:
     return law + s.wave_share * (past - law)
 
 
-@part
+@inline_kernel
 def learning_in_waves(scratch: Record, state: Record) -> float:
     """Return the factor [-] on what the integrals learn in the waves that are felt."""
     return 1.0 if state[0].wave_share == 0.0 else float(scratch[0].learning)

@@ -21,7 +21,7 @@ from trainer.core.ballast.tanks import (
     sea_pressure,
     through_hole,
 )
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 
 MIN_TANK_PRESSURE: Final = (
     0.5 * ATMOSPHERIC_PRESSURE
@@ -29,7 +29,7 @@ MIN_TANK_PRESSURE: Final = (
 CRITICAL_RATIO: Final = 0.528  # [-] pressure ratio above which the flow of air is not choked
 
 
-@part
+@inline_kernel
 def sonic_share(ratio: float) -> float:
     """Return the mass flow [-] as a share of the choked flow.
 
@@ -44,7 +44,7 @@ def sonic_share(ratio: float) -> float:
     return math.sqrt(1.0 - beyond * beyond)
 
 
-@part
+@inline_kernel
 def bank_flow(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
     """Return the air flow [kg/s] from a bank through ``area`` [m2] against ``pressure`` [Pa]."""
     b = ballast[0]
@@ -56,7 +56,7 @@ def bank_flow(ballast: Record, bank: int, area: float, pressure: float, state: R
     return flow * (1.0 - min(max(state[0].bank_fault[bank], 0.0), 1.0))
 
 
-@part
+@inline_kernel
 def pass_air(
     ballast: Record, bank: int, tank: int, flow: float, pressure: float, state: Record
 ) -> None:
@@ -72,7 +72,7 @@ def pass_air(
     s.tank_air[tank] += before - s.bank[bank]
 
 
-@part
+@inline_kernel
 def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -> None:
     """Blow a tank against ``pressure`` [Pa] for ``h`` [s], as its valves stand.
 
@@ -91,7 +91,7 @@ def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -
         pass_air(ballast, EMERGENCY_BANK, tank, flow * h, pressure, state)
 
 
-@part
+@inline_kernel
 def vent_opening(tank: int, state: Record) -> float:
     """Return how far [-] a vent is open.
 
@@ -103,7 +103,7 @@ def vent_opening(tank: int, state: Record) -> float:
     return min(state[0].vent[tank], 1.0) * (1.0 - min(fault, 1.0))
 
 
-@part
+@inline_kernel
 def vent(vessel: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Pass air out of a tank whose vent is at depth ``top`` [m].
 
@@ -127,7 +127,7 @@ def vent(vessel: Record, tank: int, top: float, h: float, state: Record) -> None
     s.air_taken -= passed
 
 
-@part
+@inline_kernel
 def settle(vessel: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Move the water in a tank towards its balance with the sea.
 
@@ -156,7 +156,7 @@ def settle(vessel: Record, tank: int, top: float, h: float, state: Record) -> No
             s.air_taken -= surplus
 
 
-@part
+@inline_kernel
 def at_work(ballast: Record, tank: int, state: Record) -> bool:
     """Return whether anything can happen in a blown tank.
 
@@ -175,7 +175,7 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
     return opened and b.capacity[tank] > 0.0
 
 
-@part
+@inline_kernel
 def work_blown_tank(vessel: Record, tank: int, depth: float, h: float, state: Record) -> None:
     """Advance a tank with open flood ports by ``h`` [s].
 
@@ -212,7 +212,7 @@ def fill_with_air(vessel: Record, tank: int, depth: float, state: Record) -> Non
     s.tank_air[tank] = pressure * empty * c.capacity[tank] / (c.rho * c.gas)
 
 
-@part
+@inline_kernel
 def compress(ballast: Record, h: float, state: Record) -> None:
     """Charge the banks for ``h`` [s], the first that is not full before the other.
 

@@ -22,10 +22,10 @@ from trainer.core.ballast.tanks import (
     through_hole,
 )
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 
 
-@part
+@inline_kernel
 def balance(vessel: Record, state: Record) -> None:
     """Write weight [N] and centre of gravity [m] from the water aboard."""
     c = vessel[0]
@@ -45,7 +45,7 @@ def balance(vessel: Record, state: Record) -> None:
     s.z_g = c.z_g + z / s.weight
 
 
-@part
+@inline_kernel
 def flood_breach(vessel: Record, tank: int, depth: float, h: float, state: Record) -> None:
     """Flood a tank or compartment through its hole.
 
@@ -66,7 +66,7 @@ def flood_breach(vessel: Record, tank: int, depth: float, h: float, state: Recor
         admit(vessel, tank, amount, state)
 
 
-@part
+@inline_kernel
 def is_quiet(vessel: Record, state: Record) -> bool:
     """Return whether no tank has a hole, and no blown tank has anything to do.
 
@@ -81,7 +81,7 @@ def is_quiet(vessel: Record, state: Record) -> bool:
     return not busy
 
 
-@part
+@inline_kernel
 def flow_through_holes(vessel: Record, h: float, state: Record) -> None:
     """Advance the tanks that are open to the sea by ``h`` [s]."""
     c = vessel[0]
@@ -99,7 +99,7 @@ def flow_through_holes(vessel: Record, h: float, state: Record) -> None:
             work_blown_tank(vessel, i, depth, h, state)
 
 
-@part
+@inline_kernel
 def advance_ballast(vessel: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
 

@@ -8,14 +8,14 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Numbers, Record, part
+from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.state import AXIAL, LATERAL, NORMAL, PITCHING, ROLLING, YAWING
 
 SMALL_SEGMENT: Final = 16.0 / (3.0 * math.pi)  # area of a small segment over (height/diameter)^1.5
 SEGMENT_SLOPE: Final = 2.0 - 1.0 / (SMALL_SEGMENT * math.sqrt(0.125))  # half height, half area
 
 
-@part
+@inline_kernel
 def segment(height: float) -> float:
     """Return the share [-] of a circle's area above a chord.
 
@@ -28,7 +28,7 @@ def segment(height: float) -> float:
     return share if t <= 0.5 else 1.0 - share
 
 
-@part
+@inline_kernel
 def excess_density(ballast: Record, depth: float) -> float:
     """Return how much denser [kg/m3] the sea is at ``depth`` [m], interpolated between layers."""
     b = ballast[0]
@@ -44,7 +44,7 @@ def excess_density(ballast: Record, depth: float) -> float:
     return b.layer_density[last]
 
 
-@part
+@inline_kernel
 def submerged_change(vessel: Record, state: Record) -> float:
     """Return the change of buoyancy [N] under water.
 
@@ -56,7 +56,7 @@ def submerged_change(vessel: Record, state: Record) -> float:
     return c.buoyancy * excess_density(vessel, depth) / c.rho - squeezed
 
 
-@part
+@inline_kernel
 def add_compression(vessel: Record, state: Record, force: Numbers) -> None:
     """Add the forces of the buoyancy that depth and layers take or give.
 

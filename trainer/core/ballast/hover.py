@@ -28,7 +28,7 @@ from trainer.core.autopilot.waves import (
     frequency_met,
 )
 from trainer.core.ballast.tanks import DEPTH_CONTROL, DEPTH_CONTROL_PUMP
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.sea.forces import suction
 from trainer.units import KNOT
 
@@ -55,14 +55,14 @@ GROUP_FACTOR: Final = 2.5  # [-] pump wanted over p F/g, since waves come in gro
 SURE_PUMP_SHARE: Final = 0.8  # [-] of the pump that may be wanted
 
 
-@part
+@inline_kernel
 def is_hovering(state: Record) -> bool:
     """Return whether the tank keeps the depth."""
     s = state[0]
     return s.hover > 0.0 and abs(s.u) < MAX_WAY_SPEED
 
 
-@part
+@inline_kernel
 def heaved_mass(vessel: Record) -> float:
     """Return the mass [kg] that heaves: displaced and added mass."""
     return vessel[0].buoyancy / vessel[0].g - vessel[0].Z_wdot
@@ -93,7 +93,7 @@ def wanted_pump(vessel: Record, depth: float, state: Record) -> float:
     return GROUP_FACTOR * math.sqrt(gradient) * lift / vessel[0].g
 
 
-@part
+@inline_kernel
 def follow_error(h: float, state: Record) -> None:
     """Follow the filtered depth error [m] and its rate [m/s] for ``h`` [s].
 
@@ -126,7 +126,7 @@ def follow_error(h: float, state: Record) -> None:
     s.hover_room = room if fresh else max(min(s.hover_room, room), MAX_ERROR_GROWTH_M)
 
 
-@part
+@inline_kernel
 def is_beyond(vessel: Record, gradient: float, state: Record) -> bool:
     """Return whether the pump cannot bring the boat back.
 
@@ -143,7 +143,7 @@ def is_beyond(vessel: Record, gradient: float, state: Record) -> bool:
     return lost or s.hover_full > MAX_CATCH_TIME_S
 
 
-@part
+@inline_kernel
 def give_up(state: Record) -> None:
     """Leave the depth to the planes.
 
@@ -157,7 +157,7 @@ def give_up(state: Record) -> None:
         s.ordered_speed = max(s.ordered_speed, GIVE_UP_SPEED)
 
 
-@part
+@inline_kernel
 def order_water(vessel: Record, gradient: float, h: float, state: Record) -> None:
     """Order water for the depth-control tank by the filtered error.
 

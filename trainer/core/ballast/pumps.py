@@ -21,11 +21,11 @@ from trainer.core.ballast.tanks import (
     TRIM_PUMP,
     admit,
 )
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 from trainer.core.plant.parts import FED_TRIM, is_dead
 
 
-@part
+@inline_kernel
 def delivery(ballast: Record, depth: float) -> float:
     """Return the share [-] of its rate that a pump delivers to the sea.
 
@@ -36,7 +36,7 @@ def delivery(ballast: Record, depth: float) -> float:
     return math.sqrt(left) if left > 0.0 else 0.0
 
 
-@part
+@inline_kernel
 def sound_rate(ballast: Record, pump: int, state: Record) -> float:
     """Return the rate [kg/s] of a pump, less what its fault takes; 0 without power."""
     if is_dead(FED_TRIM + pump, state):
@@ -44,7 +44,7 @@ def sound_rate(ballast: Record, pump: int, state: Record) -> float:
     return ballast[0].pump_rate[pump] * (1.0 - min(max(state[0].pump_fault[pump], 0.0), 1.0))
 
 
-@part
+@inline_kernel
 def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) -> None:
     """Move the water that is ordered between a tank and the sea.
 
@@ -61,7 +61,7 @@ def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) ->
         s.to_move[pump] = 0.0
 
 
-@part
+@inline_kernel
 def possible_forward(ballast: Record, amount: float, state: Record) -> float:
     """Return how much of ``amount`` [kg] of trim water can move forward, aft if negative."""
     b = ballast[0]
@@ -71,7 +71,7 @@ def possible_forward(ballast: Record, amount: float, state: Record) -> float:
     return max(possible, -forward, aft - b.capacity[TRIM_AFT])
 
 
-@part
+@inline_kernel
 def move_forward(ballast: Record, amount: float, state: Record) -> None:
     """Move ``amount`` [kg] of trim water forward, aft if negative."""
     b = ballast[0]
@@ -81,7 +81,7 @@ def move_forward(ballast: Record, amount: float, state: Record) -> None:
     s.water[TRIM_AFT] = min(max(aft, 0.0), b.capacity[TRIM_AFT])
 
 
-@part
+@inline_kernel
 def transfer_trim(ballast: Record, h: float, state: Record) -> None:
     """Move trim water forward, or aft if negative.
 
@@ -97,7 +97,7 @@ def transfer_trim(ballast: Record, h: float, state: Record) -> None:
         s.to_move[TRIM_PUMP] = order - amount if possible == amount else 0.0
 
 
-@part
+@inline_kernel
 def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
     """Flood the auxiliary tank by the amount that automatic trim wants.
 
@@ -109,7 +109,7 @@ def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
     admit(ballast, AUXILIARY_TANK, amount, state)
 
 
-@part
+@inline_kernel
 def drain(ballast: Record, h: float, state: Record) -> None:
     """Pump out the compartment ordered."""
     s = state[0]
@@ -119,7 +119,7 @@ def drain(ballast: Record, h: float, state: Record) -> None:
         admit(ballast, tank, -most * delivery(ballast, s.z), state)
 
 
-@part
+@inline_kernel
 def work_pumps(vessel: Record, h: float, state: Record) -> None:
     """Advance all pumped tanks by ``h`` [s].
 

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Field, Record, part, record_dtype
+from trainer.core.kernel import Field, Record, inline_kernel, record_dtype
 
 BLOWN_TANKS: Final = (
     "forward",
@@ -81,7 +81,7 @@ def new_ballast() -> Record:
     return np.zeros(1, BALLAST)
 
 
-@part
+@inline_kernel
 def sea_pressure(specific: float, depth: float) -> float:
     """Return the absolute pressure [Pa] at ``depth`` [m] in the sea.
 
@@ -91,7 +91,7 @@ def sea_pressure(specific: float, depth: float) -> float:
     return ATMOSPHERIC_PRESSURE + specific * max(depth, 0.0)
 
 
-@part
+@inline_kernel
 def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
     """Admit ``wanted`` [kg] of sea water to a tank, or let it out if negative.
 
@@ -103,7 +103,7 @@ def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
     s.water_taken += s.water[tank] - before
 
 
-@part
+@inline_kernel
 def through_hole(rho: float, area: float, pressure: float) -> float:
     """Return the flow [kg/s] that ``pressure`` [Pa] drives through ``area`` [m2].
 

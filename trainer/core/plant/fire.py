@@ -6,7 +6,7 @@ compartment. Times and shares are estimates of the vessel file.
 
 import math
 
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 from trainer.core.plant.parts import (
     AFT,
     CONTROL,
@@ -18,7 +18,7 @@ from trainer.core.plant.parts import (
 )
 
 
-@part
+@inline_kernel
 def kindle(vessel: Record, place: int, state: Record) -> None:
     """Begin a fire as its fault grows.
 
@@ -35,7 +35,7 @@ def kindle(vessel: Record, place: int, state: Record) -> None:
     s.kindled[place] = fault
 
 
-@part
+@inline_kernel
 def fighting_share(vessel: Record, place: int, state: Record) -> float:
     """Return how well [-] a fire is fought, 0 where it is not.
 
@@ -53,7 +53,7 @@ def fighting_share(vessel: Record, place: int, state: Record) -> float:
     return 0.25 * (1 << measures)
 
 
-@part
+@inline_kernel
 def burn(vessel: Record, place: int, h: float, state: Record) -> None:
     """Advance the fire of a compartment, and the dose of what stands there."""
     c = vessel[0]
@@ -69,7 +69,7 @@ def burn(vessel: Record, place: int, h: float, state: Record) -> None:
     s.burnt[place] += h * fire
 
 
-@part
+@inline_kernel
 def spread_smoke(vessel: Record, h: float, state: Record) -> None:
     """Advance the smoke: made by fire, mixed by ventilation, cleared where it is exhausted.
 
@@ -92,7 +92,7 @@ def spread_smoke(vessel: Record, h: float, state: Record) -> None:
         s.smoke[i] = min(max(s.smoke[i] + h * change, 0.0), 1.0)
 
 
-@part
+@inline_kernel
 def advance_fire(vessel: Record, h: float, state: Record) -> None:
     """Advance fires, the party that fights one, and smoke by ``h`` [s]."""
     s = state[0]

@@ -6,7 +6,7 @@ by the vital one, and moved without oil in hand.
 
 import math
 
-from trainer.core.kernel import Record, part
+from trainer.core.kernel import Record, inline_kernel
 from trainer.core.plant.parts import (
     FIRST_LEG,
     HAND,
@@ -23,13 +23,13 @@ from trainer.core.plant.parts import (
 )
 
 
-@part
+@inline_kernel
 def oil_held(vessel: Record, system: int, state: Record) -> float:
     """Return the oil [m3] in the accumulator of a system."""
     return vessel[0].oil_usable[system] - state[0].oil_spent[system]
 
 
-@part
+@inline_kernel
 def oil_pressure(vessel: Record, system: int, state: Record) -> float:
     """Return the pressure [Pa] of a system, by Boyle's law; 0 without oil."""
     c = vessel[0]
@@ -40,7 +40,7 @@ def oil_pressure(vessel: Record, system: int, state: Record) -> float:
     return full * gas / (gas + state[0].oil_spent[system])
 
 
-@part
+@inline_kernel
 def rate_share(vessel: Record, pressure: float) -> float:
     """Return the share [-] of a rate at a pressure [Pa], as an orifice flows."""
     c = vessel[0]
@@ -51,13 +51,13 @@ def rate_share(vessel: Record, pressure: float) -> float:
     return math.sqrt((pressure - c.oil_dead) / (c.oil_rated - c.oil_dead))
 
 
-@part
+@inline_kernel
 def system_of(mode: float) -> int:
     """Return the system that feeds a surface in normal or emergency."""
     return MAIN if mode == NORMAL else VITAL
 
 
-@part
+@inline_kernel
 def fed_share(vessel: Record, surface: int, state: Record) -> float:
     """Return the share [-] of its rate that a surface has, 0 where unfed."""
     c = vessel[0]
@@ -73,7 +73,7 @@ def fed_share(vessel: Record, surface: int, state: Record) -> float:
     return share * c.emergency_share if system == VITAL else share
 
 
-@part
+@inline_kernel
 def run_pump(vessel: Record, pump: int, h: float, state: Record) -> None:
     """Advance a pump, which runs from its starting pressure until its accumulator is full."""
     c = vessel[0]
@@ -92,7 +92,7 @@ def run_pump(vessel: Record, pump: int, h: float, state: Record) -> None:
         s.tank_gain[system] -= given
 
 
-@part
+@inline_kernel
 def leak_oil(vessel: Record, h: float, state: Record) -> None:
     """Let main oil out that leaks from the header and from open legs."""
     s = state[0]
@@ -108,7 +108,7 @@ def leak_oil(vessel: Record, h: float, state: Record) -> None:
         s.oil_spent[MAIN] += min(h * flow, oil_held(vessel, MAIN, state))
 
 
-@part
+@inline_kernel
 def shift_modes(vessel: Record, h: float, state: Record) -> None:
     """Advance the surfaces that are being shifted to another mode.
 
@@ -128,7 +128,7 @@ def shift_modes(vessel: Record, h: float, state: Record) -> None:
                 s.mode[i] = s.mode_ordered[i]
 
 
-@part
+@inline_kernel
 def advance_oil(vessel: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks and modes by ``h`` [s]."""
     for pump in range(3):
@@ -137,7 +137,7 @@ def advance_oil(vessel: Record, h: float, state: Record) -> None:
     shift_modes(vessel, h, state)
 
 
-@part
+@inline_kernel
 def draw_oil(vessel: Record, swept_r: float, swept_s: float, swept_b: float, state: Record) -> None:
     """Move the oil of what surfaces have swept [rad] into its tank.
 

@@ -7,18 +7,18 @@ electricity); the numbers stand in the vessel file, which says that they are est
 
 from typing import Final
 
-from trainer.core.kernel import Field, Record, part
+from trainer.core.kernel import Field, Record, inline_kernel
 
 OIL_SYSTEMS: Final = ("main", "vital")
 MAIN, VITAL = 0, 1
 OIL_PUMPS: Final = ("1", "2", "vital")
 MAIN_PUMP_COUNT: Final = 2  # the first of them feed the main system
 STANDING_BY, RUNNING, STOPPED = 0, 1, 2  # of such a pump
-MODES: Final = ("normal", "emergency", "hand")  # how a surface is moved
+MODE_NAMES: Final = ("normal", "emergency", "hand")  # how a surface is moved
 NORMAL, EMERGENCY, HAND = 0, 1, 2
-BUSES: Final = ("port", "starboard", "dc")
+BUS_NAMES: Final = ("port", "starboard", "dc")
 PORT, STARBOARD, DC = 0, 1, 2
-CONSUMERS: Final = (
+CONSUMER_NAMES: Final = (
     *("hydraulic_1", "hydraulic_2", "hydraulic_vital"),
     *("trim", "drain", "depth_control", "compressor"),
     *("autopilot", "gyro", "log", "sounder", "telegraph", "propulsion"),
@@ -27,9 +27,9 @@ CONSUMER_COUNT: Final = 13
 HYDRAULIC_END: Final = 3  # the pumps of the oil come first, in their order
 FED_TRIM, FED_DRAIN, FED_DEPTH_CONTROL, FED_COMPRESSOR = 3, 4, 5, 6  # as PUMPS of the water
 FED_AUTOPILOT, FED_GYRO, FED_LOG, FED_SOUNDER, FED_TELEGRAPH, FED_PROPULSION = 7, 8, 9, 10, 11, 12
-PLACES: Final = ("forward", "control", "aft")  # compartments that can burn
+PLACE_NAMES: Final = ("forward", "control", "aft")  # compartments that can burn
 FORWARD, CONTROL, AFT = 0, 1, 2
-BURNING_ITEMS: Final = (*CONSUMERS, *BUSES)  # what a fire can take away
+BURNING_ITEMS: Final = (*CONSUMER_NAMES, *BUS_NAMES)  # what a fire can take away
 MAIN_VALVE, VITAL_VALVE = 3, 4  # of what can be isolated, after the legs of the surfaces
 RUN_VENTILATION, SECURED, EXHAUSTING = 0, 1, 2
 
@@ -78,7 +78,7 @@ PLANT_FIELDS: Final[tuple[Field, ...]] = (
 )
 
 
-@part
+@inline_kernel
 def is_dead(consumer: int, state: Record) -> bool:
     """Return whether a consumer is without power, or burnt."""
     unpowered = state[0].unpowered

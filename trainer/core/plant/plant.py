@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from trainer.core.casualties import GYRO, reading
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.plant.fire import advance_fire
 from trainer.core.plant.oil import advance_oil
 from trainer.core.plant.parts import FED_GYRO, is_dead
@@ -18,7 +18,7 @@ from trainer.core.plant.power import cut_off_consumers, drain_battery, feed_buse
 CALM_TICKS: Final = 20.0  # between two looks at the battery of a plant that is well
 
 
-@part
+@inline_kernel
 def stop_gauges(state: Record) -> None:
     """Keep what gyro, log and sounder read for as long as they have no power."""
     s = state[0]
@@ -39,7 +39,7 @@ def work_plant(vessel: Record, h: float, state: Record) -> None:
     advance_fire(vessel, h, state)
 
 
-@part
+@inline_kernel
 def advance_plant(vessel: Record, h: float, state: Record) -> None:
     """Advance the plant by ``h`` [s].
 

@@ -5,7 +5,7 @@ is fed by the battery as a whole. A battery gives less the harder it is drained.
 """
 
 from trainer.core.ballast.tanks import DEPTH_CONTROL_PUMP, DRAIN_PUMP, TRIM_PUMP
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.plant.parts import (
     CELLS,
     CONSUMER_COUNT,
@@ -24,7 +24,7 @@ from trainer.core.plant.parts import (
 )
 
 
-@part
+@inline_kernel
 def is_burnt(vessel: Record, item: int, state: Record) -> bool:
     """Return whether a fire has taken a consumer, or a bus after them, away."""
     c = vessel[0]
@@ -32,7 +32,7 @@ def is_burnt(vessel: Record, item: int, state: Record) -> bool:
     return place >= 0 and state[0].burnt[place] >= c.burn_dose[item]
 
 
-@part
+@inline_kernel
 def feeding_bus(vessel: Record, consumer: int, state: Record) -> int:
     """Return the bus that feeds a consumer, -1 for none."""
     s = state[0]
@@ -43,7 +43,7 @@ def feeding_bus(vessel: Record, consumer: int, state: Record) -> int:
     return -1
 
 
-@part
+@inline_kernel
 def is_running(consumer: int, state: Record) -> bool:
     """Return whether a consumer draws power where it has any. What is no pump always does."""
     s = state[0]
@@ -73,7 +73,7 @@ def bus_load(vessel: Record, bus: int, state: Record) -> float:
     return load
 
 
-@part
+@inline_kernel
 def is_sound_bus(vessel: Record, bus: int, state: Record) -> bool:
     """Return whether a bus could be fed from its own part of the battery."""
     s = state[0]
@@ -83,7 +83,7 @@ def is_sound_bus(vessel: Record, bus: int, state: Record) -> bool:
     return not (empty or dips or broken or is_burnt(vessel, CONSUMER_COUNT + bus, state))
 
 
-@part
+@inline_kernel
 def feed_buses(vessel: Record, h: float, state: Record) -> None:
     """Write which buses are live, and open a breaker that carries too much."""
     s = state[0]
@@ -102,7 +102,7 @@ def feed_buses(vessel: Record, h: float, state: Record) -> None:
     watch_overload(vessel, h, tied and port_feeds != starboard_feeds, port_feeds, state)
 
 
-@part
+@inline_kernel
 def watch_overload(
     vessel: Record,
     h: float,
@@ -131,7 +131,7 @@ def watch_overload(
     s.overload = 0.0
 
 
-@part
+@inline_kernel
 def cut_off_consumers(vessel: Record, h: float, state: Record) -> None:
     """Write which consumers are without power. The gyro has a small battery of its own."""
     s = state[0]
@@ -146,7 +146,7 @@ def cut_off_consumers(vessel: Record, h: float, state: Record) -> None:
     s.unpowered = unpowered
 
 
-@part
+@inline_kernel
 def lose_cells(vessel: Record, state: Record) -> None:
     """Take from the charge what the cells held that are lost since the last tick.
 

@@ -17,8 +17,15 @@ that.
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine, cosine_and_sine, exponential, logarithm
-from trainer.core.kernel import Record, kernel, part
+import numpy as np
+
+from trainer.core.elementary import (
+    cosine_and_sine,
+    cosine_and_sine_of_any,
+    exponential,
+    logarithm,
+)
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.noise import SEA_FREQUENCY, SEA_PHASE, uniform
 from trainer.core.state import SEA_COMPONENTS
 
@@ -33,6 +40,8 @@ VARIANCE_SHARE: Final = (
 # pi/6 ahead, sqrt(3)/4 and (pi/3 - sqrt(3)/2)/2 to the sides (errata H4-H6).
 ANGLE_COS: Final = (0.5, 0.8660254037844386, 1.0, 0.8660254037844386, 0.5)
 ANGLE_SIN: Final = (-0.8660254037844386, -0.5, 0.0, 0.5, 0.8660254037844386)
+COMPONENT_COS: Final = np.repeat(ANGLE_COS, BAND_COUNT)  # of each component
+COMPONENT_SIN: Final = np.repeat(ANGLE_SIN, BAND_COUNT)
 DIRECTION_WEIGHTS: Final = (
     0.10739542413197807,
     0.23480393851504963,
@@ -86,7 +95,7 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
         work.amplitude[i] /= math.sqrt(total)
 
 
-@part
+@inline_kernel
 def find_direction(scratch: Record, state: Record) -> None:
     """Write the parts [-] of the sea's direction north and east, if it has turned.
 
@@ -98,7 +107,7 @@ def find_direction(scratch: Record, state: Record) -> None:
         work.toward_north, work.toward_east = cosine_and_sine(direction)
 
 
-@part
+@inline_kernel
 def advance_sum(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Advance by ``h`` [s] the numbers from which the phases above the boat follow."""
     s = state[0]
@@ -110,20 +119,30 @@ def advance_sum(vessel: Record, h: float, scratch: Record, state: Record) -> Non
     s.sea_across += number * (east * cos_wind - north * sin_wind) * h
 
 
-@part
+@inline_kernel
 def phase(scratch: Record, state: Record, i: int) -> float:
     """Return the phase [rad] of component ``i`` above the boat."""
     s = state[0]
     work = scratch[0]
     q = work.relative[i]
-    met = s.sea_along * ANGLE_COS[i // BAND_COUNT] + s.sea_across * ANGLE_SIN[i // BAND_COUNT]
+    met = s.sea_along * COMPONENT_COS[i] + s.sea_across * COMPONENT_SIN[i]
     return work.phase_start[i] + q * s.sea_turned - q * q * met
+
+
+@inline_kernel
+def write_phases(scratch: Record, state: Record) -> None:
+    """Write cosine and sine [-] of each component's phase above the boat, several at once."""
+    work = scratch[0]
+    for i in range(SEA_COMPONENTS):
+        even, odd = cosine_and_sine_of_any(phase(scratch, state, i))
+        work.phase_cos[i], work.phase_sin[i] = even, odd
 
 
 @kernel
 def sum_elevation(scratch: Record, state: Record) -> float:
     """Return the surface elevation above the boat [-], of variance 1."""
+    write_phases(scratch, state)
     elevation = 0.0
     for i in range(SEA_COMPONENTS):
-        elevation += scratch[0].amplitude[i] * cosine(phase(scratch, state, i))
+        elevation += scratch[0].amplitude[i] * scratch[0].phase_cos[i]
     return elevation

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Record, inline_kernel, kernel
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.state import FILTER_DEGREE
 from trainer.units import KNOT
@@ -153,7 +153,7 @@ def prepare_filter(g: float, omega: float, h: float, scratch: Record) -> None:
     work.quadrature_gain = gain * low / math.sqrt(work.quadrature_power)
 
 
-@part
+@inline_kernel
 def filter_noise(scratch: Record, x: float, state: Record) -> None:
     """Advance the filter by one sample ``x`` [-] of noise, and write its two outputs.
 
@@ -174,7 +174,7 @@ def filter_noise(scratch: Record, x: float, state: Record) -> None:
     s.sea_quadrature = -work.quadrature_gain * (w - two)
 
 
-@part
+@inline_kernel
 def advance_filter(scratch: Record, turn_cos: float, turn_sin: float, state: Record) -> None:
     """Advance the filtered waves by one tick.
 

@@ -46,8 +46,8 @@ from typing import Final
 import numpy as np
 
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
-from trainer.core.kernel import Numbers, Record, kernel, part
-from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, phase
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
+from trainer.core.sea.cosine_sum import COMPONENT_COS, COMPONENT_SIN, write_phases
 from trainer.core.state import (
     AXIAL,
     LATERAL,
@@ -86,7 +86,7 @@ MIN_KAPPA: Final = 0.3  # [-] kappa
 MAX_KAPPA: Final = 60.0  # of the fit: no wave is left
 
 
-@part
+@inline_kernel
 def taper(vessel: Record, state: Record) -> float:
     """Return the share of the waves that is left at this depth [-].
 
@@ -101,7 +101,7 @@ def taper(vessel: Record, state: Record) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
-@part
+@inline_kernel
 def fading(row: int, kappa: float) -> float:
     """Return ln of one of FADING_FIT's integrals [-].
 
@@ -131,7 +131,7 @@ def suction(g: float, omega: float, height: float, depth: float) -> tuple[float,
     return lift, 2.0 * number * force * exponential(fading(1, kappa))
 
 
-@part
+@inline_kernel
 def kept(row: int) -> float:
     """Return the share [-] that a row of the strips' table keeps.
 
@@ -141,7 +141,7 @@ def kept(row: int) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
-@part
+@inline_kernel
 def are_summed(vessel: Record, scratch: Record) -> bool:
     """Return whether the table in the work space was summed over this boat's strips."""
     c, work = vessel[0], scratch[0]
@@ -152,7 +152,7 @@ def are_summed(vessel: Record, scratch: Record) -> bool:
     return same == 4 * STRIP_COUNT
 
 
-@part
+@inline_kernel
 def add_strip(row: int, strip: int, scratch: Record) -> None:
     """Add a strip to the sums of a row of the table."""
     work = scratch[0]
@@ -181,7 +181,7 @@ def prepare_strips(vessel: Record, scratch: Record) -> None:
             add_strip(row, strip, scratch)
 
 
-@part
+@inline_kernel
 def strip_row(kappa: float) -> tuple[int, float]:
     """Return the row of the strips' table before ``kappa`` [rad].
 
@@ -194,7 +194,7 @@ def strip_row(kappa: float) -> tuple[int, float]:
     return row, x - row
 
 
-@part
+@inline_kernel
 def strip_sum(scratch: Record, row: int, inside: float, kind: int, j: int) -> float:
     """Return a sum over the strips [-], between two rows of the table."""
     work = scratch[0]
@@ -202,7 +202,7 @@ def strip_sum(scratch: Record, row: int, inside: float, kind: int, j: int) -> fl
     return before + inside * (work.strip_sums[row + 1, kind, j] - before)
 
 
-@part
+@inline_kernel
 def at_strips(
     scratch: Record, at: tuple[int, float], kind: int, first: int, even: float, odd: float
 ) -> tuple[float, float]:
@@ -235,7 +235,7 @@ def raise_levels(scratch: Record, k: float, a_cos: float, a_sin: float) -> None:
         work.rise[i] -= omega * (a_sin * turn_cos - a_cos * turn_sin)
 
 
-@part
+@inline_kernel
 def add_component(scratch: Record, omega: float, rise: float, swing: float) -> None:
     """Add one wave to the sums.
 
@@ -265,7 +265,7 @@ def add_component(scratch: Record, omega: float, rise: float, swing: float) -> N
     work.pull[FLOW] += swing / omega
 
 
-@part
+@inline_kernel
 def filter_number(vessel: Record, number: float, scratch: Record, state: Record) -> float:
     """Return the wave number [1/m] of the filter's push; ``number`` is the peak's.
 
@@ -281,7 +281,7 @@ def filter_number(vessel: Record, number: float, scratch: Record, state: Record)
     return number + min(max(covered, 0.0), 1.0) * (s.push_number - number)
 
 
-@part
+@inline_kernel
 def add_wave_filter(vessel: Record, a: float, scratch: Record, state: Record) -> None:
     """Add the force of the wave filter, as one wave.
 
@@ -297,7 +297,7 @@ def add_wave_filter(vessel: Record, a: float, scratch: Record, state: Record) ->
         raise_levels(scratch, number, a * s.wave_cos, a * s.wave_sin)
 
 
-@part
+@inline_kernel
 def add_filter_1969(scratch: Record, a: float, state: Record) -> None:
     """Add the waves of the filter of 1969.
 
@@ -312,7 +312,7 @@ def add_filter_1969(scratch: Record, a: float, state: Record) -> None:
         raise_levels(scratch, number, a * s.sea_elevation, a * s.sea_quadrature)
 
 
-@part
+@inline_kernel
 def add_filters(vessel: Record, scratch: Record, state: Record) -> None:
     """Add the waves of the filters in use to the sums."""
     s = state[0]
@@ -332,21 +332,24 @@ def add_sum(scratch: Record, state: Record) -> None:
     work = scratch[0]
     height = 0.25 * s.sea_height * math.sqrt(s.sea_cosines)
     chi_cos, chi_sin = cosine_and_sine(s.sea_direction - s.psi)
+    write_phases(scratch, state)
+    peak, g, depth = s.sea_omega, work.g, work.depth
+    for i in range(SEA_COMPONENTS):  # several at once, as those above and unlike those below
+        omega = peak * work.relative[i]
+        number = omega * omega / g
+        size = height * work.amplitude[i] * g * number * exponential(-number * depth)
+        work.pull_cos[i], work.pull_sin[i] = size * work.phase_cos[i], size * work.phase_sin[i]
     for i in range(SEA_COMPONENTS):
-        angle_cos, angle_sin = ANGLE_COS[i // BAND_COUNT], ANGLE_SIN[i // BAND_COUNT]
-        work.along = chi_cos * angle_cos - chi_sin * angle_sin
-        work.across = chi_sin * angle_cos + chi_cos * angle_sin
-        omega = s.sea_omega * work.relative[i]
-        number = omega * omega / work.g
-        a = height * work.amplitude[i]
-        size = a * work.g * number * exponential(-number * work.depth)
-        phase_cos, phase_sin = cosine_and_sine(phase(scratch, state, i))
-        add_component(scratch, omega, size * phase_cos, size * phase_sin)
+        work.along = chi_cos * COMPONENT_COS[i] - chi_sin * COMPONENT_SIN[i]
+        work.across = chi_sin * COMPONENT_COS[i] + chi_cos * COMPONENT_SIN[i]
+        omega = peak * work.relative[i]
+        add_component(scratch, omega, work.pull_cos[i], work.pull_sin[i])
         if work.levels != 0.0:
-            raise_levels(scratch, number, a * phase_cos, a * phase_sin)
+            a, number = height * work.amplitude[i], omega * omega / g
+            raise_levels(scratch, number, a * work.phase_cos[i], a * work.phase_sin[i])
 
 
-@part
+@inline_kernel
 def push(vessel: Record, scratch: Record, left: float, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the sums.
 
@@ -372,7 +375,7 @@ def push(vessel: Record, scratch: Record, left: float, state: Record, force: Num
     force[ROLLING] -= left * (c.K_vdot + c.z_b * mass) * aside / (mass - c.Y_vdot)
 
 
-@part
+@inline_kernel
 def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the sea in force.
 

@@ -9,13 +9,13 @@ report gives no values; the vessel file does. ``boat/limits`` warns by the heigh
 from typing import Final
 
 from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.state import NORMAL, PITCHING
 
 DECK_REACH: Final = 0.25  # [-] of the length, either way from the origin: the parallel middle body
 
 
-@part
+@inline_kernel
 def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
     """Return the cell of an ascending ``grid`` that contains ``value``.
 
@@ -29,13 +29,13 @@ def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
     return low, min(max(inside, 0.0), 1.0)
 
 
-@part
+@inline_kernel
 def between_depths(column: Numbers, low: int, across: float) -> float:
     """Return a column's value inside a cell, linear, in the column's unit."""
     return column[low] + across * (column[low + 1] - column[low])
 
 
-@part
+@inline_kernel
 def between(table: Numbers, row: int, column: int, along: float, across: float) -> float:
     """Return a table's value inside a cell, bilinear, in the table's unit."""
     first = table[row, column] + across * (table[row, column + 1] - table[row, column])
@@ -43,7 +43,7 @@ def between(table: Numbers, row: int, column: int, along: float, across: float) 
     return first + along * (second - first)
 
 
-@part
+@inline_kernel
 def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
     """Add Z [N] and M [N m] of the calm surface.
 

@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea.cosine_sum import advance_sum, find_direction, prepare_sum, sum_elevation
 from trainer.core.sea.filter_1969 import advance_filter, filter_noise, prepare_filter
@@ -76,7 +76,7 @@ def order_sea(
             s.sea[i] = s.sea_target[i]
 
 
-@part
+@inline_kernel
 def approach(h: float, state: Record) -> None:
     """Bring the sea in force ``h`` [s] nearer to the ordered one.
 
@@ -100,13 +100,13 @@ def approach(h: float, state: Record) -> None:
     s.sea_omega = omega
 
 
-@part
+@inline_kernel
 def wrap_angle(angle: float) -> float:
     """Return ``angle`` [rad] less the whole turns, from -pi to pi."""
     return angle - 6.283185307179586 * math.floor(angle * 0.15915494309189535 + 0.5)
 
 
-@part
+@inline_kernel
 def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
     """Advance the filters in use by one tick.
 
@@ -126,7 +126,7 @@ def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
         read_outputs(turn_cos, turn_sin, state)
 
 
-@part
+@inline_kernel
 def filtered(state: Record) -> float:
     """Return the filters' elevation [-] above the boat, of variance 1."""
     s = state[0]
@@ -138,7 +138,7 @@ def filtered(state: Record) -> float:
     return unit
 
 
-@part
+@inline_kernel
 def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Advance the sea by one tick and write the elevation [m] above the boat.
 

@@ -23,7 +23,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.kernel import Numbers, Record, inline_kernel, kernel
 from trainer.core.noise import SEA_BANK, gaussian_pair
 from trainer.core.sea.free_surface import cell
 
@@ -192,7 +192,7 @@ LENGTH_TABLE: Final = _read(
 )
 
 
-@part
+@inline_kernel
 def advance_modes(bank: int, step: int, state: Record) -> None:
     """Advance one bank by the internal step of that number.
 
@@ -209,7 +209,7 @@ def advance_modes(bank: int, step: int, state: Record) -> None:
         s.sea_modes[bank, 4 + i] = across * a + along * b
 
 
-@part
+@inline_kernel
 def choose_rows(bank: int, row: int, inside: float, scratch: Record) -> None:
     """Write a bank's rows [-] of the force for a depth between two of FORCE_DEPTHS."""
     work = scratch[0]
@@ -219,7 +219,7 @@ def choose_rows(bank: int, row: int, inside: float, scratch: Record) -> None:
             work.force_rows[bank, i, j] = upper + inside * (lower - upper)
 
 
-@part
+@inline_kernel
 def add_outputs(bank: int, size: float, row: int, scratch: Record, state: Record) -> None:
     """Add ``size`` times the outputs of a bank to the history.
 
@@ -238,7 +238,7 @@ def add_outputs(bank: int, size: float, row: int, scratch: Record, state: Record
     s.sea_past[row, PUSH_COS], s.sea_past[row, PUSH_SIN] = push_cos, push_sin
 
 
-@part
+@inline_kernel
 def note_outputs(step: int, scratch: Record, state: Record) -> None:
     """Write the outputs [-] of both banks over the oldest ones.
 
@@ -274,7 +274,7 @@ def begin_filter(kappa: float, scratch: Record, state: Record) -> None:
         note_outputs(step, scratch, state)
 
 
-@part
+@inline_kernel
 def left_length(row: int, inside: float, peaked: float) -> float:
     """Return the wave number of the waves left at a depth, over the peak's [-]."""
     flat = LENGTH_TABLE[FLAT, row] + inside * (
@@ -286,7 +286,7 @@ def left_length(row: int, inside: float, peaked: float) -> float:
     return flat + peaked * (raised - flat)
 
 
-@part
+@inline_kernel
 def advance_clock(number: float, run: float, h: float, scratch: Record, state: Record) -> None:
     """Advance the banks by the internal steps of a tick of ``h`` [s].
 
@@ -315,7 +315,7 @@ def advance_clock(number: float, run: float, h: float, scratch: Record, state: R
     s.sea_clock -= math.floor(s.sea_clock)
 
 
-@part
+@inline_kernel
 def read_outputs(turn_cos: float, turn_sin: float, state: Record) -> None:
     """Write the waves above the boat from the last outputs.
 

@@ -26,7 +26,7 @@ from trainer.identify.boat.motion import (
     write_rates,
 )
 from trainer.identify.boat.regressors import ATOM_PLACES
-from trainer.identify.kernels.kernel import kernel, lean
+from trainer.identify.kernels.kernel import kernel, lean_kernel
 
 CHANNEL_NAMES: Final = ("speed", "heading", "pitch", "roll", "depth", "p", "q", "r", "ground_speed")
 CHANNEL_COUNT: Final = len(CHANNEL_NAMES)
@@ -134,7 +134,7 @@ def _new_room(count: int) -> PassRoom:
     )
 
 
-@lean
+@lean_kernel
 def predict_reading(x: Numbers, channel: int, h: Numbers) -> float:
     """Return what a channel should read, and write its slopes by the state to ``h``."""
     for i in range(STATE_COUNT):
@@ -156,7 +156,7 @@ def predict_reading(x: Numbers, channel: int, h: Numbers) -> float:
     return value
 
 
-@lean
+@lean_kernel
 def _set_controls(inputs: Numbers, k: int, begin: float, end: float, control: Numbers) -> None:
     """Write the controls at begin, middle and end of a step, straight between readings."""
     last = min(k + 1, inputs.shape[0] - 1)
@@ -167,7 +167,7 @@ def _set_controls(inputs: Numbers, k: int, begin: float, end: float, control: Nu
         control[2, i] = inputs[k, i] + end * change
 
 
-@lean
+@lean_kernel
 def step_motion(boat: BoatNumbers, x: Numbers, h: float, room: PassRoom) -> None:
     """Move a state on by ``h`` [s], by the four stages of Runge and Kutta."""
     for i in range(STATE_COUNT):
@@ -186,7 +186,7 @@ def step_motion(boat: BoatNumbers, x: Numbers, h: float, room: PassRoom) -> None
         x[i] += h * room.total[i]
 
 
-@lean
+@lean_kernel
 def _set_transition(boat: BoatNumbers, middle: Numbers, h: float, room: PassRoom) -> None:
     """Write Phi of a step, G by which rates act on its end, and the products at its middle.
 
@@ -220,7 +220,7 @@ def _set_transition(boat: BoatNumbers, middle: Numbers, h: float, room: PassRoom
         room.Phi[i, i] += 1.0
 
 
-@lean
+@lean_kernel
 def _multiply(left: Numbers, right: Numbers, out: Numbers) -> None:
     """Write the product of two matrices (10, 17), whose slow rows are zero and left out."""
     for i in range(MOTION_COUNT):
@@ -232,7 +232,7 @@ def _multiply(left: Numbers, right: Numbers, out: Numbers) -> None:
                 out[i, j] += factor * right[k, j]
 
 
-@lean
+@lean_kernel
 def _carry_slopes(boat: BoatNumbers, x: Numbers, S: Numbers, room: PassRoom) -> None:
     """Carry the slopes (17, m) over a step: S = Phi S + G inv(M) (what each coefficient pushes)."""
     count = S.shape[1]
@@ -249,7 +249,7 @@ def _carry_slopes(boat: BoatNumbers, x: Numbers, S: Numbers, room: PassRoom) -> 
             S[i, j] = room.work[i, j]
 
 
-@lean
+@lean_kernel
 def _push_slopes(boat: BoatNumbers, x: Numbers, count: int, room: PassRoom) -> None:
     """Add what each parameter pushes in a step; the last is the height of buoyancy."""
     last = count - 1
@@ -269,7 +269,7 @@ def _push_slopes(boat: BoatNumbers, x: Numbers, count: int, room: PassRoom) -> N
         room.work[i, last] += room.AA[i, ROLLING] * rolling + room.AA[i, PITCHING] * pitching
 
 
-@lean
+@lean_kernel
 def _carry_covariance(P: Numbers, start: FilterStart, h: float, room: PassRoom) -> None:
     """Carry the covariance over a step, with what disturbances and slow walks add.
 
@@ -294,7 +294,7 @@ def _carry_covariance(P: Numbers, start: FilterStart, h: float, room: PassRoom) 
     _disturb(P, start, h, room)
 
 
-@lean
+@lean_kernel
 def _disturb(P: Numbers, start: FilterStart, h: float, room: PassRoom) -> None:
     """Add half the disturbances of a step at its begin and half at its end, and the walks."""
     Phi, variance = room.Phi, room.force
@@ -312,7 +312,7 @@ def _disturb(P: Numbers, start: FilterStart, h: float, room: PassRoom) -> None:
         P[i, i] += h * start.walk[i - MOTION_COUNT] * start.walk[i - MOTION_COUNT]
 
 
-@lean
+@lean_kernel
 def _spread_reading(P: Numbers, h: Numbers, error: float, g: Numbers) -> float:
     """Write P h to ``g``, and return the variance of the innovation."""
     for i in range(STATE_COUNT):
@@ -327,7 +327,7 @@ def _spread_reading(P: Numbers, h: Numbers, error: float, g: Numbers) -> float:
     return variance
 
 
-@lean
+@lean_kernel
 def _take_reading(
     x: Numbers, P: Numbers, S: Numbers, innovation: float, variance: float, room: PassRoom
 ) -> None:
@@ -342,7 +342,7 @@ def _take_reading(
             S[i, j] += gain * J[j]
 
 
-@lean
+@lean_kernel
 def _slope_reading(S: Numbers, h: Numbers, J: Numbers) -> None:
     """Write the slopes of an innovation by the parameters to ``J``: -h'S."""
     for j in range(S.shape[1]):
@@ -353,7 +353,7 @@ def _slope_reading(S: Numbers, h: Numbers, J: Numbers) -> None:
                 J[j] -= h[i] * S[i, j]
 
 
-@lean
+@lean_kernel
 def _add_information(
     J: Numbers, innovation: float, variance: float, gradient: Numbers, information: Numbers
 ) -> None:
@@ -365,7 +365,7 @@ def _add_information(
             information[i, j] += weighted * J[j]
 
 
-@lean
+@lean_kernel
 def _read_row(
     readings: Numbers, x: Numbers, P: Numbers, S: Numbers, start: FilterStart, row: RowSums
 ) -> float:
@@ -387,7 +387,7 @@ def _read_row(
     return cost
 
 
-@lean
+@lean_kernel
 def _is_lost(x: Numbers) -> bool:
     """Return whether a state is none of a boat."""
     lost = not abs(x[STATE.THETA]) < MAX_PITCH_RAD

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.regressors import ATOM_PLACES
-from trainer.identify.kernels.kernel import indices, lean
+from trainer.identify.kernels.kernel import indices, lean_kernel
 
 Indices = NDArray[np.int64]
 
@@ -45,7 +45,7 @@ class BoatNumbers(NamedTuple):
     moving: Indices
 
 
-@lean
+@lean_kernel
 def write_atoms(body: Numbers, x: Numbers, control: Numbers, atoms: Numbers) -> None:
     """Write what terms are products of; accelerations are left as they are."""
     u, v, w = x[STATE.U], x[STATE.V], x[STATE.W]
@@ -74,7 +74,7 @@ def write_atoms(body: Numbers, x: Numbers, control: Numbers, atoms: Numbers) -> 
     atoms[ATOM_PLACES.SLIP] = control[CONTROL_PLACES.UC] / speed - 1.0 if speed != 0.0 else 0.0
 
 
-@lean
+@lean_kernel
 def product(factors: Indices, j: int, atoms: Numbers) -> float:
     """Return what term ``j`` multiplies."""
     value = atoms[factors[j, 0]] * atoms[factors[j, 1]]
@@ -85,7 +85,7 @@ def product(factors: Indices, j: int, atoms: Numbers) -> float:
     return value
 
 
-@lean
+@lean_kernel
 def write_rates(
     boat: BoatNumbers, x: Numbers, control: Numbers, atoms: Numbers, force: Numbers, rate: Numbers
 ) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import Entries, kernel, part, put_vector
+from trainer.identify.kernels.kernel import Entries, inline_kernel, kernel, put_vector
 from trainer.identify.kernels.sampling import Complexes
 
 Indices = NDArray[np.int64]
@@ -61,7 +61,7 @@ class FilterRun(NamedTuple):
     spreads: Entries  # R (n, y, y)
 
 
-@part
+@inline_kernel
 def write_joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
     """Write J = W_x P W_x' + Q to ``out``; ``work`` (x+y, x)."""
     rows, states = work.shape
@@ -80,7 +80,7 @@ def write_joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: E
             out[j, i] = total
 
 
-@part
+@inline_kernel
 def predict_sample(mean: Entries, z: Entries, out: Entries) -> None:
     """Write v = W z, the next state and the readings of this sample."""
     for i in range(out.size):
@@ -90,7 +90,7 @@ def predict_sample(mean: Entries, z: Entries, out: Entries) -> None:
         out[i] = total
 
 
-@part
+@inline_kernel
 def sweep_pivot(J: Entries, pivot: int) -> float:
     """Return the conditional variance of a pivot, after sweeping it out of symmetric ``J``.
 
@@ -110,7 +110,7 @@ def sweep_pivot(J: Entries, pivot: int) -> float:
     return d
 
 
-@part
+@inline_kernel
 def condition_on_readings(J: Entries, error: Entries, there: Mask) -> float:
     """Return log det R [-] after sweeping the readings ``there`` out of ``J``.
 
@@ -135,7 +135,7 @@ def condition_on_readings(J: Entries, error: Entries, there: Mask) -> float:
     return np.log(product)
 
 
-@part
+@inline_kernel
 def write_residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int:
     """Return how many readings of ``row`` are there, after writing ``error`` and ``there``."""
     first = v.size - error.size
@@ -147,7 +147,7 @@ def write_residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int
     return count
 
 
-@part
+@inline_kernel
 def error_square(J: Entries, error: Entries) -> float:
     """Return error' R^-1 error [-] from the swept ``J``."""
     first = J.shape[0] - error.size
@@ -158,7 +158,7 @@ def error_square(J: Entries, error: Entries) -> float:
     return total
 
 
-@part
+@inline_kernel
 def move_state(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
     """Write the next state to ``z`` by the gain in the swept ``J``."""
     states = J.shape[0] - error.size
@@ -169,7 +169,7 @@ def move_state(J: Entries, v: Entries, error: Entries, z: Entries) -> None:
         z[i] = total
 
 
-@part
+@inline_kernel
 def advance_state(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
     """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
     states = P.shape[0]
@@ -182,7 +182,7 @@ def advance_state(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries
             P[i, j] = J[i, j]
 
 
-@part
+@inline_kernel
 def all_there(there: Mask) -> bool:
     """Return whether no reading is missing."""
     missing = 0
@@ -191,7 +191,7 @@ def all_there(there: Mask) -> bool:
     return missing == 0
 
 
-@part
+@inline_kernel
 def has_settled(J: Numbers, P: Numbers) -> bool:
     """Return whether the covariance in the swept ``J`` is that in ``P``."""
     for i in range(P.shape[0]):
@@ -202,7 +202,7 @@ def has_settled(J: Numbers, P: Numbers) -> bool:
     return True
 
 
-@part
+@inline_kernel
 def run_length(which: Indices, first: int) -> int:
     """Return the end of the samples from ``first`` on with the same system.
 

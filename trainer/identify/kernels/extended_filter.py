@@ -50,7 +50,7 @@ from trainer.identify.kernels.extended_slopes import (
     take_slopes,
     transition_slopes,
 )
-from trainer.identify.kernels.kernel import kernel, lean
+from trainer.identify.kernels.kernel import kernel, lean_kernel
 
 # columns of a record's row, in the order of the module's docstring
 FIRST_INPUT_COLUMN: Final = 4
@@ -113,7 +113,7 @@ def _new_room(terms: Terms, n: int, count: int) -> FilterRoom:
     )
 
 
-@lean
+@lean_kernel
 def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
     """Write the inputs ``part`` of the way from row ``k`` to the next."""
     following = k + 1
@@ -124,7 +124,7 @@ def set_inputs(record: Numbers, k: int, part: float, c: Numbers) -> None:
         c[0] = record[k, FIRST_INPUT_COLUMN]
 
 
-@lean
+@lean_kernel
 def _spread(
     driven: DrivenStates, phi: Numbers, P: Numbers, noise: Numbers, T: float, half: Numbers
 ) -> None:
@@ -150,7 +150,7 @@ def _spread(
         P[driven[g], driven[g]] += 0.5 * T * noise[g] * noise[g]
 
 
-@lean
+@lean_kernel
 def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
     """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta."""
     x, S = estimate.x, estimate.S
@@ -184,7 +184,7 @@ def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: 
                 S[i, j] += h / 6.0 * sum_[i, j]
 
 
-@lean
+@lean_kernel
 def _take_row(
     system: System, row: Numbers, estimate: Estimate, lines: ReadingSlopes, sums: FilterSums
 ) -> float:
@@ -216,7 +216,7 @@ def _take_row(
     return cost
 
 
-@lean
+@lean_kernel
 def _predict(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
     """Advance the covariance and its derivatives from row ``k`` to the next."""
     accelerations, matrices, driven = room.sloped, room.matrices, system.driven

@@ -25,7 +25,7 @@ from trainer.boat.ship.forces import (
 )
 from trainer.boat.ship.forward_numbers import FIRST_COLUMNS, SLOPES, VALUE, second_column
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import lean, part
+from trainer.identify.kernels.kernel import inline_kernel, lean_kernel
 
 FREE: Final = 0  # column of the indices of the free coefficients
 
@@ -37,7 +37,7 @@ class Accelerations(NamedTuple):
     rates: Numbers
 
 
-@lean
+@lean_kernel
 def set_jacobian(driven: DrivenStates, rates: Numbers, A: Numbers) -> None:
     """Write df/dx (n, n) from the forward numbers of the accelerations."""
     A[:] = 0.0
@@ -50,7 +50,7 @@ def set_jacobian(driven: DrivenStates, rates: Numbers, A: Numbers) -> None:
         A[i, i - 1] = 1.0
 
 
-@part
+@inline_kernel
 def _factor_slopes(table: Numbers, index: int, row: int, units: Units, out: Numbers) -> None:
     """Write the derivatives of the accelerations by the factor of one term."""
     axis = index if index < 3 else index % AXIS_COUNT
@@ -64,7 +64,7 @@ def _factor_slopes(table: Numbers, index: int, row: int, units: Units, out: Numb
             out[axis, i] *= heel
 
 
-@part
+@inline_kernel
 def coefficient_slopes(
     accelerations: Accelerations,
     terms: Terms,
@@ -131,7 +131,7 @@ class MatrixRoom(NamedTuple):
     own: Numbers  # what one coefficient does
 
 
-@lean
+@lean_kernel
 def count_reading(
     innovation: Innovation, lines: ReadingSlopes, gradient: Numbers, information: Numbers
 ) -> None:
@@ -146,7 +146,7 @@ def count_reading(
             information[j, i] += a * de[i] + b * ds[i]
 
 
-@lean
+@lean_kernel
 def _take(driven: DrivenStates, m: int, innovation: Innovation, x: Numbers, P: Numbers) -> None:
     """Take one reading into state and covariance.
 
@@ -163,7 +163,7 @@ def _take(driven: DrivenStates, m: int, innovation: Innovation, x: Numbers, P: N
         P[i, m] -= P[i, m] * pivot / s
 
 
-@lean
+@lean_kernel
 def take_slopes(
     driven: DrivenStates, m: int, innovation: Innovation, estimate: Estimate, lines: ReadingSlopes
 ) -> None:
@@ -192,7 +192,7 @@ def take_slopes(
     _take(driven, m, innovation, estimate.x, P)
 
 
-@lean
+@lean_kernel
 def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
     """Return the second derivative of an acceleration by two states.
 
@@ -207,7 +207,7 @@ def _bend(rates: Numbers, axis: int, i: int, k: int) -> float:
     return 0.0
 
 
-@lean
+@lean_kernel
 def matrix_slopes(driven: DrivenStates, rates: Numbers, S: Numbers, dA: Numbers) -> None:
     """Write what the state's derivatives ``S`` do to the Jacobian, dA (n, n, q)."""
     dA[:] = 0.0
@@ -219,7 +219,7 @@ def matrix_slopes(driven: DrivenStates, rates: Numbers, S: Numbers, dA: Numbers)
                     dA[driven[axis], i, j] += bend * S[k, j]
 
 
-@lean
+@lean_kernel
 def own_slopes(
     system: System, accelerations: Accelerations, x: Numbers, own: Numbers, dA: Numbers
 ) -> None:
@@ -235,7 +235,7 @@ def own_slopes(
                 dA[driven[e], i, j] += own[e, i]
 
 
-@lean
+@lean_kernel
 def _horner(driven: DrivenStates, part: float, room: MatrixRoom) -> None:
     """Write I + part A H and its derivatives over H and dH, the transition so far.
 
@@ -259,7 +259,7 @@ def _horner(driven: DrivenStates, part: float, room: MatrixRoom) -> None:
                 dH[i, k, j] = part * turned[i, k, j]
 
 
-@lean
+@lean_kernel
 def transition_slopes(driven: DrivenStates, T: float, room: MatrixRoom) -> None:
     """Write the transition and its derivatives over ``T`` [s]."""
     H, dH = room.phi, room.dphi
@@ -271,7 +271,7 @@ def transition_slopes(driven: DrivenStates, T: float, room: MatrixRoom) -> None:
         _horner(driven, T / order, room)
 
 
-@lean
+@lean_kernel
 def spread_slopes(driven: DrivenStates, room: MatrixRoom, dP: Numbers) -> None:
     """Advance ``dP`` to dphi G + (dphi G)' + phi dP phi'.
 
@@ -299,7 +299,7 @@ def spread_slopes(driven: DrivenStates, room: MatrixRoom, dP: Numbers) -> None:
                 dP[k, i, j] = total
 
 
-@lean
+@lean_kernel
 def noise_slopes(
     driven: DrivenStates, phi: Numbers, noise: Numbers, T: float, first: int, dP: Numbers
 ) -> None:
@@ -312,7 +312,7 @@ def noise_slopes(
         dP[s, s, first + g] += weight
 
 
-@lean
+@lean_kernel
 def rate_slopes(
     system: System, accelerations: Accelerations, x: Numbers, S: Numbers, own: Numbers, out: Numbers
 ) -> None:

@@ -23,7 +23,14 @@ from trainer.identify.kernels.covariance_filter import (
     predict_sample,
     run_length,
 )
-from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
+from trainer.identify.kernels.kernel import (
+    clear_array,
+    inline_kernel,
+    kernel,
+    lean_kernel,
+    put_block,
+    put_vector,
+)
 
 ABREAST_SAMPLES: Final = 64  # samples that a settled filter takes at a time
 EIGENVALUE_SLACK: Final = 1e-9  # [-] below zero, that rounding may bring an eigenvalue
@@ -47,7 +54,7 @@ class FilterRoom(NamedTuple):
     abreast: Numbers  # samples that a settled filter takes at a time
 
 
-@part
+@inline_kernel
 def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers) -> None:
     """Write the lower half of J = W_x P W_x' + Q; ``half`` (x,)."""
     for i in range(noise.shape[0]):
@@ -63,7 +70,7 @@ def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers)
             J[i, j] = total
 
 
-@part
+@inline_kernel
 def _take(J: Numbers, index: int, error: float, v: Numbers) -> None:
     """Write ``J`` and ``v`` above the row ``index``, given the reading of that row."""
     inverse = 1.0 / J[index, index]
@@ -74,7 +81,7 @@ def _take(J: Numbers, index: int, error: float, v: Numbers) -> None:
             J[i, j] -= gain * J[index, j]
 
 
-@part
+@inline_kernel
 def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float:
     """Return the product of the variances of the readings that are there, after taking them.
 
@@ -98,7 +105,7 @@ def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float
     return product
 
 
-@part
+@inline_kernel
 def _advance(J: Numbers, v: Numbers, z: Numbers, P: Numbers) -> None:
     """Write the next state to ``z`` and its covariance to ``P``."""
     for i in range(P.shape[0]):
@@ -108,7 +115,7 @@ def _advance(J: Numbers, v: Numbers, z: Numbers, P: Numbers) -> None:
             P[j, i] = J[i, j]
 
 
-@part
+@inline_kernel
 def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None:
     """Write the matrix of the settled filter.
 
@@ -137,7 +144,7 @@ def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None
             out[c, j] /= width
 
 
-@part
+@inline_kernel
 def _turn_rows(table: Numbers, readings: int, out: Numbers) -> int:
     """Write rows of the table as columns of ``out``, up to the first that lacks a reading.
 
@@ -153,7 +160,7 @@ def _turn_rows(table: Numbers, readings: int, out: Numbers) -> int:
     return count
 
 
-@part
+@inline_kernel
 def _drive(closed: Numbers, columns: Numbers, count: int, out: Numbers) -> None:
     """Write the part of states and errors that readings and inputs make, for ``count`` samples."""
     width = columns.shape[0]
@@ -166,7 +173,7 @@ def _drive(closed: Numbers, columns: Numbers, count: int, out: Numbers) -> None:
                 out[i, k] += share * columns[j, k]
 
 
-@part
+@inline_kernel
 def _run_states(closed: Numbers, first: int, z: Numbers, count: int, out: Numbers) -> None:
     """Advance the states, one sample after the other, and complete the first sample's errors.
 
@@ -184,7 +191,7 @@ def _run_states(closed: Numbers, first: int, z: Numbers, count: int, out: Number
             z[i] = out[i, k]
 
 
-@part
+@inline_kernel
 def _add_squares(
     closed: Numbers, first: int, count: int, out: Numbers, squares: Numbers, sums: Numbers
 ) -> None:
@@ -203,7 +210,7 @@ def _add_squares(
         sums[SQUARES] += squares[k]
 
 
-@part
+@inline_kernel
 def _run_settled(
     closed: Numbers, table: Numbers, z: Numbers, abreast: Numbers, sums: Numbers
 ) -> int:
@@ -228,7 +235,7 @@ def _run_settled(
     return taken
 
 
-@lean
+@lean_kernel
 def _filter(
     system: SampledSystem,
     table: Numbers,
@@ -290,7 +297,7 @@ def likelihood_sums(
     _filter(system, table, which, FilterState(z, P), room, sums)
 
 
-@part
+@inline_kernel
 def _are_finite(numbers: Numbers) -> bool:
     """Return whether all numbers are finite."""
     total = 0.0  # zero times what is not finite is not zero: a sum without a branch
@@ -299,7 +306,7 @@ def _are_finite(numbers: Numbers) -> bool:
     return total == 0.0
 
 
-@part
+@inline_kernel
 def _factor(P: Numbers, factor: Numbers) -> bool:
     """Write the Cholesky factor of ``P`` scaled to a unit diagonal, plus EIGENVALUE_SLACK.
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import Entries, kernel, lean, part, put_block
+from trainer.identify.kernels.kernel import Entries, inline_kernel, kernel, lean_kernel, put_block
 
 Complexes = NDArray[np.complex128]
 OLD, NEW = 0, 1  # indices in the time that each of two inputs acts
@@ -51,7 +51,7 @@ class SampledBlocks(NamedTuple):
     covariance: Entries  # (b, m, x+y, x+y)
 
 
-@part
+@inline_kernel
 def block_size(matrix: Entries) -> float:
     """Return the largest row sum of a square block [-].
 
@@ -66,7 +66,7 @@ def block_size(matrix: Entries) -> float:
     return largest
 
 
-@part
+@inline_kernel
 def _times(left: Entries, right: Entries, out: Entries) -> None:
     """Write the leading square of ``left`` times ``right`` to ``out``."""
     for i in range(out.shape[0]):
@@ -77,7 +77,7 @@ def _times(left: Entries, right: Entries, out: Entries) -> None:
             out[i, j] = total
 
 
-@part
+@inline_kernel
 def _mean_series(drift: Entries, h: complex, room: Room, mean: Entries) -> None:
     """Write [Phi Gamma] over a short ``h`` [s]: the power series of exp([A B; 0 0] h)."""
     rows, columns = drift.shape
@@ -96,7 +96,7 @@ def _mean_series(drift: Entries, h: complex, room: Room, mean: Entries) -> None:
                 mean[i, j] += term[i, j]
 
 
-@part
+@inline_kernel
 def _noise_series(
     drift: Entries, noise: Entries, h: complex, room: Room, covariance: Entries
 ) -> None:
@@ -116,7 +116,7 @@ def _noise_series(
                 covariance[i, j] += term[i, j]
 
 
-@part
+@inline_kernel
 def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries) -> None:
     """Write ``later`` plus Phi ``covariance`` Phi' to ``later``; ``product`` is scratch."""
     rows = covariance.shape[0]
@@ -129,7 +129,7 @@ def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries)
             later[i, j] = total
 
 
-@part
+@inline_kernel
 def _double(room: Room, mean: Entries, covariance: Entries) -> None:
     """Write the mean and covariance of two equal intervals over those of one."""
     rows, columns = mean.shape
@@ -143,7 +143,7 @@ def _double(room: Room, mean: Entries, covariance: Entries) -> None:
             mean[i, j] += once[i, j]
 
 
-@lean
+@lean_kernel
 def propagate_block(
     drift: Entries, noise: Entries, h: complex, room: Room, mean: Entries, covariance: Entries
 ) -> None:
@@ -165,7 +165,7 @@ def propagate_block(
         _double(room, mean, covariance)
 
 
-@part
+@inline_kernel
 def _bound_lag(lag: complex, interval: float) -> complex:
     """Return ``lag`` [s] within 0 and ``interval`` [s], without a derivative at these limits."""
     if lag.real <= 0.0:
@@ -173,7 +173,7 @@ def _bound_lag(lag: complex, interval: float) -> complex:
     return lag if lag.real < interval else interval + 0.0 * lag
 
 
-@part
+@inline_kernel
 def _over(
     drift: Entries, noise: Entries, ends: Entries, room: Room, mean: Entries, covariance: Entries
 ) -> None:
@@ -199,7 +199,7 @@ def _over(
         mean[i, constant + inputs] += after[i, constant]
 
 
-@part
+@inline_kernel
 def _part_columns(source: Entries, states: int, by: int, out: Entries) -> None:
     """Write ``source`` to ``out``, with the columns behind the states moved on by ``by``."""
     for i in range(source.shape[0]):

@@ -27,7 +27,14 @@ from trainer.identify.kernels.covariance_filter import (
     write_joint,
     write_residual,
 )
-from trainer.identify.kernels.kernel import clear_array, kernel, lean, part, put_block, put_vector
+from trainer.identify.kernels.kernel import (
+    clear_array,
+    inline_kernel,
+    kernel,
+    lean_kernel,
+    put_block,
+    put_vector,
+)
 
 # [-] square of the relative change of a derivative of P, below which it is taken as constant
 SLOPE_TOLERANCE = 1e-20
@@ -78,7 +85,7 @@ class ScoreRoom(NamedTuple):
     used: Mask  # entries of the systems' matrices that any parameter changes
 
 
-@part
+@inline_kernel
 def _root(J: Numbers, readings: int, out: Numbers) -> None:
     """Write the upper U with U' U = R^-1 from the swept ``J``; missing readings are zero."""
     first = J.shape[0] - readings
@@ -94,7 +101,7 @@ def _root(J: Numbers, readings: int, out: Numbers) -> None:
                 out[j, i] = 0.0
 
 
-@part
+@inline_kernel
 def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: Numbers) -> None:
     """Write dW P + W dP / 2 to ``half`` (x+y, x, p): times W', plus its transpose, it is dJ."""
     rows, states, count = half.shape
@@ -107,7 +114,7 @@ def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: 
                     half[i, j, q] += slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
 
 
-@part
+@inline_kernel
 def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
     """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p). ``out`` has dQ already."""
     rows, states, count = half.shape
@@ -120,7 +127,7 @@ def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
                 out[j, i, q] = out[i, j, q]
 
 
-@part
+@inline_kernel
 def _entry(J: Numbers, dJ: Numbers, states: int, index: tuple[int, int], value: Numbers) -> None:
     """Write the derivatives (p,) of one entry of the next covariance P.
 
@@ -138,7 +145,7 @@ def _entry(J: Numbers, dJ: Numbers, states: int, index: tuple[int, int], value: 
                 value[q] += both * dJ[c, d, q]
 
 
-@part
+@inline_kernel
 def _condition(room: ScoreRoom, dP: Numbers) -> float:
     """Advance ``dP`` past the readings; return the square of its largest relative change [-]."""
     states, count = dP.shape[0], dP.shape[2]
@@ -165,7 +172,7 @@ def _condition(room: ScoreRoom, dP: Numbers) -> float:
     return worst
 
 
-@part
+@inline_kernel
 def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
     """Write dK = (dN - K dR) R^-1 over dN, the mixed block of ``dJ``; ``line`` is scratch."""
     rows, count = J.shape[0], dJ.shape[2]
@@ -184,7 +191,7 @@ def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
                     dJ[i, c, q] -= line[d - states, q] * J[d, c]
 
 
-@part
+@inline_kernel
 def _find_used(slopes: Numbers, used: Mask) -> None:
     """Write which entries of the systems' matrices (m, x+y, x+2u+1) any parameter changes.
 
@@ -199,7 +206,7 @@ def _find_used(slopes: Numbers, used: Mask) -> None:
                         used[m, i, j] = True
 
 
-@part
+@inline_kernel
 def _mean_slopes(
     mean: Numbers, dW: Numbers, used: Mask, z: Numbers, dx: Numbers, out: Numbers
 ) -> None:
@@ -217,7 +224,7 @@ def _mean_slopes(
                     out[i, q] += dW[i, j, q] * z[j]
 
 
-@part
+@inline_kernel
 def _standardise(room: ScoreRoom, out: Numbers) -> float:
     """Return error' R^-1 error, after writing U error, and U d(error) to ``out`` (y, p).
 
@@ -241,7 +248,7 @@ def _standardise(room: ScoreRoom, out: Numbers) -> float:
     return size
 
 
-@part
+@inline_kernel
 def _add_slope(rows: Numbers, weights: Numbers, slope: Numbers) -> None:
     """Add the sum of ``rows`` (y, p), each by its weight, to ``slope``."""
     for i in range(rows.shape[0]):
@@ -249,7 +256,7 @@ def _add_slope(rows: Numbers, weights: Numbers, slope: Numbers) -> None:
             slope[q] += weights[i] * rows[i, q]
 
 
-@part
+@inline_kernel
 def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbers) -> None:
     """Write dx of the next state: dv + dK error + K d(error)."""
     states, count = dx.shape
@@ -262,7 +269,7 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
                 dx[i, q] += dJ[i, states + c, q] * error[c] - gain * dv[states + c, q]
 
 
-@part
+@inline_kernel
 def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -> None:
     """Write U dR U' sqrt(samples/2) of a stage to ``rows`` (y*y, p), its part to ``slope``.
 
@@ -289,7 +296,7 @@ def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -
             products[i, j] = 0.0
 
 
-@lean
+@lean_kernel
 def _rows(
     system: SampledSystem,
     slopes: SampledSystem,

@@ -9,12 +9,12 @@ from typing import Final
 from trainer.boat.boat import Boat
 from trainer.boat.plant_effects import lacking_plant
 from trainer.core.plant.parts import (
-    BUSES,
-    CONSUMERS,
-    MODES,
+    BUS_NAMES,
+    CONSUMER_NAMES,
+    MODE_NAMES,
     OIL_PUMPS,
     OIL_SYSTEMS,
-    PLACES,
+    PLACE_NAMES,
 )
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
@@ -44,7 +44,7 @@ def lack_of_plant(boat: Boat) -> Refused | None:
 def dead_consumers(frame: Frame) -> Value:
     """Return what has no power, or is burnt, None where all have it."""
     dead = int(frame["unpowered"])
-    return "+".join(name for bit, name in enumerate(CONSUMERS) if dead >> bit & 1) or None
+    return "+".join(name for bit, name in enumerate(CONSUMER_NAMES) if dead >> bit & 1) or None
 
 
 def seconds_left(name: str, ticks: str) -> Field:
@@ -60,7 +60,7 @@ def supply_fields(surface: str) -> tuple[Field, ...]:
     """Return what moves a surface, and to what it is being shifted."""
 
     def carried(frame: Frame, field: str) -> Value:
-        return MODES[int(frame[f"{surface}_{field}"])] if frame.boat.carries(surface) else None
+        return MODE_NAMES[int(frame[f"{surface}_{field}"])] if frame.boat.carries(surface) else None
 
     def coming(frame: Frame) -> Value:
         return carried(frame, "mode_ordered") if frame[f"{surface}_mode_ticks"] else None
@@ -98,11 +98,11 @@ PLANT_CHANNELS: Final = (
                 for name in (*SURFACES, *OIL_SYSTEMS)
             ),
             *SUPPLY_FIELDS,
-            *(word_of_state(f"{name}_bus", f"{name}_dead", "live", "dead") for name in BUSES),
-            *(reading(f"{name}_load", "kW", 0, KILOWATT) for name in BUSES),
+            *(word_of_state(f"{name}_bus", f"{name}_dead", "live", "dead") for name in BUS_NAMES),
+            *(reading(f"{name}_load", "kW", 0, KILOWATT) for name in BUS_NAMES),
             *(
                 word_of_state(f"{name}_breaker", f"{name}_open", "shut", "open")
-                for name in BUSES[:2]
+                for name in BUS_NAMES[:2]
             ),
             word_of_state("tie", "bus_tie", "open", "shut"),
             reading("overload_left", "s", 0),
@@ -111,10 +111,10 @@ PLANT_CHANNELS: Final = (
             word("dead", dead_consumers),
             *(
                 number_of_state(f"smoke_{name}", f"smoke_{name}", "%", 0, PERCENT)
-                for name in PLACES
+                for name in PLACE_NAMES
             ),
             word_of_state("ventilation", "ventilation", *AIRWAY_WORDS),
-            word_of_state("party", "fighting", "", *PLACES),
+            word_of_state("party", "fighting", "", *PLACE_NAMES),
             seconds_left("party_due", "fight_ticks"),
         ),
         lack=lack_of_plant,
