@@ -38,7 +38,7 @@ from trainer.debrief.judgement import costs
 from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
 from trainer.debrief.progress import run_of
 from trainer.debrief.reference import can_fly, join_runs
-from trainer.debrief.sections import OLDER_RULES
+from trainer.debrief.sections import OLDER_RULES, verdict
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
@@ -246,6 +246,18 @@ def test_the_text_for_a_terminal_fits_eighty_columns(jammed: DebriefData) -> Non
     lines = as_text(jammed).splitlines()
     assert max(map(len, lines)) < 80
     assert any(line.startswith(" 100 |#") for line in lines)
+
+
+def test_a_limit_stays_in_sight_and_the_sum_of_the_marks_is_folded(idle: Path) -> None:
+    flown = debriefed(idle)
+    assert flown.card.verdict
+    capped = replace(flown.card, verdict=replace(flown.card.verdict, cap=50.0))
+    page = str(verdict(replace(flown, card=capped, changed=None)))
+
+    shown, fold = page.split("<details>")
+    assert "At most 50 marks: " in shown
+    assert "total = tasks" not in shown
+    assert fold.startswith("<summary>How the marks came about</summary><p>Tasks ")
 
 
 def test_without_keeping_lost_the_losses_are_all_that_lacks(idle: Path) -> None:

@@ -78,6 +78,9 @@ def verdict(debrief: DebriefData) -> Markup:
     if not card.scores:
         return paragraph("This run has no scoring rules.")
     lines = [*_outcome(debrief), *map(paragraph, _beside_marks(debrief))]
+    if card.verdict is not None:
+        fold = Markup("<details><summary>How the marks came about</summary>{}</details>")
+        lines.append(fold.format(paragraph(explain_total(card.verdict))))
     if debrief.plan.hand:
         lines.append(paragraph(by_hand(debrief)))
     return Markup().join(lines)
@@ -137,8 +140,9 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     if not is_of_today(debrief):
         yield OLDER_RULES
     yield from _how_flown(debrief)
-    if card.verdict is not None:
-        yield explain_total(card.verdict)
+    if (verdict := card.verdict) is not None and verdict.cap is not None:
+        why = "the exercise was lost" if verdict.outcome is Outcome.LOST else "a limit was broken"
+        yield f"At most {verdict.cap:.0f} marks: {why}."
     if debrief.changed is not None:
         yield f"Changed by the instructor; before: {describe_card(debrief.card)}."
     if debrief.width != "qualified":
@@ -196,9 +200,6 @@ def explain_total(verdict: Verdict) -> str:
         )
     if verdict.hint_marks:
         words += f", less {verdict.hint_marks:g} for hints"
-    if verdict.cap is not None:
-        why = "the exercise was lost" if verdict.outcome is Outcome.LOST else "a limit was broken"
-        return f"{words}. At most {verdict.cap:.0f}: {why}."
     return f"{words}."
 
 
