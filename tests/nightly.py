@@ -51,6 +51,9 @@ PARTS: Final = {
     "lowest": Part(
         "the lowest version of every library that is allowed will do", ("tests.lowest",)
     ),
+    "learners": Part(
+        "Stable-Baselines3 finds no fault with the exercises as environments", ("tests.learners",)
+    ),
     "site": Part(
         "the documents as a site: every link leads somewhere, nothing comes from another host",
         ("mkdocs", "build", "--strict"),
