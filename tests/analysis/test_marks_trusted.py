@@ -23,7 +23,10 @@ from trainer.session.crew.manning import in_hand
 
 NAMES = shipped_names("exercises")
 # in these a second counts
-URGENT = ("emergency-deep", "steering-jam", "stern-plane-jam", "rise-jam-shallow")
+URGENT = (
+    *("emergency-deep", "steering-jam", "stern-plane-jam", "stern-servo"),
+    "rise-jam-shallow",
+)
 HUNTING_S = 4.0  # [s] from twitch to twitch
 
 
