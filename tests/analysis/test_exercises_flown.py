@@ -134,7 +134,8 @@ ASKED_S = {
     **dict.fromkeys(("flooding-aft", "steering-jam", "stern-plane-jam"), 66.0),
     "rise-jam-shallow": 101.0,
     "loss-of-propulsion": 486.0,
-    "main-oil-lost": 64.0,
+    **dict.fromkeys(("main-oil-lost", "port-bus-lost"), 64.0),
+    "fire-aft": 110.0,  # its smoke is seen
 }
 
 

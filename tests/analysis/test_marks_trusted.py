@@ -130,6 +130,16 @@ SILLY = {
     "rise-jam-shallow": ([(11.0, "bell astern full")], [(61.0, "bell astern full")]),
     "heavy-boat": ([(11.0, "autopilot on"), (11.0, "depth 60")],),
     "loss-of-propulsion": ([(61.0, "pump depth-control 5")],),
+    "main-oil-lost": ([(68.0, "isolate main")], [(68.0, "planes hand")]),
+    "port-bus-lost": (  # tied before the loads are shed
+        [(72.0, "bus tie shut"), (184.0, "depth 40")],
+        [(184.0, "depth 40")],
+    ),
+    "fire-aft": (
+        [(110.0, "fight fire aft")],
+        [(110.0, "ventilation secure"), (113.0, "breaker starboard open")],
+        [(110.0, "fight fire control"), (113.0, "ventilation secure")],
+    ),
     "crossing-traffic": (
         [(61.0, "bell ahead flank")],
         [(61.0, "rudder right 30")],
