@@ -135,6 +135,7 @@ ASKED_S = {
     "rise-jam-shallow": 101.0,
     "loss-of-propulsion": 486.0,
     **dict.fromkeys(("main-oil-lost", "port-bus-lost"), 64.0),
+    **dict.fromkeys(("grounding-forward", "leaking-leg"), 60.0),
     "fire-aft": 110.0,  # its smoke is seen
 }
 

@@ -135,6 +135,11 @@ SILLY = {
         [(72.0, "bus tie shut"), (184.0, "depth 40")],
         [(184.0, "depth 40")],
     ),
+    "leaking-leg": (  # what moves the planes shut off, and another leg
+        [(95.0, "isolate stern")],
+        [(95.0, "stern planes emergency"), (98.0, "isolate bow")],
+    ),
+    "grounding-forward": ([(66.0, "emergency blow")], [(66.0, "isolate bow")]),
     "fire-aft": (
         [(110.0, "fight fire aft")],
         [(110.0, "ventilation secure"), (113.0, "breaker starboard open")],
