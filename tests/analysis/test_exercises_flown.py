@@ -136,6 +136,7 @@ ASKED_S = {
     "loss-of-propulsion": 486.0,
     **dict.fromkeys(("main-oil-lost", "port-bus-lost"), 64.0),
     **dict.fromkeys(("grounding-forward", "leaking-leg"), 60.0),
+    "periscope-approach": 720.0,  # emergency deep
     "fire-aft": 110.0,  # its smoke is seen
 }
 

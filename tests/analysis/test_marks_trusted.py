@@ -140,6 +140,10 @@ SILLY = {
         [(95.0, "stern planes emergency"), (98.0, "isolate bow")],
     ),
     "grounding-forward": ([(66.0, "emergency blow")], [(66.0, "isolate bow")]),
+    "periscope-approach": (  # up at once, fast, and without a look astern
+        [(31.0, "bow planes rise 10"), (720.0, "bell ahead full"), (720.0, "bow planes dive 20")],
+        [(31.0, "emergency blow")],
+    ),
     "fire-aft": (
         [(110.0, "fight fire aft")],
         [(110.0, "ventilation secure"), (113.0, "breaker starboard open")],

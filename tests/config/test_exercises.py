@@ -31,9 +31,9 @@ NAMES = (
     *("crossing-traffic", "depth-changes", "depth-gauge-failure", "emergency-deep"),
     *("fire-aft", "first-depth-change", "flooding-aft", "grounding-forward", "gyro-stuck"),
     *("heavy-boat", "hover-by-pump", "leaking-leg", "loss-of-propulsion", "main-oil-lost"),
-    *("ordered-bubble", "periscope-depth", "periscope-sea-3", "port-bus-lost"),
-    *("power-loss", "rise-jam-shallow", "steady-course", "steering-jam", "stern-plane-jam"),
-    *("stern-servo", "surface-and-steer", "visitor-dive", "watch"),
+    *("ordered-bubble", "periscope-approach", "periscope-depth", "periscope-sea-3"),
+    *("port-bus-lost", "power-loss", "rise-jam-shallow", "steady-course", "steering-jam"),
+    *("stern-plane-jam", "stern-servo", "surface-and-steer", "visitor-dive", "watch"),
 )
 KEPT_ALONE = "[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\nzero = 1\npart = 'keeping'\n"
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
@@ -614,7 +614,7 @@ def test_the_lists_name_everything_in_79_columns() -> None:
     assert re.search(r"^heavy-boat +6 Trim +30 min 1 ballast$", listed, re.MULTILINE)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
-        "grounding-forward",
+        "periscope-approach",
         "visitor-dive",
     )  # as the course goes
     assert "stern-hard-over" in casualties.stdout
