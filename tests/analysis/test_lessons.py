@@ -105,7 +105,7 @@ def fly(ship: Crewed, most: int, act: Callable[[], None] = lambda: None) -> None
 
 
 def test_the_lessons_come_before_the_course() -> None:
-    assert NAMES == list(ORDERED)
+    assert list(ORDERED) == NAMES
     assert [each.number for each in lessons()] == [*range(1, len(ORDERED) + 1)]
     assert not set(NAMES) & set(shipped_names("exercises"))
     assert all(each.steps >= 4 and each.hand for each in lessons())
