@@ -53,7 +53,7 @@ ORDERED = {  # what each title orders, and the band in which it is held [m, deg,
     "trim-by-hand": {"heavy": (-1.5, 1.0), "bow": (-4.0, 4.0), "depth": (58.0, 62.0)},
     "surface-and-dive": {"depth": (28.0, 32.0)},
     "jam-first-seconds": {"pitch": (-3.0, 3.0), "depth": (50.0, 80.0)},
-    "modes-of-the-surfaces": {"pitch": (-3.0, 3.0), "depth": (57.0, 63.0)},
+    "surface-modes": {"pitch": (-3.0, 3.0), "depth": (57.0, 63.0)},
     "plant-that-dies": {"depth": (48.0, 52.0), "pitch": (-3.0, 3.0)},
 }
 
