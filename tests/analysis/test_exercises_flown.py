@@ -57,6 +57,13 @@ USELESS = {
     "stern": "stern planes zero",
     "flood": "flood depth-control 0.1",
     "emergency": "blow stop",
+    "loads": "loads back",
+    "bus": "bus tie open",
+    "fight": "fight fire forward",
+    "ventilation": "ventilation run",
+    "breaker": "breaker port shut",
+    "isolate": "isolate vital",  # which feeds nothing yet
+    "drain": "drain centre",
 }
 
 
@@ -127,6 +134,10 @@ ASKED_S = {
     **dict.fromkeys(("flooding-aft", "steering-jam", "stern-plane-jam"), 66.0),
     "rise-jam-shallow": 101.0,
     "loss-of-propulsion": 486.0,
+    **dict.fromkeys(("main-oil-lost", "port-bus-lost"), 64.0),
+    **dict.fromkeys(("grounding-forward", "leaking-leg"), 60.0),
+    "periscope-approach": 720.0,  # emergency deep
+    "fire-aft": 110.0,  # its smoke is seen
 }
 
 

@@ -20,7 +20,8 @@ from trainer.debrief.judgement import judge_run
 
 NAMES = shipped_names("exercises")
 URGENT = (
-    *("air-bank-failure", "flooding-aft", "rise-jam-shallow", "steering-jam"),
+    *("air-bank-failure", "flooding-aft", "grounding-forward", "rise-jam-shallow"),
+    "steering-jam",
     *("stern-plane-jam", "stern-servo", "watch"),
 )
 # In these the boat itself changes so fast, as docs/validation.md tells.

@@ -23,7 +23,10 @@ from trainer.session.crew.manning import in_hand
 
 NAMES = shipped_names("exercises")
 # in these a second counts
-URGENT = ("emergency-deep", "steering-jam", "stern-plane-jam", "rise-jam-shallow")
+URGENT = (
+    *("emergency-deep", "steering-jam", "stern-plane-jam", "stern-servo"),
+    "rise-jam-shallow",
+)
 HUNTING_S = 4.0  # [s] from twitch to twitch
 
 
@@ -127,6 +130,25 @@ SILLY = {
     "rise-jam-shallow": ([(11.0, "bell astern full")], [(61.0, "bell astern full")]),
     "heavy-boat": ([(11.0, "autopilot on"), (11.0, "depth 60")],),
     "loss-of-propulsion": ([(61.0, "pump depth-control 5")],),
+    "main-oil-lost": ([(68.0, "isolate main")], [(68.0, "planes hand")]),
+    "port-bus-lost": (  # tied before the loads are shed
+        [(72.0, "bus tie shut"), (184.0, "depth 40")],
+        [(184.0, "depth 40")],
+    ),
+    "leaking-leg": (  # what moves the planes shut off, and another leg
+        [(95.0, "isolate stern")],
+        [(95.0, "stern planes emergency"), (98.0, "isolate bow")],
+    ),
+    "grounding-forward": ([(66.0, "emergency blow")], [(66.0, "isolate bow")]),
+    "periscope-approach": (  # up at once, fast, and without a look astern
+        [(31.0, "bow planes rise 10"), (720.0, "bell ahead full"), (720.0, "bow planes dive 20")],
+        [(31.0, "emergency blow")],
+    ),
+    "fire-aft": (
+        [(110.0, "fight fire aft")],
+        [(110.0, "ventilation secure"), (113.0, "breaker starboard open")],
+        [(110.0, "fight fire control"), (113.0, "ventilation secure")],
+    ),
     "crossing-traffic": (
         [(61.0, "bell ahead flank")],
         [(61.0, "rudder right 30")],

@@ -15,6 +15,8 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import arm_casualty, insert_casualty
 from trainer.boat.effects import effects_of_boat
 from trainer.boat.helm import obey_order
+from trainer.boat.quantities import quantity_of
+from trainer.config.condition import PLANT_QUANTITIES
 from trainer.config.derived import compile_condition
 from trainer.config.files import ConfigError, Position
 from trainer.config.sea import load_sea
@@ -103,6 +105,31 @@ def test_a_casualty_of_the_plant_needs_one() -> None:
 
     assert isinstance(answer, Refused)
     assert answer.reason.startswith("this boat has no plant")
+
+
+def test_conditions_name_what_the_plant_shows() -> None:
+    boat = bb2_at(6.0, 60.0)
+    said = "casualty bus-port-lost; loads shed; isolate main; stern planes emergency; "
+    flown(boat, {0.0: f"{said}casualty oil-leak-header; casualty fire-aft"}, 20.0)
+    shown = {name: quantity_of(boat, name) for name in PLANT_QUANTITIES}
+
+    whole = {name for name, value in shown.items() if value == 1.0}
+    both = {"mode_rudder", "mode_stern"}  # of an X-tail
+    assert whole == {"isolated_main", "bus_dead_port", "loads_shed"} | both
+    assert 0.05 < shown["fire_aft"] < 0.1
+    assert 0.0 < shown["smoke_aft"] < shown["fire_aft"]
+    assert shown["oil_out_vital"] == float(boat.state.oil_spent_vital)
+    assert shown["oil_tank_main"] == float(boat.state.tank_gain_main)
+
+
+@pytest.mark.parametrize("name", PLANT_QUANTITIES)
+def test_a_boat_without_a_plant_has_no_quantity_of_it(name: str) -> None:
+    boat = make_boat("remus100")
+
+    assert math.isnan(quantity_of(boat, name))
+    seen = compile_condition(f"{name} > 0", Position("drill.toml", ""))
+    with pytest.raises(ConfigError, match=f"remus100.toml has no {name}"):
+        arm_casualty(boat, seen, boat.casualties["rudder-stuck"])
 
 
 def test_every_order_to_the_plant_touches_it() -> None:

@@ -28,12 +28,12 @@ from trainer.units import KNOT
 
 NAMES = (
     *("air-bank-failure", "backing", "bottoming", "canyon", "course-changes", "crash-stop"),
-    *("crossing-traffic", "depth-changes"),
-    *("depth-gauge-failure", "emergency-deep", "first-depth-change", "flooding-aft"),
-    *("gyro-stuck", "heavy-boat", "hover-by-pump", "loss-of-propulsion", "ordered-bubble"),
-    *("periscope-depth", "periscope-sea-3", "power-loss", "rise-jam-shallow", "steady-course"),
-    *("steering-jam", "stern-plane-jam", "stern-servo", "surface-and-steer"),
-    *("visitor-dive", "watch"),
+    *("crossing-traffic", "depth-changes", "depth-gauge-failure", "emergency-deep"),
+    *("fire-aft", "first-depth-change", "flooding-aft", "grounding-forward", "gyro-stuck"),
+    *("heavy-boat", "hover-by-pump", "leaking-leg", "loss-of-propulsion", "main-oil-lost"),
+    *("ordered-bubble", "periscope-approach", "periscope-depth", "periscope-sea-3"),
+    *("port-bus-lost", "power-loss", "rise-jam-shallow", "steady-course", "steering-jam"),
+    *("stern-plane-jam", "stern-servo", "surface-and-steer", "visitor-dive", "watch"),
 )
 KEPT_ALONE = "[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\nzero = 1\npart = 'keeping'\n"
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
@@ -256,6 +256,12 @@ def test_whatever_keeps_what_the_crew_is_ordered_mans_it(
     assert {each for each in AUTOMATIC_ORDERS if each in names} == names
     for name in names:
         drill(f"allowed = ['{name}']\n[[orders]]\nat_s = 1\norder = 'order {crew}'")
+
+
+@pytest.mark.parametrize("order", ["planes emergency", "planes zero", "stern planes emergency"])
+def test_a_crew_may_order_both_pairs_which_is_no_planesman(order: str) -> None:
+    (rule,) = drill(f"[[crew]]\nat_s = 1\norder = '{order}'\n").crew.rules
+    assert rule.order == parse(order)
 
 
 def test_each_mistake_is_told_with_its_line() -> None:
@@ -608,7 +614,7 @@ def test_the_lists_name_everything_in_79_columns() -> None:
     assert re.search(r"^heavy-boat +6 Trim +30 min 1 ballast$", listed, re.MULTILINE)
     assert (names[0], names[-2], names[-1]) == (
         "first-depth-change",
-        "stern-servo",
+        "periscope-approach",
         "visitor-dive",
     )  # as the course goes
     assert "stern-hard-over" in casualties.stdout

@@ -200,7 +200,7 @@ def test_the_next_is_a_lesson_until_all_are_done_and_then_the_course() -> None:
 
 
 def test_the_next_is_what_is_weakest_and_longest_ago_and_says_so() -> None:
-    every = [flown(each.name, 90.0, 31) for each in course()]
+    every = [flown(each.name, 95.0, 31) for each in course()]
     weak, old = course()[3].name, course()[7].name
     assert next_of(*every[:3], flown(weak, 52.0, 31), *every[4:]) == (weak, "52 marks yesterday")
     longer = [flown(old, 90.0, 10), *every[:7], *every[8:]]

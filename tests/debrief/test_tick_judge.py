@@ -27,7 +27,9 @@ from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan
 
-BY_DEBRIEF_ALONE = ("bottoming", "canyon", "crossing-traffic")  # ground and ships
+BY_DEBRIEF_ALONE = (  # ground and ships
+    *("bottoming", "canyon", "crossing-traffic", "periscope-approach"),
+)
 BY_NUMBERS = [name for name in shipped_names("exercises") if name not in BY_DEBRIEF_ALONE]
 CREW = Giver(GiverKind.STATION, "planesman", "tester")
 LIKENESS = 1e-9  # [%]

@@ -68,7 +68,7 @@ class Crewed:
             armed=armed,
             monitor=LimitMonitor.over(self.boat, ExerciseLimits()),
             wake=self.wake,
-            by_hand={"hand": hand},
+            by_hand={"hand": hand, "allowed": frozenset(plan.allowed if plan else ())},
             terms=Terms(
                 plan,
                 losses=[

@@ -488,7 +488,7 @@ def test_a_lesson_can_be_the_kiosks_exercise_and_the_next_visitor_begins_anew(
 
 
 @pytest.mark.slow
-def test_a_newcomer_comes_through_the_six_lessons_by_the_page_alone_and_to_the_first_exercise(
+def test_a_newcomer_comes_through_the_lessons_by_the_page_alone_and_to_the_first_exercise(
     serve: Serve, look: Look
 ) -> None:
     page = look(serve("wheel-and-course"), "trainee")

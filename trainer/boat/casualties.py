@@ -18,7 +18,7 @@ from trainer.config.casualties import (
     Count,
     severity_rule,
 )
-from trainer.config.condition import STATE_QUANTITIES
+from trainer.config.condition import PLANT_QUANTITIES, STATE_QUANTITIES
 from trainer.config.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
@@ -347,7 +347,7 @@ def scale_of(boat: Boat, quantity: str) -> float:
     if name.startswith(("water_", "flood_")):
         tank = name.removeprefix("water_").replace("flood_", "compartment_")
         return float(boat.vessel.capacity[TANKS.index(tank)] > 0.0)
-    return 1.0
+    return float(name not in PLANT_QUANTITIES or boat.file.plant is not None)
 
 
 def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, COMPARTMENTS, PUMPED_TANKS
+from trainer.core.plant.parts import BUSES, OIL_SYSTEMS, PLACES
+from trainer.core.surfaces import SURFACES
 
 # Units of a quantity [SI], its own first.
 LENGTH_UNITS: Final = {"m": 1.0, "ft": 0.3048}
@@ -21,6 +23,9 @@ MASS_UNITS: Final = {"t": 1000.0, "kg": 1.0}
 PRESSURE_UNITS: Final = {"mpa": 1e6, "bar": 1e5}
 TIME_UNITS: Final = {"s": 1.0, "min": 60.0}
 REVOLUTION_UNITS: Final = {"rpm": 1.0 / 60.0}
+OIL_UNITS: Final = {"l": 1e-3}
+SHARE_UNITS: Final = {"percent": 0.01}
+CODE_UNITS: Final = {"code": 1.0}
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,36 @@ class Quantity:
     meaning: str
 
 
+PLANT_QUANTITIES: Final[Mapping[str, Quantity]] = {  # which a boat without a plant has not
+    **{
+        f"oil_out_{name}": Quantity(
+            f"oil_spent_{name}", OIL_UNITS, "oil out of that accumulator, as its pressure shows"
+        )
+        for name in OIL_SYSTEMS
+    },
+    **{
+        f"oil_tank_{name}": Quantity(
+            f"tank_gain_{name}", OIL_UNITS, "oil in that tank, less what was there at the start"
+        )
+        for name in OIL_SYSTEMS
+    },
+    **{
+        f"isolated_{name}": Quantity(f"{name}_isolated", SHARE_UNITS, "100 while that is isolated")
+        for name in (*SURFACES, *OIL_SYSTEMS)
+    },
+    **{
+        f"mode_{name}": Quantity(f"{name}_mode", CODE_UNITS, "0 normal, 1 emergency, 2 hand")
+        for name in SURFACES
+    },
+    **{
+        f"bus_dead_{name}": Quantity(f"{name}_dead", SHARE_UNITS, "100 while that bus is dead")
+        for name in BUSES
+    },
+    "bus_tie": Quantity("bus_tie", SHARE_UNITS, "100 while it is shut"),
+    "loads_shed": Quantity("loads_shed", SHARE_UNITS, "100 while they are off"),
+    **{f"fire_{name}": Quantity(f"fire_{name}", SHARE_UNITS, "of that room") for name in PLACES},
+    **{f"smoke_{name}": Quantity(f"smoke_{name}", SHARE_UNITS, "in that room") for name in PLACES},
+}
 STATE_QUANTITIES: Final[Mapping[str, Quantity]] = {
     "time": Quantity("tick", TIME_UNITS, "since the start of the run"),
     "depth": Quantity("z", LENGTH_UNITS, "of the boat's origin"),
@@ -63,4 +98,5 @@ STATE_QUANTITIES: Final[Mapping[str, Quantity]] = {
         )
         for name in BANKS
     },
+    **PLANT_QUANTITIES,
 }

@@ -23,12 +23,16 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import ANSWER_ORDERS
 from trainer.config.sound_rows import Readers, sound_rows
+from trainer.core.plant.parts import PLACES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import MAX_TIME_S
 
 MARK_ORDER: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
-UNSEEN_QUANTITIES: Final = ("heavy", "speed_over_ground", "north", "east")  # by any gauge
+UNSEEN_QUANTITIES: Final = (  # by any gauge; of a fire its smoke is seen
+    *("heavy", "speed_over_ground", "north", "east"),
+    *(f"fire_{name}" for name in PLACES),
+)
 CREW_HANDS: Final = ("planesman", "helmsman")
 HAND_SWITCHES: Final = {
     f"{hand} {word}": (hand, word) for hand in CREW_HANDS for word in ("on", "off")
@@ -174,11 +178,11 @@ def parse_crew_order(text: str, position: Position) -> Order:
     if words in HAND_SWITCHES:
         hand, word = HAND_SWITCHES[words]
         return Order(hand, 0.0, word, words)
-    if nearest(words.split(" ")[0], CREW_HANDS):
+    order = parse(text)
+    if not isinstance(order, Order) and nearest(words.split(" ")[0], CREW_HANDS):
         raise ConfigError(
             position.wrong("order", text, f"say on or off{nearest(words, HAND_SWITCHES)}")
         )
-    order = parse(text)
     if not isinstance(order, Order):
         raise ConfigError(position.wrong("order", text, order.reason if order else "is no order"))
     if order.name not in (*ANSWER_ORDERS, MARK_ORDER):

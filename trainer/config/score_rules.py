@@ -325,6 +325,9 @@ def _refuse_unknown(measure: str, position: Position) -> None:
         raise ConfigError(position.wrong("measure", measure, f"no such measure{guess}"))
 
 
+SHOWN_UNITS: Final = {"mpa": "MPa", "l": "L", "percent": "%"}  # as people write them
+
+
 def parse_quantity(text: str, position: Position) -> MeasuredQuantity:
     """Return the quantity that is named, in its unit or else its own. ConfigError if none is."""
     name_and_unit = parse_name(text)
@@ -333,7 +336,7 @@ def parse_quantity(text: str, position: Position) -> MeasuredQuantity:
     name, unit = name_and_unit
     units = ALL_QUANTITIES[name].units
     unit = unit or next(iter(units))
-    return MeasuredQuantity(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
+    return MeasuredQuantity(name, SHOWN_UNITS.get(unit, unit.replace("_", "/")), units[unit])
 
 
 def read_rules(

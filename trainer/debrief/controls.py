@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from typing import Final
 
 from trainer.boat.mute_crew import is_same_order
-from trainer.config.condition import STATE_QUANTITIES
+from trainer.config.condition import PLANT_QUANTITIES, STATE_QUANTITIES
 from trainer.config.score_rules import ScoreRule
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import CREW_ROLES, HAND_AXES, ORDER_WORDS, PERISCOPE_CONTROL
@@ -48,6 +48,7 @@ MOVING_AXES: Final[Mapping[str, tuple[str, ...]]] = {
         name: ("ballast",)
         for name in ("heavy", "reserve-air", *STATE_QUANTITIES)
         if name.partition("_")[0] in ("heavy", "reserve-air", "water", "flood", "bank")
+        or name in PLANT_QUANTITIES
     },
     "hand-travel": ("planes", "rudder"),
     "time-to-detect": (SCOPE_AXIS,),

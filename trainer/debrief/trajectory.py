@@ -21,7 +21,7 @@ from trainer.boat.grounding import STATE_NAMES
 from trainer.boat.readings import MOTION_NAMES, WATER_NAMES, read_rates
 from trainer.boat.world.bottom import ground_under, heights_of_keel, keel_of
 from trainer.boat.world.scope import Mast, periscope_of
-from trainer.config.condition import ANGLE_UNITS, STATE_QUANTITIES
+from trainer.config.condition import ANGLE_UNITS, PLANT_QUANTITIES, STATE_QUANTITIES
 from trainer.config.derived import DERIVED_QUANTITIES, Condition
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
@@ -66,10 +66,18 @@ NEWER_COLUMNS: Final = (
     *(name for both in CREW_ORDERS.values() for name in both),
     *STATE_NAMES,
     *WATER_NAMES,
+    *(quantity.field for quantity in PLANT_QUANTITIES.values()),
 )
 NEEDED_COLUMNS: Final = tuple(
     dict.fromkeys(
-        (*(q.field for q in STATE_QUANTITIES.values() if q.field != "tick"), *PASSAGE_FIELDS)
+        (
+            *(
+                quantity.field
+                for name, quantity in STATE_QUANTITIES.items()
+                if quantity.field != "tick" and name not in PLANT_QUANTITIES
+            ),
+            *PASSAGE_FIELDS,
+        )
     )
 )
 PASSAGE_COLUMNS: Final = tuple(dict.fromkeys((*NEEDED_COLUMNS, *NEWER_COLUMNS)))
