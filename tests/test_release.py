@@ -21,7 +21,10 @@ from trainer.config.files import ConfigError
 
 pytestmark = pytest.mark.process  # git
 DAY = date(2026, 12, 1)
-FEW = ("pyproject.toml", "CITATION.cff", "CHANGELOG.md", "trainer/__init__.py")
+FEW = (
+    *("pyproject.toml", "CITATION.cff", "CHANGELOG.md", "trainer/__init__.py"),
+    *("codemeta.json", ".zenodo.json"),
+)
 LOCAL = (".*", "__pycache__", "node_modules", "dist", "build")  # what a checkout has of its own
 NEWER = "9.0.0"
 
@@ -128,7 +131,8 @@ def test_a_release_is_set_dated_committed_and_tagged(
 
     make_release(desk, NEWER, DAY)
 
-    assert [release.version_in(desk, file) for file in release.VERSION_LINES] == [NEWER] * 3
+    assert {release.version_in(desk, file) for file in release.VERSION_LINES} == {NEWER}
+    assert {release.day_in(desk, file) for file in release.DAY_LINES} == {"2026-12-01"}
     text = (desk / "CHANGELOG.md").read_text(encoding="utf-8")
     assert f"## Unreleased\n\n## {NEWER} - 2026-12-01\n\n- A new thing.\n" in text
     assert run_in(desk, "git", "status", "--porcelain") == ""
