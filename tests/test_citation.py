@@ -1,4 +1,4 @@
-"""What others cite, index and archive agrees with the project; figures stand where they are from."""
+"""What others cite, index and archive agrees with the project; figures are where they are from."""
 
 import json
 import re
