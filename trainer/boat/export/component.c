@@ -6,6 +6,7 @@
 #include "fmi3.c"
 
 #include <stdint.h>
+#include <wasi/api.h>
 
 #define FACE "fmi:fmi3/co-simulation@3.0.0"
 #define KIND "co-simulation-instance"
@@ -22,6 +23,16 @@ void log_message(const char *name, size_t, int status, const char *category, siz
 
 static _Alignas(8) unsigned char answer[32];
 static void *listed; /* the list of the last answer */
+
+/* The C library would ask the host for files if it wrote to any: a component has none. */
+#define NO_FILE(call, ...)                                                                     \
+    int32_t __imported_wasi_snapshot_preview1_fd_##call(int32_t file, ##__VA_ARGS__)           \
+    {                                                                                          \
+        return __WASI_ERRNO_BADF;                                                              \
+    }
+NO_FILE(close)
+NO_FILE(seek, int64_t by, int32_t whence, int32_t place)
+NO_FILE(write, int32_t parts, int32_t count, int32_t size)
 
 /* Where the host writes what it passes. */
 ASKED("cabi_realloc") void *make_room(void *room, size_t old, size_t align, size_t size)
