@@ -247,5 +247,5 @@ def test_a_machine_that_no_unit_is_for_is_told_the_platforms(
 
     assert str(done.exception) == (
         "export-fmu: there is no unit for macos-arm64: give --platform linux-x86_64, "
-        "linux-aarch64, windows-x86_64"
+        "linux-aarch64, windows-x86_64, wasm"
     )
