@@ -67,7 +67,8 @@ class Component:
         wasmtime = pytest.importorskip("wasmtime")
         parts = pytest.importorskip("wasmtime.component")
         engine = wasmtime.Engine()
-        self.store, self.told = wasmtime.Store(engine), [()]
+        self.store = wasmtime.Store(engine)
+        self.told: list[tuple[str, ...]] = []
         linker = parts.Linker(engine)
         with linker.root() as root, root.add_instance("fmi:fmi3/callbacks@3.0.0") as callbacks:
             callbacks.add_func("log-message", lambda _, *words: self.told.append(words))
