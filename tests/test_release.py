@@ -180,7 +180,8 @@ def test_a_clone_is_released_with_the_same_bytes_twice(tmp_path: Path) -> None:
     """By the command itself, with the tools from the package index."""
     clone, tools = tmp_path / "clone", tmp_path / "tools"
     shutil.copytree(ROOT, clone, ignore=shutil.ignore_patterns(*LOCAL))
-    shutil.copy(ROOT / ".gitignore", clone)
+    for name in (".gitignore", ".zenodo.json"):
+        shutil.copy(ROOT / name, clone)
     change(clone / "CHANGELOG.md", "## Unreleased\n", "## Unreleased\n\n- A new thing.\n")
     under_git(clone)
     wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["dependency-groups"]["release"]
