@@ -33,6 +33,13 @@ VERSION_LINES: Final = {  # by its file, how the line with the version begins an
     "pyproject.toml": ('version = "', '"'),
     "trainer/__init__.py": ('__version__ = "', '"'),
     "CITATION.cff": ("version: ", ""),
+    "codemeta.json": ('  "version": "', '",'),
+    ".zenodo.json": ('  "version": "', '",'),
+}
+DAY_LINES: Final = {  # by its file, how the line with the day of that version begins and ends
+    "CITATION.cff": ("date-released: ", ""),
+    "codemeta.json": ('  "datePublished": "', '",'),
+    ".zenodo.json": ('  "publication_date": "', '",'),
 }
 CHANGELOG: Final = "CHANGELOG.md"
 HEADING: Final = "## Unreleased\n"
@@ -64,10 +71,23 @@ def check_desk(root: Path) -> None:
 def version_in(root: Path, file: str) -> str:
     """Return the version that a file says; ConfigError unless it says one, in its own line."""
     begin, end = VERSION_LINES[file]
+    found = told_in(root, file, begin, end)
+    if not VERSION.fullmatch(found):
+        raise ConfigError(f"{file}: has no line {begin}X.Y.Z{end}, but {found!r}")
+    return found
+
+
+def day_in(root: Path, file: str) -> str:
+    """Return the day that a file says of its version, as 2026-12-01."""
+    return told_in(root, file, *DAY_LINES[file])
+
+
+def told_in(root: Path, file: str, begin: str, end: str) -> str:
+    """Return what stands between two texts in a line; ConfigError unless there is one such line."""
     line = re.compile(f"^{re.escape(begin)}(.*){re.escape(end)}$", re.MULTILINE)
     found = line.findall((root / file).read_text(encoding="utf-8"))
-    if len(found) != 1 or not VERSION.fullmatch(found[0]):
-        raise ConfigError(f"{file}: has no single line {begin}X.Y.Z{end}, but {found}")
+    if len(found) != 1:
+        raise ConfigError(f"{file}: has no single line {begin}...{end}, but {found}")
     return str(found[0])
 
 
@@ -101,11 +121,17 @@ def check_changelog(root: Path) -> None:
 
 
 def write_version(root: Path, version: str, day: date) -> None:
-    """Write the version into its three files, and the day into the changelog."""
-    for file, (begin, end) in VERSION_LINES.items():
+    """Write version and day into their files, and both into the changelog."""
+    changes = [
+        (file, ends, version_in(root, file), version) for file, ends in VERSION_LINES.items()
+    ]
+    changes += [
+        (file, ends, day_in(root, file), day.isoformat()) for file, ends in DAY_LINES.items()
+    ]
+    for file, (begin, end), old, new in changes:
         text = (root / file).read_text(encoding="utf-8")
-        before, after = (f"{begin}{each}{end}\n" for each in (version_in(root, file), version))
-        (root / file).write_text(text.replace(before, after, 1), encoding="utf-8")
+        line = re.compile(f"^{re.escape(begin + old + end)}$", re.MULTILINE)
+        (root / file).write_text(line.sub(begin + new + end, text), encoding="utf-8")
     text = (root / CHANGELOG).read_text(encoding="utf-8")
     dated = text.replace(HEADING, f"{HEADING}\n## {version} - {day.isoformat()}\n", 1)
     (root / CHANGELOG).write_text(dated, encoding="utf-8")
@@ -185,6 +211,7 @@ def release(version: str) -> None:
         click.echo(f"{sha256(content).hexdigest()}  dist/{name}")
     click.echo(f"v{version} is committed and tagged here. To publish:")
     click.echo(f"  git push origin {BRANCH} v{version}")
+    click.echo("which has release.yml build the same bytes; or, without the host's workflows:")
     click.echo(f"  python -m twine upload {' '.join(f'dist/{name}' for name in files)}")
 
 

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import Final
 
+from helpers.address import project_urls
 from helpers.loaded import loaded_from_outside
 from helpers.notebooks import NOTEBOOKS, outputs_of
 from helpers.places import ROOT
@@ -84,7 +85,8 @@ def text_of(path: str) -> str:
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Make the menu."""
+    """Make the menu; say where the site is to be."""
+    config.site_url = project_urls()["Homepage"]
     config.nav = []
     for reader, text in GROUP.findall(text_of("docs/index.md")):
         group = reader.capitalize()

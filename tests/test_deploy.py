@@ -85,7 +85,8 @@ def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None
     workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
 
     assert [name for name in names if not (ROOT / name).exists()] == []
-    assert {"pyproject.toml", project["project"]["readme"]} <= set(names)
+    made_of = project["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
+    assert {"pyproject.toml", *(each["path"] for each in made_of)} <= set(names)
     assert {*project["project"]["license-files"], *wheel["packages"]} <= set(names)
     assert set(wheel["force-include"]) <= set(names)
     assert set(re.findall(r"^FROM \S+/python:([\d.]+)-slim", CONTAINERFILE, re.MULTILINE)) == set(

@@ -21,7 +21,10 @@ from trainer.config.files import ConfigError
 
 pytestmark = pytest.mark.process  # git
 DAY = date(2026, 12, 1)
-FEW = ("pyproject.toml", "CITATION.cff", "CHANGELOG.md", "trainer/__init__.py")
+FEW = (
+    *("pyproject.toml", "CITATION.cff", "CHANGELOG.md", "trainer/__init__.py"),
+    *("codemeta.json", ".zenodo.json"),
+)
 LOCAL = (".*", "__pycache__", "node_modules", "dist", "build")  # what a checkout has of its own
 NEWER = "9.0.0"
 
@@ -128,7 +131,8 @@ def test_a_release_is_set_dated_committed_and_tagged(
 
     make_release(desk, NEWER, DAY)
 
-    assert [release.version_in(desk, file) for file in release.VERSION_LINES] == [NEWER] * 3
+    assert {release.version_in(desk, file) for file in release.VERSION_LINES} == {NEWER}
+    assert {release.day_in(desk, file) for file in release.DAY_LINES} == {"2026-12-01"}
     text = (desk / "CHANGELOG.md").read_text(encoding="utf-8")
     assert f"## Unreleased\n\n## {NEWER} - 2026-12-01\n\n- A new thing.\n" in text
     assert run_in(desk, "git", "status", "--porcelain") == ""
@@ -176,7 +180,8 @@ def test_a_clone_is_released_with_the_same_bytes_twice(tmp_path: Path) -> None:
     """By the command itself, with the tools from the package index."""
     clone, tools = tmp_path / "clone", tmp_path / "tools"
     shutil.copytree(ROOT, clone, ignore=shutil.ignore_patterns(*LOCAL))
-    shutil.copy(ROOT / ".gitignore", clone)
+    for name in (".gitignore", ".zenodo.json"):
+        shutil.copy(ROOT / name, clone)
     change(clone / "CHANGELOG.md", "## Unreleased\n", "## Unreleased\n\n- A new thing.\n")
     under_git(clone)
     wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["dependency-groups"]["release"]

@@ -9,8 +9,10 @@ from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
+from helpers.address import project_urls
 from helpers.loaded import loaded_from_outside
 from helpers.notebooks import NOTEBOOKS
 from helpers.pages import Heard
@@ -52,7 +54,8 @@ def test_a_link_to_another_host_and_a_file_beside_are_no_fault(text: str) -> Non
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the site, built strictly by the tools from the package index."""
-    folder, tools = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("tools")
+    tools, place = tmp_path_factory.mktemp("tools"), urlsplit(project_urls()["Homepage"]).path
+    folder = tmp_path_factory.mktemp("host") / place.strip("/")  # as its host has it
     wanted = tomllib.loads((ROOT / "pyproject.toml").read_text())["dependency-groups"]["site"]
     pip = (sys.executable, "-m", "pip", "install", "--quiet", "--target", str(tools))
     subprocess.run([*pip, *wanted], check=True)
@@ -74,10 +77,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def address(site: Path) -> Iterator[str]:
     """Return where the site is served."""
-    handler = partial(SimpleHTTPRequestHandler, directory=str(site))
+    handler = partial(SimpleHTTPRequestHandler, directory=str(site.parent))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}"
+        yield f"http://127.0.0.1:{server.server_port}/{site.name}"
         server.shutdown()
 
 

@@ -34,6 +34,7 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
 def test_the_wheel_has_no_c_but_what_goes_out_with_an_exported_core() -> None:
     assert sorted(path.name for path in PACKAGE.rglob("*.[ch]")) == [
         "board.c",
+        "component.c",
         "fmi2.c",
         "fmi3.c",
         "host.c",

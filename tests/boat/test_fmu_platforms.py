@@ -4,23 +4,26 @@ import os
 import shlex
 import subprocess
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import pytest
 from click.testing import CliRunner
 from helpers.fmu import GUID_BYTES, UNIT_MARKS, Unit, unpack
-from helpers.fmu_flight import OPTIONS, ORDERS, TICKS
+from helpers.fmu_flight import ORDERS, TICKS, state_of_trainer
 from helpers.installation import installed, run_program
 from helpers.nursery import run_trainer
-from helpers.orders import obey_all
 from helpers.places import ROOT
 from helpers.typed import type_command
 
 from trainer.boat.export.fmu import LIBRARY_ENDINGS
-from trainer.boat.platforms import SHIPPED_PLATFORMS, UNIT_PLATFORMS, platform_name
-from trainer.cli.export import UNIT_PLATFORM_NAMES, boat_at_start
+from trainer.boat.platforms import (
+    NATIVE_PLATFORMS,
+    SHIPPED_PLATFORMS,
+    UNIT_PLATFORMS,
+    platform_name,
+)
+from trainer.cli.export import NATIVE_PLATFORM_NAMES, UNIT_PLATFORM_NAMES
 from trainer.cli.main import cli
 from trainer.core.state import STATE
 
@@ -121,17 +124,6 @@ def sail_unit(name: str, unit: Unit, folder: Path, script: str, state: str = "st
     return (folder / state).read_bytes()
 
 
-def state_of_trainer() -> bytes:
-    """Return the boat's record after the run by orders, as the trainer flies it."""
-    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
-    for tick in range(TICKS):
-        for at, text, _ in ORDERS:
-            if at == tick:
-                obey_all(boat, text)
-        boat.tick()
-    return bytes(boat.records.state.tobytes())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("name", MACHINES)
@@ -173,10 +165,10 @@ def test_a_state_of_one_platform_goes_on_at_another_and_comes_back(
 def test_one_file_has_the_libraries_of_all_platforms_and_the_same_bytes_each_time(
     version: int, tmp_path: Path
 ) -> None:
-    need_linkers(*UNIT_PLATFORMS)
+    need_linkers(*NATIVE_PLATFORMS)
     first, again, alone = (tmp_path / f"{name}.fmu" for name in ("first", "again", "alone"))
     export_for(first, str(version), "all")
-    export_for(again, str(version), *reversed(UNIT_PLATFORMS))
+    export_for(again, str(version), *reversed(NATIVE_PLATFORMS))
     export_for(alone, str(version))
 
     assert first.read_bytes() == again.read_bytes()
@@ -185,7 +177,7 @@ def test_one_file_has_the_libraries_of_all_platforms_and_the_same_bytes_each_tim
     assert unit.guid == own.guid  # a state of one goes on in the other
     with zipfile.ZipFile(first) as archive, zipfile.ZipFile(alone) as smaller:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
-        assert names == [str(library_path(Path(), name, version)) for name in UNIT_PLATFORMS]
+        assert names == [str(library_path(Path(), name, version)) for name in NATIVE_PLATFORMS]
         assert [name for name in smaller.namelist() if name.startswith("binaries/")] == names[:1]
         for name in smaller.namelist():
             assert archive.read(name) == smaller.read(name), name
@@ -218,7 +210,7 @@ def test_the_windows_library_shows_the_standards_functions_alone_and_needs_only_
 def test_fmpy_finds_nothing_wrong_with_a_unit_for_all_platforms(fmi: str, tmp_path: Path) -> None:
     fmpy = pytest.importorskip("fmpy")
     validation = pytest.importorskip("fmpy.validation")
-    need_linkers(*UNIT_PLATFORMS)
+    need_linkers(*NATIVE_PLATFORMS)
     path = tmp_path / "bb2.fmu"
     export_for(path, fmi, "all")
 
@@ -227,16 +219,17 @@ def test_fmpy_finds_nothing_wrong_with_a_unit_for_all_platforms(fmi: str, tmp_pa
 
 
 def test_the_command_offers_the_platforms_of_the_table() -> None:
-    assert [*UNIT_PLATFORM_NAMES] == UNIT_PLATFORMS
+    assert [*UNIT_PLATFORM_NAMES] == [*UNIT_PLATFORMS]
+    assert [*NATIVE_PLATFORM_NAMES] == NATIVE_PLATFORMS
 
 
 @pytest.mark.parametrize("name", [name for name in UNIT_PLATFORMS if name != platform_name()])
 def test_a_missing_linker_of_a_platform_is_told_with_its_packages(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    target = SHIPPED_PLATFORMS[name]
+    target = UNIT_PLATFORMS[name]
     monkeypatch.setenv("PATH", str(tmp_path))
-    done = run_trainer("export-fmu", "bb2.fmu", "--platform", name, cwd=tmp_path)
+    done = run_trainer("export-fmu", "bb2.fmu", "--fmi", "3", "--platform", name, cwd=tmp_path)
 
     assert done.returncode == 2
     assert done.stderr == (
@@ -254,5 +247,5 @@ def test_a_machine_that_no_unit_is_for_is_told_the_platforms(
 
     assert str(done.exception) == (
         "export-fmu: there is no unit for macos-arm64: give --platform linux-x86_64, "
-        "linux-aarch64, windows-x86_64"
+        "linux-aarch64, windows-x86_64, wasm"
     )

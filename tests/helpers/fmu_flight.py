@@ -1,7 +1,10 @@
 """The flight of ten minutes by orders that units and the trainer make."""
 
+from dataclasses import replace
 from typing import Final
 
+from helpers.orders import obey_all
+from trainer.cli.export import boat_at_start
 from trainer.session.past.options import RunOptions
 
 OPTIONS: Final = RunOptions(vessel="bb2")
@@ -31,3 +34,14 @@ ORDERS: Final[list[tuple[int, str, dict[str, float]]]] = [
     (1150, "rudder auto", {"rudder_by_hand": 0}),
 ]
 TICKS: Final = 1200
+
+
+def state_of_trainer() -> bytes:
+    """Return the boat's record after the run by orders, as the trainer flies it."""
+    boat = boat_at_start(replace(OPTIONS, sea="sea-state-4", seed=7))
+    for tick in range(TICKS):
+        for at, text, _ in ORDERS:
+            if at == tick:
+                obey_all(boat, text)
+        boat.tick()
+    return bytes(boat.records.state.tobytes())

@@ -31,6 +31,7 @@ PACKAGES: Final = {  # one or more, by program
 SLOW_PACKAGES: Final = {  # of the slow lane alone
     "aarch64-linux-gnu-gcc": "gcc-aarch64-linux-gnu libc6-dev-arm64-cross",
     "arm-none-eabi-gcc": "gcc-arm-none-eabi libnewlib-arm-none-eabi",
+    "clang": "clang lld wasi-libc libclang-rt-dev-wasm32",
     "firefox-esr": "firefox-esr",
     "qemu-aarch64": "qemu-user",
     "qemu-riscv64": "qemu-user",

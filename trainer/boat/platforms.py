@@ -83,12 +83,23 @@ SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
     "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),
 }
 # fmt: on
-UNIT_PLATFORMS: Final = [name for name, kind in SHIPPED_PLATFORMS.items() if kind.unit_folders]
+WASM_PLATFORM: Final = (
+    "wasm"  # of a unit as a component, by the draft fmi-ls-wasm, of FMI 3.0 alone
+)
+UNIT_PLATFORMS: Final[Mapping[str, Platform]] = {  # by the name for --platform
+    **{name: kind for name, kind in SHIPPED_PLATFORMS.items() if kind.unit_folders},
+    WASM_PLATFORM: CPU_TARGETS["wasm32"]._replace(
+        compiler="clang",
+        packages="clang lld wasi-libc libclang-rt-dev-wasm32",
+        unit_folders=("", "wasm32-wasip2"),
+    ),
+}
+NATIVE_PLATFORMS: Final = [name for name in UNIT_PLATFORMS if name != WASM_PLATFORM]
 # objects of those kernels alone that a unit calls, for size, since a unit is mailed about
 UNIT_OBJECTS: Final = {name: f"unit-{name}" for name in UNIT_PLATFORMS}
 SHIPPED_OBJECTS: Final[Mapping[str, Platform]] = {
     **SHIPPED_PLATFORMS,
-    **{name: SHIPPED_PLATFORMS[kind] for kind, name in UNIT_OBJECTS.items()},
+    **{name: UNIT_PLATFORMS[kind] for kind, name in UNIT_OBJECTS.items()},
 }
 SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}
 

@@ -36,7 +36,8 @@ CPU_NAMES = (
     "shipped",
 )
 # fmt: on
-UNIT_PLATFORM_NAMES = ("linux-x86_64", "linux-aarch64", "windows-x86_64")  # likewise
+NATIVE_PLATFORM_NAMES = ("linux-x86_64", "linux-aarch64", "windows-x86_64")  # likewise; of `all`
+UNIT_PLATFORM_NAMES = (*NATIVE_PLATFORM_NAMES, "wasm")
 
 boat_options = combine_options(
     click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
@@ -141,7 +142,8 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     "platforms",
     type=Choice((*UNIT_PLATFORM_NAMES, "all")),
     multiple=True,
-    help="Systems that the unit is for; may be given again. [default: this machine's]",
+    help="Systems that the unit is for; may be given again. all: the first three; wasm: by a draft "
+    "of the standard, FMI 3 alone. [default: this machine's]",
 )
 @boat_options
 def export_fmu(file: Path, *, fmi: str, platforms: tuple[str, ...], **options: Any) -> None:
@@ -163,7 +165,8 @@ def export_fmu(file: Path, *, fmi: str, platforms: tuple[str, ...], **options: A
     boat = boat_at_start(replace(chosen, sea="calm"))
     beside = file.with_name(f"{file.stem}-fmi3{file.suffix}")
     versions = {"2": {file: 2}, "3": {file: 3}, "both": {file: 2, beside: 3}}
-    names = UNIT_PLATFORM_NAMES if "all" in platforms else platforms
+    named = {name for name in platforms if name != "all"}
+    names = named.union(NATIVE_PLATFORM_NAMES if "all" in platforms else ())
     units = {path: fmu_bytes(boat, sea, version, names) for path, version in versions[fmi].items()}
     for path, whole in units.items():
         write_over(path, whole)

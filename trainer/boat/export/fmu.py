@@ -3,7 +3,7 @@
 ``trainer boat export-fmu`` calls it, by FMI 2.0 or 3.0. The variables follow from the tables of
 state, orders and casualties. For each platform a C compiler links ``unit.c`` with the face of a
 version (``fmi2.c``, ``fmi3.c``), the boat's numbers and the small object that the trainer ships
-for it.
+for it; ``component`` makes the one for WebAssembly.
 """
 
 import hashlib
@@ -29,13 +29,21 @@ from trainer import __version__
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.effects import NumberRange, effects_of_boat
+from trainer.boat.export.component import (
+    COMPONENT_SOURCES,
+    MANIFEST_PLACE,
+    MANIFEST_TEXT,
+    MODULE_OPTIONS,
+    component_of,
+)
 from trainer.boat.export.header import field_comments, fields_of, record_members
 from trainer.boat.export.targets import lacking_linker
 from trainer.boat.machine_code import shipped_object
 from trainer.boat.platforms import (
-    SHIPPED_PLATFORMS,
+    NATIVE_PLATFORMS,
     UNIT_OBJECTS,
     UNIT_PLATFORMS,
+    WASM_PLATFORM,
     Platform,
     platform_name,
 )
@@ -57,14 +65,18 @@ ORDER_UNITS: Final = {unit.factor: unit.names[0] for unit in (METRES, DEGREES, K
 MOTION_UNITS: Final = re.compile(r"^# (.*)\nMOTION", re.MULTILINE)  # a comment in ``core.state``
 STATED_UNIT: Final = re.compile(r"^\[(.*?)\] ?")  # as comments there begin
 COMPILER_OPTIONS: Final = (
-    *("-std=c99", "-Os", "-ffp-contract=off", "-shared", "-s", "-o", "boat.so"),
+    *("-std=c99", "-Os", "-ffp-contract=off", "-o", "boat.so"),
     *("face.c", "core.o", "-lm"),
 )
 NO_NUMBER: Final = NumberRange(0.0, 0.0, 0.0)  # of an order that has none
-LIBRARY_ENDINGS: Final = {"linux": ".so", "windows": ".dll"}  # by system
+LIBRARY_ENDINGS: Final = {"linux": ".so", "windows": ".dll", WASM_PLATFORM: ".wasm"}  # by system
 SYSTEM_OPTIONS: Final = {
-    "linux": ("-fPIC", "-Wl,-z,defs", "-Wl,--build-id=none", "-Wl,--version-script=map"),
-    "windows": ("-static-libgcc", "-Wl,--no-insert-timestamp"),
+    "linux": (
+        *("-shared", "-s", "-fPIC", "-Wl,-z,defs", "-Wl,--build-id=none"),
+        "-Wl,--version-script=map",
+    ),
+    "windows": ("-shared", "-s", "-static-libgcc", "-Wl,--no-insert-timestamp"),
+    WASM_PLATFORM: MODULE_OPTIONS,
 }
 SHOWN_NAMES: Final = "{{ global: {face}*; local: *; }};\n"
 TYPE_NAMES: Final = {"Real": "Float64", "Integer": "Int32"}  # of FMI 3.0
@@ -237,7 +249,7 @@ def face_sources(version: int) -> dict[str, bytes]:
 def chosen_platforms(asked: Collection[str]) -> list[str]:
     """Return the platforms of a unit: those asked for, or this machine's."""
     here = platform_name()
-    if asked or here in UNIT_PLATFORMS:
+    if asked or here in NATIVE_PLATFORMS:
         return [name for name in UNIT_PLATFORMS if name in (asked or (here,))]
     raise ConfigError(
         f"export-fmu: there is no unit for {here}: give --platform {', '.join(UNIT_PLATFORMS)}"
@@ -246,7 +258,7 @@ def chosen_platforms(asked: Collection[str]) -> list[str]:
 
 def find_linker(name: str) -> tuple[list[str], Platform]:
     """Return the compiler that links for a platform here, and the platform with its packages."""
-    target = SHIPPED_PLATFORMS[name]
+    target = UNIT_PLATFORMS[name]
     if name == platform_name():
         return shlex.split(os.environ.get("CC") or "cc"), target._replace(packages="gcc")
     return [target.compiler], target
@@ -265,13 +277,16 @@ def link_binary(model: str, name: str, version: int) -> bytes:
         own = "; CC names another" if name == platform_name() else ""
         raise ConfigError(f"export-fmu, {name}: {refused.reason}{own}")
     shown = SHOWN_NAMES.format(face=f"fmi{version}").encode()
-    files = {"model.h": model.encode(), "map": shown, "core.o": code}
+    files = {"model.h": model.encode(), "map": shown, "core.o": code} | face_sources(version)
+    if name == WASM_PLATFORM:
+        files |= {file: (SOURCE_FOLDER / said).read_bytes() for file, said in COMPONENT_SOURCES}
     with tempfile.TemporaryDirectory() as folder:
-        for file, data in (files | face_sources(version)).items():
+        for file, data in files.items():
             Path(folder, file).write_bytes(data)
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
         if done.returncode == 0:
-            return Path(folder, "boat.so").read_bytes()
+            made = Path(folder, "boat.so").read_bytes()
+            return component_of(made) if name == WASM_PLATFORM else made
     said = (done.stderr.strip().splitlines() or ["no word"])[-1]
     raise ConfigError(
         f"export-fmu, {name}: {words[0]}: {said}; Debian and Ubuntu: apt install {target.packages}"
@@ -288,6 +303,10 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2, platforms: Collection[
         raise ConfigError(
             "export-fmu: a ground that is not level, a ship that pulls, and a current that changes "
             "belong to the trainer's session: leave them out"
+        )
+    if WASM_PLATFORM in platforms and version == 2:
+        raise ConfigError(
+            f"export-fmu: --platform {WASM_PLATFORM} is of FMI 3.0 alone: give --fmi 3"
         )
     if boat.state.seed > MAX_SEED:
         raise ConfigError(f"--seed {boat.state.seed:.0f}: must be at most {MAX_SEED} in an FMU")
@@ -306,7 +325,7 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2, platforms: Collection[
     licence = metadata.distribution("submarine-trainer").read_text("licenses/LICENSE")
     numbers = f'#define GUID "{guid}"\n{model}'
     libraries = {
-        f"binaries/{SHIPPED_PLATFORMS[name].unit_folders[version - 2]}/{identifier}"
+        f"binaries/{UNIT_PLATFORMS[name].unit_folders[version - 2]}/{identifier}"
         + LIBRARY_ENDINGS[name.partition("-")[0]]: link_binary(numbers, name, version)
         for name in chosen_platforms(platforms)
     }
@@ -316,6 +335,8 @@ def fmu_bytes(boat: Boat, sea: SeaFile, version: int = 2, platforms: Collection[
         "documentation/index.html": pages.get_template("fmu.html").render(facts),
         "documentation/licenses/license.txt": licence or "MIT\n",
     }
+    if WASM_PLATFORM in platforms:
+        files[MANIFEST_PLACE] = MANIFEST_TEXT
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for name, data in files.items():
