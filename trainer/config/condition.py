@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, COMPARTMENTS, PUMPED_TANKS
-from trainer.core.plant.parts import BUSES, OIL_SYSTEMS, PLACES
+from trainer.core.plant.parts import BUS_NAMES, OIL_SYSTEMS, PLACE_NAMES
 from trainer.core.surfaces import SURFACES
 
 # Units of a quantity [SI], its own first.
@@ -60,12 +60,18 @@ PLANT_QUANTITIES: Final[Mapping[str, Quantity]] = {  # which a boat without a pl
     },
     **{
         f"bus_dead_{name}": Quantity(f"{name}_dead", SHARE_UNITS, "100 while that bus is dead")
-        for name in BUSES
+        for name in BUS_NAMES
     },
     "bus_tie": Quantity("bus_tie", SHARE_UNITS, "100 while it is shut"),
     "loads_shed": Quantity("loads_shed", SHARE_UNITS, "100 while they are off"),
-    **{f"fire_{name}": Quantity(f"fire_{name}", SHARE_UNITS, "of that room") for name in PLACES},
-    **{f"smoke_{name}": Quantity(f"smoke_{name}", SHARE_UNITS, "in that room") for name in PLACES},
+    **{
+        f"fire_{name}": Quantity(f"fire_{name}", SHARE_UNITS, "of that room")
+        for name in PLACE_NAMES
+    },
+    **{
+        f"smoke_{name}": Quantity(f"smoke_{name}", SHARE_UNITS, "in that room")
+        for name in PLACE_NAMES
+    },
 }
 STATE_QUANTITIES: Final[Mapping[str, Quantity]] = {
     "time": Quantity("tick", TIME_UNITS, "since the start of the run"),

@@ -23,7 +23,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import ANSWER_ORDERS
 from trainer.config.sound_rows import Readers, sound_rows
-from trainer.core.plant.parts import PLACES
+from trainer.core.plant.parts import PLACE_NAMES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import MAX_TIME_S
 
@@ -31,7 +31,7 @@ MARK_ORDER: Final = "mark"  # of a ship that is seen
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
 UNSEEN_QUANTITIES: Final = (  # by any gauge; of a fire its smoke is seen
     *("heavy", "speed_over_ground", "north", "east"),
-    *(f"fire_{name}" for name in PLACES),
+    *(f"fire_{name}" for name in PLACE_NAMES),
 )
 CREW_HANDS: Final = ("planesman", "helmsman")
 HAND_SWITCHES: Final = {
