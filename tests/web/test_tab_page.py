@@ -521,12 +521,15 @@ def test_a_boats_name_with_markup_stays_text(opened: Open) -> None:
     assert page.locator("img").count() == 0
 
 
-def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
-    page = opened(boat_page, 360, 640)
+@pytest.mark.parametrize(("width", "height"), [(360, 640), (1366, 768)])
+def test_a_page_fits_on_a_telephone_and_on_a_desk(
+    opened: Open, drill_page: str, width: int, height: int
+) -> None:
+    page = opened(drill_page, width, height)
 
-    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
     wide = page.evaluate("document.documentElement.scrollWidth")
-    assert wide <= 360
+    assert wide <= width
 
 
 def test_a_debrief_has_the_boat_inside(opened: Open, debriefed: str) -> None:
