@@ -45,9 +45,11 @@ from trainer.console.key_orders import TypedKeys
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
+from trainer.console.own_session import free_socket
 from trainer.console.pane import GROUND_COLOUR, INKS, Pane, plain
 from trainer.console.readings import ChannelReadings
 from trainer.console.vessel import CasualtyOffer
+from trainer.io import paths
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -974,3 +976,11 @@ def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time()
     seen.hear()
     (row,) = evaluation(seen, 80, 1)
     assert "no evaluation: this exercise has no end" in "".join(part for part, _ in row)
+
+
+def test_a_folder_whose_name_is_too_long_is_told_by_who_listens_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", f"/tmp/{'x' * 110}")
+
+    assert free_socket() == paths.socket_path()

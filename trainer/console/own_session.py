@@ -5,6 +5,7 @@ process forked from this one, because that has all imports already and starts a 
 sooner than a new one. The terminal's keys do not reach it, and its output is kept for the console.
 """
 
+import contextlib
 import gc
 import os
 import signal
@@ -258,6 +259,10 @@ class OwnSession:
 def free_socket() -> Path:
     """Return where stations look for a session, or beside it where another one listens there."""
     usual = paths.socket_path()
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as end:
+    taken = False
+    with (
+        socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as end,
+        contextlib.suppress(OSError),  # a path that is too long is told by who listens there
+    ):
         taken = end.connect_ex(str(usual)) == 0
     return usual.with_name(f"session-{os.getpid()}.sock") if taken else usual
