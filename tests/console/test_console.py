@@ -981,6 +981,6 @@ def test_the_instructor_sees_what_could_still_be_earned_above_the_line_of_time()
 def test_a_folder_whose_name_is_too_long_is_told_by_who_listens_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setenv("XDG_RUNTIME_DIR", f"/tmp/{'x' * 110}")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", f"/home/{'x' * 110}")
 
     assert free_socket() == paths.socket_path()
