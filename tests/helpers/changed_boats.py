@@ -12,8 +12,8 @@ from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers, sail_cont
 from trainer.identify.boat.motion import STATE, STATE_COUNT
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.trial import Trial
-from trainer.identify.boat.vessel import FittedVessel
-from trainer.units import DEGREE, KNOT
+from trainer.identify.boat.vessel import REFERENCE_LENGTH_M, FittedVessel
+from trainer.units import DEGREE
 
 # of a narrow band at 0.6 rad/s: rms of six accelerations [m/s2, rad/s2]
 SEA_SIZES: Final = np.array([0.01, 0.02, 0.03, 2e-3, 8e-4, 3e-4])
@@ -48,22 +48,25 @@ def sea_pushes(seconds: int, stream: np.random.Generator) -> Numbers:
 class Helm:
     """Orders of a boat that manoeuvres in both planes at once, and changes its speed."""
 
-    def __init__(self, knots: float, still: tuple[str, ...] = ()) -> None:
-        self.knots, self.still = knots, still
-        self.side, self.way, self.course = 1.0, 1.0, 0.0
+    def __init__(self, speed: float, still: tuple[str, ...]) -> None:
+        self.speed, self.still = speed, still
+        self.side, self.way = 1.0, 1.0
 
     def ordered(self, t: float, x: Numbers) -> Numbers:
         """Return rudder, stern planes, bow planes [rad] and command speed [m/s]."""
         if self.side * x[STATE.PSI] <= -10.0 * DEGREE:
             self.side = -self.side
-        depth_pitch = np.clip(0.003 * (x[STATE.Z] - DEPTH), -0.05, 0.05)
-        swing = (x[STATE.THETA] - depth_pitch) * self.way
-        if swing <= -4.0 * DEGREE:
+        wanted = np.clip(0.003 * (x[STATE.Z] - DEPTH), -0.05, 0.05)
+        if self.way * (x[STATE.THETA] - wanted) <= -4.0 * DEGREE:
             self.way = -self.way
-        bow = 5.0 * DEGREE * math.copysign(1.0, math.sin(2.0 * math.pi * t / 97.0))
-        speed = self.knots * (1.0 + 0.15 * math.copysign(1.0, math.sin(2.0 * math.pi * t / 240.0)))
-        rudder, stern = 10.0 * DEGREE * self.side, 5.0 * DEGREE * self.way
-        return np.array([rudder, stern, 0.0 if "bow" in self.still else bow, speed * KNOT])
+        bow = 5.0 * DEGREE * _square(t, 97.0) * ("bow" not in self.still)
+        speed = self.speed * (1.0 + 0.15 * _square(t, 240.0) * ("speed" not in self.still))
+        return np.array([10.0 * DEGREE * self.side, 5.0 * DEGREE * self.way, bow, speed])
+
+
+def _square(t: float, period: float) -> float:
+    """Return 1 and -1 in turn."""
+    return math.copysign(1.0, math.sin(2.0 * math.pi * t / period))
 
 
 def sail_changed(
@@ -74,12 +77,14 @@ def sail_changed(
     change: Alteration = NEVER,
     *,
     sea: bool = False,
+    still: tuple[str, ...] = (),
 ) -> Trial:
     """Return what usual instruments read each second of a boat that changes on its way."""
     stream, state, part = np.random.default_rng(seed), np.zeros(STATE_COUNT), BY_NAME[change.name]
-    helm = Helm(10.0)
-    state[STATE.U], state[STATE.Z] = 10.0 * KNOT, DEPTH
+    helm = Helm(vessel.speed, still)
+    state[STATE.U], state[STATE.Z] = vessel.speed, DEPTH
     state[STATE.WEIGHT : STATE.TRIM + 1] = DAY * stream.standard_normal(2)
+    state[STATE.TRIM] *= vessel.length / REFERENCE_LENGTH_M
     most, boat = np.array([RATE, RATE, RATE, 0.2]), vessel.numbers(values)
     altered = vessel.numbers(altered_values(values, part, change.amount))
     waves = sea_pushes(seconds, stream) if sea else np.zeros((seconds, 6))

@@ -28,7 +28,7 @@ instrument_options = combine_options(  # of what wrote the records
         "--bias",
         multiple=True,
         metavar="NAME=SD",
-        help="What may be off: weight [-], trim [m], pitch or roll [deg], log [-]; may be repeated.",
+        help="What may be off: weight [-], trim [m], pitch or roll [deg], log [-]; repeatable.",
     ),
     click.option(
         "--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m]."

@@ -37,6 +37,9 @@ from trainer.units import DEGREE
 WINDOW_LENGTHS: Final = 4.0  # [L/U] of a window, a minute of BB2 at 10 kn
 MIN_WINDOW_READINGS: Final = 20
 OPEN_NUDGE: Final = 0.2  # [-] deviations of what the fit left open
+# [-] of an innovation's variance. Some forces have a step where drift or heave changes its sign; a
+# slope across it is none, and is taken the other way, or where that is none too, not at all
+MAX_GAIN_CHANGE: Final = 0.2
 MIN_OPEN_INFORMATION: Final = 0.1  # [-] of a direction: less moves no innovation
 MAX_OPEN_COUNT: Final = 40  # directions of the fit's covariance, those that the record shows most
 
@@ -114,9 +117,9 @@ class WindowScores(NamedTuple):
 
 
 class _Change(NamedTuple):
-    """A boat that is changed by a little, or a state or a control that is."""
+    """A boat that is changed by a little, or a state or a control that is, and the same back."""
 
-    boat: BoatNumbers
+    boats: tuple[BoatNumbers, BoatNumbers]
     nudge: float = 0.0
     state: int = -1
     control: int = -1
@@ -138,23 +141,25 @@ class _Follower:
         return slice(number * rows, count if is_last else (number + 1) * rows + 1)
 
     def follow(
-        self, change: _Change, start: FilterStart, rows: slice, count: int = 0
+        self, change: _Change, start: FilterStart, rows: slice, way: int = 0, count: int = 0
     ) -> FilterResult:
         """Return a pass over some readings of a boat changed from their begin on.
 
-        The first reading of a window is the last of the window before, and no part of it.
+        ``way`` is 0, or 1 for the change back. The first reading of a window is the last of the
+        window before, and no part of it.
         """
         readings, inputs = self.trial.readings[rows].copy(), self.trial.inputs[rows].copy()
         if rows.start:
             readings[0] = np.nan
+        nudge = (1 - 2 * way) * change.nudge
         if change.control >= 0:
-            inputs[:, change.control] += change.nudge
+            inputs[:, change.control] += nudge
         if change.state >= 0:
             state = start.state.copy()
-            state[change.state] += change.nudge
+            state[change.state] += nudge
             start = start._replace(state=state)
         record = self.trial.numbers._replace(readings=readings, inputs=inputs)
-        found: FilterResult = filter_record(change.boat, record, start, count)
+        found: FilterResult = filter_record(change.boats[way], record, start, count)
         return found
 
     def passes(self) -> Iterator[tuple[FilterStart, FilterResult]]:
@@ -163,7 +168,7 @@ class _Follower:
         start = start_of(self.trial, self.vessel, self.noise)
         for window in range(window_count(self.vessel, self.trial)):
             rows = self.window(window)
-            found = self.follow(_Change(boat), start, rows, len(PARAMETER_NAMES))
+            found = self.follow(_Change((boat, boat)), start, rows, count=len(PARAMETER_NAMES))
             yield start, found
             start = start._replace(state=found.states[-1], covariance=found.covariance)
 
@@ -218,15 +223,19 @@ def _score_window(
     e, s = found.innovations.ravel(), found.variances.ravel()
     slopes, carried = np.zeros((len(e), len(changes))), np.zeros((STATE_COUNT, len(changes)))
     for i, change in enumerate(changes):
-        there = follower.follow(change, start, rows)
-        # the innovations of a boat that has changed are its own plus slope times change
-        slopes[:, i] = (e - there.innovations.ravel()) / change.nudge
-        carried[:, i] = (there.states[-1] - found.states[-1]) / change.nudge
+        for way in (0, 1):
+            there, nudge = follower.follow(change, start, rows, way), (1 - 2 * way) * change.nudge
+            gains = there.variances.ravel() / s - 1.0
+            if np.nanmax(np.abs(gains), initial=0.0) < MAX_GAIN_CHANGE:
+                # the innovations of a boat that has changed are its own plus slope times change
+                slopes[:, i] = (e - there.innovations.ravel()) / nudge
+                carried[:, i] = (there.states[-1] - found.states[-1]) / nudge
+                break
     known = np.isfinite(e) & np.isfinite(slopes).all(axis=1)
     slopes, e, s = slopes[known], e[known], s[known]
     weighted = slopes / s[:, None]
-    read = np.count_nonzero(np.isfinite(follower.trial.readings[rows])[1:])
-    taken = np.count_nonzero(np.isfinite(found.innovations)[1:])
+    read = int(np.isfinite(follower.trial.readings[rows])[1:].sum())
+    taken = int(np.isfinite(found.innovations)[1:].sum())
     return WindowScores(
         record=place[0],
         begin=rows.start * interval,
@@ -234,7 +243,7 @@ def _score_window(
         scores=np.einsum("ij,i->j", weighted, e),
         information=np.einsum("ij,ik->jk", weighted, slopes),
         carried=np.nan_to_num(carried),
-        wild=1.0 - taken / max(read, 1),
+        wild=1.0 - taken / (read or 1),
     )
 
 
@@ -247,17 +256,23 @@ def usual_changes(vessel: FittedVessel, trial: Trial) -> Numbers:
 def _part_changes(vessel: FittedVessel, known: Knowledge) -> Iterator[_Change]:
     """Yield each moved part changed by its nudge."""
     for part in MOVED_PARTS:
-        values = known.values.copy()
-        for name in part.terms:
-            values[PARAMETER_NAMES.index(name)] *= 1.0 + part.nudge
-        yield _Change(vessel.numbers(values), part.nudge, control=part.control)
+        share = np.array([float(name in part.terms) for name in PARAMETER_NAMES])
+        moved = part.nudge * share * known.values
+        yield _Change(_pair(vessel, known, moved), part.nudge, control=part.control)
+
+
+def _pair(
+    vessel: FittedVessel, known: Knowledge, moved: Numbers
+) -> tuple[BoatNumbers, BoatNumbers]:
+    """Return the boats whose parameters are moved, and moved back."""
+    return vessel.numbers(known.values + moved), vessel.numbers(known.values - moved)
 
 
 def _state_changes(vessel: FittedVessel, known: Knowledge) -> Iterator[_Change]:
     """Yield each state off by its nudge."""
     boat = vessel.numbers(known.values)
     for state, nudge in enumerate(STATE_NUDGES):
-        yield _Change(boat, nudge, state=state)
+        yield _Change((boat, boat), nudge, state=state)
 
 
 def _open_changes(vessel: FittedVessel, known: Knowledge, told: Numbers) -> Iterator[_Change]:
@@ -275,5 +290,5 @@ def _open_changes(vessel: FittedVessel, known: Knowledge, told: Numbers) -> Iter
         rest -= np.einsum("ij,ik,k->j", basis, basis, rest)  # twice, for what rounding leaves
         basis = np.vstack([basis, rest / np.sqrt(np.sum(rest**2))])
     for direction in basis:
-        moved = known.values + OPEN_NUDGE * np.einsum("ij,j", known.root, direction)
-        yield _Change(vessel.numbers(moved), OPEN_NUDGE)
+        moved = OPEN_NUDGE * np.einsum("ij,j", known.root, direction)
+        yield _Change(_pair(vessel, known, moved), OPEN_NUDGE)

@@ -258,7 +258,7 @@ def fit_trials(
 def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
     """Return the likeliest noise of a record of the prior's boat, from ``start`` on.
 
-    No reading is told wild before the noise is found without, because a sea would make all of them wild.
+    No reading is wild before the noise of all is found: in a sea nearly all would be.
     """
     search = _Search(prior, [trial], USUAL_SEARCH)
     start = replace(start, gate=math.inf)

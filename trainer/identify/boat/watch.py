@@ -37,6 +37,7 @@ LIMIT_DEVIATIONS: Final = 4.0  # [-] of a score, beyond which a boat has changed
 MEMORY_WINDOWS: Final = 60  # an hour of BB2: what is older says nothing more
 JUDGED_WINDOWS: Final = 5  # after a change is told, before its part is named
 NEAR_FALL: Final = 9.0  # [-] of the squared statistic: a part so near explains it as well
+SINCE_FALL: Final = 4.0  # [-] likewise of a begin: two standard deviations
 MAX_WILD_SHARE: Final = 0.2  # [-] of a window's readings
 # which columns of WindowScores a part is: of the moved parts, and of the states at its begin
 PART_COLUMNS: Final = np.array(
@@ -61,13 +62,21 @@ class WatchedPart:
 
 
 @dataclass(frozen=True)
-class BoatChange:
-    """That a boat has changed: where, and which parts explain it, the likeliest first."""
+class Moment:
+    """A time of a record."""
 
     source: str
-    since_s: float  # [s] in that record
-    told_source: str
-    told_s: float  # [s] in that record, when the limit is passed
+    seconds: float  # [s] in the record
+    t: float  # [s] records laid one after the other
+
+
+@dataclass(frozen=True)
+class BoatChange:
+    """That a boat has changed: when, and which parts explain it, the likeliest first."""
+
+    earliest: Moment
+    latest: Moment
+    told: Moment  # when the limit is passed
     parts: tuple[WatchedPart, ...]
 
 
@@ -133,8 +142,8 @@ def open_watch(
     known = read_prior(fitted)
     if "fit" not in known.tables:
         raise ConfigError(
-            f"{known.vessel.file.path.name}: has no [fit]: only a boat whose own trials were fitted "
-            "can be watched; make it by trainer boat fit RECORD... --prior FILE -o fitted.toml"
+            f"{known.vessel.file.path.name}: has no [fit]: only a boat that was fitted can be "
+            "watched: trainer boat fit RECORD... --prior FILE -o fitted.toml"
         )
     noise = _fitted_noise(known)
     return WatchFiles(
@@ -286,12 +295,18 @@ def _find_change(
     deviations = test.deviations
     squares = deviations.max(axis=0) ** 2
     near = [i for i in np.argsort(-squares) if squares[i] > squares.max() - NEAR_FALL]
-    since = test.first + int(deviations[:, near[0]].argmax())
+    of_likeliest = deviations[:, near[0]] ** 2
+    begins = test.first + np.flatnonzero(of_likeliest > of_likeliest.max() - SINCE_FALL)
+    ends = _times(trials, seen)
+
+    def moment(index: int, seconds: float) -> Moment:
+        one = seen[index]
+        return Moment(trials[one.record].source, seconds, float(ends[index]) - one.end + seconds)
+
     return BoatChange(
-        source=trials[seen[since].record].source,
-        since_s=seen[since].begin,
-        told_source=trials[seen[told].record].source,
-        told_s=seen[told].end,
+        earliest=moment(begins[0], seen[begins[0]].begin),
+        latest=moment(begins[-1], seen[begins[-1]].begin),
+        told=moment(told, seen[told].end),
         parts=tuple(_watched(test, i, deviations[:, i].max()) for i in near),
     )
 

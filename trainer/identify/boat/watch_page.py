@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.identify.boat.sheet import SURFACES
-from trainer.identify.boat.watch import BoatChange, BoatWatch, WatchedPart, WatchFiles
+from trainer.identify.boat.watch import BoatChange, BoatWatch, Moment, WatchedPart, WatchFiles
 from trainer.identify.sheet import draw_screen, listing, screens_of
 from trainer.report import html
 from trainer.report.plots import Curve, Panel
@@ -53,8 +53,8 @@ def verdict_texts(report: BoatWatch) -> Iterator[str]:
             yield f"They cannot show: {', '.join(unseen)}. Move that surface, or change the speed."
         return
     yield (
-        f"CHANGED: from about {_clock(change.since_s)} of {Path(change.source).name} on it is no "
-        f"longer the boat that was fitted ({_told_words(change)})."
+        f"CHANGED: from {_since_words(change)} on it is no longer the boat that was fitted (told "
+        f"at {_clock(change.told)})."
     )
     first, *others = change.parts
     yield f"{first.name}: {_change_words(first)}; {first.advice}."
@@ -68,16 +68,17 @@ def verdict_texts(report: BoatWatch) -> Iterator[str]:
     yield "Fit the boat anew by records from then on: trainer boat fit RECORD... --prior FILE."
 
 
-def _told_words(change: BoatChange) -> str:
-    """Return when a change was told."""
-    where = "" if change.told_source == change.source else f" of {Path(change.told_source).name}"
-    return f"told at {_clock(change.told_s)}{where}"
+def _since_words(change: BoatChange) -> str:
+    """Return when a boat has changed, as far as the records tell."""
+    if change.earliest == change.latest:
+        return f"about {_clock(change.earliest)}"
+    return f"some time between {_clock(change.earliest)} and {_clock(change.latest)}"
 
 
-def _clock(seconds: float) -> str:
-    """Return a time as hours, minutes and seconds."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+def _clock(moment: Moment) -> str:
+    """Return a time as hours, minutes and seconds of a record."""
+    minutes, rest = divmod(round(moment.seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d} of {Path(moment.source).name}"
 
 
 def _change_words(part: WatchedPart) -> str:
@@ -149,7 +150,8 @@ def _panels(files: WatchFiles, report: BoatWatch) -> Iterator[Panel]:
     curves = tuple(
         Curve(report.parts[i].name, t, np.array(report.deviations[i])) for i in order[:SHOWN_CURVES]
     )
-    marks = _marks(report)
+    change = report.change
+    marks = () if change is None else (("told", change.told.t),)
     yield Panel(
         "how far from the boat that was fitted",
         "time [s]",
@@ -168,17 +170,3 @@ def _panels(files: WatchFiles, report: BoatWatch) -> Iterator[Panel]:
     )
     moved = tuple(Curve(name, times, inputs[:, at] / DEGREE) for name, at in SURFACES.items())
     yield Panel("surfaces", "time [s]", "[deg]", moved, marks)
-
-
-def _marks(report: BoatWatch) -> tuple[tuple[str, float], ...]:
-    """Return when a boat changed and when that was told, records one after the other."""
-    if report.change is None:
-        return ()
-    change, begins, before = report.change, dict[str, float](), 0.0
-    for one in report.records:
-        begins.setdefault(one.source, before)
-        before += (one.rows - 1) * one.interval_s
-    return (
-        ("changed", begins[change.source] + change.since_s),
-        ("told", begins[change.told_source] + change.told_s),
-    )
