@@ -39,7 +39,7 @@ MAX_DAMPINGS: Final = 8  # tried, before a step is given up
 SETTLED_MOVE: Final = 0.05  # [-] posterior standard deviations
 SETTLED_PROMISE: Final = 0.1  # [-] of the noise's step: below, it is left alone
 NOISE_NUDGE: Final = 0.05  # of a logarithm
-NOISE_STEPS: Final = 10  # at most, where the noise alone is sought
+NOISE_STEPS, NOISE_PROMISE = 10, 1.0  # at most and at least, where the noise alone is sought
 FREQUENT_STEPS: Final = 4  # after these the noise moves every second step ...
 STOPPED_TEXT: Final = "stopped; the best so far"
 UNGATED_STEPS: Final = 3  # before a boat follows its records, no reading can be told wild
@@ -270,7 +270,7 @@ def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
         search.cost = search.value(search.z, search.noise)
         for _ in range(NOISE_STEPS):
             search.move_noise()
-            if search.promise < SETTLED_PROMISE:
+            if search.promise < NOISE_PROMISE:
                 break
     return search.noise
 

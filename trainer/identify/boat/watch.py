@@ -156,7 +156,7 @@ def _fitted_noise(known: Prior) -> Noise:
     table: Any = known.tables["fit"]
     logarithms = usual_noise(known.vessel).logarithms.copy()
     try:
-        logarithms[:DRIVEN_COUNT] = np.log(np.array(table["disturbance"], float))
+        logarithms[:DRIVEN_COUNT] = [math.log(size) for size in table["disturbance"]]
         for name, error in table["errors"].items():
             logarithms[DRIVEN_COUNT + CHANNEL_NAMES.index(name)] = math.log(error)
     except (KeyError, TypeError, ValueError, AttributeError):
