@@ -283,7 +283,7 @@ class WatchBoatOptions(TypedDict, total=False):
 def watch_boat(
     fitted: File, records: File | Sequence[File], **options: Unpack[WatchBoatOptions]
 ) -> "Answer[BoatWatch, WatchedPart]":
-    """Tell from when on records are no longer of a fitted boat, as ``trainer boat watch`` does.
+    """Tell whether records are still of a fitted boat, as ``trainer boat watch`` does.
 
     ``fitted`` is the file of a boat that ``fit_boat`` wrote, ``records`` are paths of recordings
     or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x`` and ``late`` are

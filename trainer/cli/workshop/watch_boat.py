@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def watch(**options: Any) -> None:
-    """Tell from when on records are no longer of a fitted boat, and which part has changed.
+    """Tell from when on records are no longer of a fitted boat, and why.
 
     \b
     Example:  trainer boat fit zigzag.csv dive.csv --prior own.toml -o fitted.toml
@@ -40,7 +40,7 @@ def watch(**options: Any) -> None:
 
 
 def carry_out(options: dict[str, Any]) -> "BoatWatch":
-    """Watch a boat as the options say, and write the page where they ask for it."""
+    """Watch a boat as the options say, and write the page if asked for."""
     from trainer.boat.compilation import announce_compiling
     from trainer.identify.boat.instruments import instruments_of
     from trainer.identify.boat.watch import open_watch, watch_boat

@@ -1,4 +1,4 @@
-"""What may have changed of a boat, and what each window of a record says of it.
+"""What may have changed of a boat, and what windows of a record say.
 
 A record is cut into windows. From each window's begin the filter goes on as the boat was fitted,
 and again with one part changed by a little, or with one state off by a little. The differences are
@@ -45,9 +45,10 @@ MAX_OPEN_COUNT: Final = 40  # directions of the fit's covariance, those that the
 
 
 class AlteredPart(NamedTuple):
-    """A part that may have changed: coefficients by a share, or a state or a control by an amount.
+    """A part that may have changed.
 
-    What coefficients have is a share of them, so that -0.2 is a fifth less.
+    Coefficients change by a share of them, so that -0.2 is a fifth less, a state or a control by an
+    amount.
     """
 
     name: str
@@ -102,9 +103,10 @@ STATE_NUDGES: Final = (
 
 
 class WindowScores(NamedTuple):
-    """What a window says of changes that begin with it, and of a state that is off at its begin.
+    """What a window says of changes that begin with it.
 
-    First stand the changes of MOVED_PARTS, then what the fit left open, then the states.
+    First stand the changes of MOVED_PARTS, then what the fit left open, then states that are off at
+    its begin.
     """
 
     record: int  # its number
@@ -135,7 +137,7 @@ class _Follower:
     noise: Noise
 
     def window(self, number: int) -> slice:
-        """Return the readings of a window; what is left at the end belongs to the last."""
+        """Return the readings of a window; those left at the end belong to the last."""
         rows, count = window_rows(self.vessel, self.trial.interval), len(self.trial.readings)
         is_last = number + 1 == window_count(self.vessel, self.trial)
         return slice(number * rows, count if is_last else (number + 1) * rows + 1)
@@ -179,7 +181,7 @@ def window_rows(vessel: FittedVessel, interval: float) -> int:
 
 
 def window_count(vessel: FittedVessel, trial: Trial) -> int:
-    """Return how many windows a record has; what is left at its end belongs to the last."""
+    """Return how many windows a record has."""
     return max(1, (len(trial.readings) - 1) // window_rows(vessel, trial.interval))
 
 

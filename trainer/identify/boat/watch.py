@@ -1,4 +1,4 @@
-"""Whether records are still of the boat that was fitted, since when not, and which part says so.
+"""Whether records are still of the boat that was fitted, and since when not.
 
 After each window all begins of a change within the memory are tried for each part, and the largest
 squared score over its variance is the statistic (generalised likelihood ratio: Willsky and Jones
@@ -257,7 +257,7 @@ class _Sums:
         self.open_sums = self.open_sums[-MEMORY_WINDOWS:]
 
     def test(self) -> Tested:
-        """Return the test: what is open taken off, and that each part varies a little anyhow."""
+        """Return the test, less what is open and what varies anyhow."""
         scores = np.sum([one for one, _ in self.open_sums], axis=0)
         information = np.sum([one for _, one in self.open_sums], axis=0)
         inverse = invert_positive(information + np.eye(self.open))
@@ -274,7 +274,7 @@ class _Sums:
 
 
 def test_changes(seen: Sequence[WindowScores], usual: Numbers) -> list[Tested]:
-    """Return after each window the scores of changes that began in any window of the memory.
+    """Return the tests after each window, of changes that began in the memory.
 
     What is open is taken off, and then that every part varies a little anyhow, by ``usual``.
     """

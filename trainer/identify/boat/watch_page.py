@@ -1,4 +1,4 @@
-"""What a watch of a boat says, as text of 79 columns and as one HTML page."""
+"""What a watch of a boat says, as text and as one HTML page."""
 
 import math
 from collections.abc import Iterator
