@@ -52,8 +52,8 @@ def quiet_noise(prior: Prior) -> Noise:
     return Noise(logarithms)
 
 
-def sailed(prior: Prior, change: Alteration = NEVER, seed: int = 1, **more: bool) -> Trial:
-    return sail_changed(prior.vessel, prior.values, SECONDS, seed, change, **more)
+def sailed(prior: Prior, change: Alteration = NEVER, seed: int = 1, *, sea: bool = False) -> Trial:
+    return sail_changed(prior.vessel, prior.values, SECONDS, seed, change, sea=sea)
 
 
 def files_of(prior: Prior, *trials: Trial) -> WatchFiles:
