@@ -18,7 +18,7 @@ from trainer.identify.boat.motion import STATE
 from trainer.identify.boat.noise import Noise, usual_noise
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.trial import Trial
-from trainer.identify.boat.watch import WatchFiles, watch_boat
+from trainer.identify.boat.watch import BoatWatch, WatchFiles, watch_boat
 from trainer.identify.boat.watch_page import html_page, is_unseen, render
 from trainer.units import DEGREE
 
@@ -60,6 +60,14 @@ def files_of(prior: Prior, *trials: Trial) -> WatchFiles:
     return WatchFiles(prior, quiet_noise(prior), trials)
 
 
+def judged(files: WatchFiles) -> BoatWatch:
+    """Return the verdict by the noise as it is given, not that of the day."""
+    noises = [files.noise] * len(files.trials)
+    vessel = files.fitted.vessel
+    seen = altered.score_records(files.fitted, vessel, files.trials, noises, lambda _: None)
+    return watch.judge_scores(files, seen)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("change", CHANGES, ids=lambda one: one.name)
 def test_a_changed_part_is_told_by_name_time_and_size(own: Path, change: Alteration) -> None:
@@ -82,16 +90,15 @@ def test_a_boat_that_has_not_changed_is_left_alone_in_calm_and_in_a_sea(own: Pat
         report = watch_boat(files)
         assert report.change is None, render(report)
         assert "Nothing told" in render(report)
-    fixed = altered.score_records(prior, prior.vessel, files.trials, [files.noise], lambda _: None)
-    assert watch.judge_scores(files, fixed).change is not None, "a sea needs a noise of its own"
+    assert judged(files).change is not None, "a sea needs a noise of its own"
 
 
 @pytest.mark.long
 def test_a_boat_that_is_hardly_known_changes_unseen_and_not_falsely(own: Path) -> None:
-    wide, narrow = prior_of(own, 0.5), prior_of(own, 0.005)
+    wide, narrow = prior_of(own, 0.1), prior_of(own, 0.001)
     trial = sail_changed(wide.vessel, wide.draw(5), SECONDS, 1)
-    assert watch_boat(files_of(wide, trial)).change is None
-    assert watch_boat(files_of(narrow, trial)).change is not None
+    assert judged(files_of(wide, trial)).change is None
+    assert judged(files_of(narrow, trial)).change is not None
 
 
 @pytest.mark.long
