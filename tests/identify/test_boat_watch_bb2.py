@@ -37,7 +37,7 @@ AIMS = {
     Alteration("lift of the bow planes", -0.2, CHANGED_AT): (),
     Alteration("drag", 0.15 * HULL_DRAG_SHARE, CHANGED_AT): (),
     Alteration("weight", 0.005, CHANGED_AT): ("calm", "sea"),
-    Alteration("zero of the rudder", DEGREE, CHANGED_AT): ("calm", "sea"),
+    Alteration("zero of the rudder", DEGREE, CHANGED_AT): ("calm",),
 }
 
 

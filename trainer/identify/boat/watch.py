@@ -33,8 +33,8 @@ from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.search import WILD_DEVIATIONS, find_noise
 from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
 
-# [-] of a score, beyond which a boat has changed: by hourly maxima of made records of BB2 that has
-# not, in calm and in a sea, one is beyond in a hundred hours
+# [-] of a score, beyond which a boat has changed: by the maxima of hours of BB2 unchanged, in calm
+# and in a sea, one in a hundred should be beyond (docs/watched-boat.md)
 LIMIT_DEVIATIONS: Final = 4.75
 MEMORY_WINDOWS: Final = 60  # an hour of BB2: what is older says nothing more
 JUDGED_WINDOWS: Final = 5  # after a change is told, before its part is named
