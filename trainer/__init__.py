@@ -28,7 +28,6 @@ __all__ = [
     "seas",
     "sweep",
     "vessels",
-    "watch_boat",
 ]
 
 TYPE_CHECKING = False  # type checkers take it for true; the module typing takes its time
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
         seas,
         sweep,
         vessels,
-        watch_boat,
     )
     from trainer.api.exercise_fleet import ExerciseFleet
     from trainer.api.fleet import Fleet

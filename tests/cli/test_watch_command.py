@@ -1,4 +1,4 @@
-"""The command trainer boat watch, and trainer.watch_boat: what has changed, and what is refused."""
+"""The command trainer boat watch, and watch_boat in Python: what has changed, and what is refused."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers.boat_trials import estimated_boat, made_trial, write_csv
 
-import trainer
+from trainer.api.calls import watch_boat
 from trainer.cli.main import cli
 from trainer.identify.boat.prior import read_prior
 from trainer.identify.boat.regressors import PARAMETER_NAMES
@@ -61,7 +61,7 @@ def test_a_weak_rudder_is_told_on_the_page_as_json_and_in_python(
     text = page.read_text(encoding="utf-8")
     assert "lift of the rudder" in text
     assert "standard deviations" in text
-    answer = trainer.watch_boat(fitted, [same, weak])
+    answer = watch_boat(fitted, [same, weak])
     assert answer.report.change is not None
     figure = answer.figures["lift of the rudder"]
     assert figure.value == pytest.approx(-0.4, abs=0.15)
