@@ -1,4 +1,4 @@
-"""The command trainer boat watch, and watch_boat in Python: what has changed, and what is refused."""
+"""The command trainer boat watch, and watch_boat in Python: what has changed, what is refused."""
 
 import json
 from pathlib import Path
