@@ -41,6 +41,7 @@ SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 FIRST_IN_FOLDER = {
     "exported-core.md": "trainer boat export-core ",
     "fitted-boat.md": "trainer boat estimate ",
+    "watched-boat.md": "trainer boat estimate ",
     "classroom.md": "trainer class new ",
 }
 

@@ -15,6 +15,7 @@ from trainer.cli.options import record_of
 from trainer.cli.workshop import fit_boat as fit_boat_command
 from trainer.cli.workshop import guide, identify
 from trainer.cli.workshop import sweep as sweep_command
+from trainer.cli.workshop import watch_boat as watch_boat_command
 from trainer.config.extras import require_library
 from trainer.config.files import json_text, shipped_names
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from trainer.analysis.sweep.report import Spread, SweepReport
     from trainer.identify.boat.figures import FigureBand
     from trainer.identify.boat.report import BoatFit
+    from trainer.identify.boat.watch import BoatWatch, WatchedPart
     from trainer.identify.pages.record import ChannelSummary, RecordReport
     from trainer.identify.pages.results import Estimate, ShipNumber
     from trainer.identify.pages.results import IdentifyReport as FitReport
@@ -42,7 +44,7 @@ class Answer(Generic[Report, Figure]):
     ``report`` is a record of all that the command's ``--json`` has. ``figures`` are its numbers by
     their names, each with a ``unit``: SI units and radians, of a fit those of its page.
     ``columns`` are arrays by name: of a manoeuvre what was flown, of a sweep a number for each
-    member, of a fit none. ``page`` is the text.
+    member, of a watch its statistic, of a fit none. ``page`` is the text.
     """
 
     report: Report
@@ -266,6 +268,41 @@ def fit_boat(
     with parse_options(fit_boat_command.fit, several, keywords, known) as words:
         report = fit_boat_command.carry_out(words).report
     return Answer(report, {each.name: each for each in report.after}, {}, render(report))
+
+
+class WatchBoatOptions(TypedDict, total=False):
+    """The keywords of ``watch_boat``: the options of ``trainer boat watch``."""
+
+    html: File | None
+    columns: str | Sequence[str] | None
+    bias: str | Sequence[str] | None
+    gauge_x: float | None
+    late: float | None
+
+
+def watch_boat(
+    fitted: File, records: File | Sequence[File], **options: Unpack[WatchBoatOptions]
+) -> "Answer[BoatWatch, WatchedPart]":
+    """Tell whether records are still of a fitted boat, as ``trainer boat watch`` does.
+
+    ``fitted`` is the file of a boat that ``fit_boat`` wrote, ``records`` are paths of recordings
+    or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x`` and ``late`` are
+    those of ``fit_boat``. ``report.change`` is None, or says since when and which parts explain it.
+    The figures are the parts by their names, each with its unit, value and deviation. The columns
+    are the statistic of each part by the time ``t`` [s]. TrainerError with the command's words if
+    something is wrong.
+    """
+    import numpy as np
+
+    from trainer.identify.boat.watch_page import render
+
+    several = [records] if isinstance(records, str | Path) else records
+    known = WatchBoatOptions.__annotations__
+    with parse_options(watch_boat_command.watch, [fitted, *several], options, known) as words:
+        report = watch_boat_command.carry_out(words)
+    named = zip((each.name for each in report.parts), report.deviations, strict=True)
+    columns = {"t": np.array(report.t), **{name: np.array(values) for name, values in named}}
+    return Answer(report, {each.name: each for each in report.parts}, columns, render(report))
 
 
 def vessels() -> dict[str, str]:

@@ -30,6 +30,7 @@ COMMAND_GROUPS: Final = (
             "trainer.cli.workshop.estimate.estimate",
             "trainer.cli.workshop.fit_boat.fit",
             "trainer.cli.workshop.plan_trial.plan_trial",
+            "trainer.cli.workshop.watch_boat.watch",
             "trainer.cli.workshop.vessel.check",
             "trainer.cli.workshop.guide.manoeuvre",
             "trainer.cli.workshop.guide.guide",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli.answers import json_of, print_note, show_progress, show_step, write_text
-from trainer.cli.options import HTML_OUTPUT, TOML_OUTPUT, VESSEL_NAME
+from trainer.cli.options import HTML_OUTPUT, TOML_OUTPUT, VESSEL_NAME, combine_options
 from trainer.cli.types import File
 
 if TYPE_CHECKING:
@@ -17,6 +17,24 @@ if TYPE_CHECKING:
 
 FIT_KERNELS_TEXT: Final = "the kernels of fits of boats, once (up to a minute)"
 TRIAL_FILE: Final = File(".trainer", ".csv")
+instrument_options = combine_options(  # of what wrote the records
+    click.option(
+        "--columns",
+        multiple=True,
+        metavar="CHANNEL=HEADING[:UNIT]",
+        help="Where a channel is, such as --columns depth=Keel:m; may be repeated.",
+    ),
+    click.option(
+        "--bias",
+        multiple=True,
+        metavar="NAME=SD",
+        help="What may be off: weight [-], trim [m], pitch or roll [deg], log [-]; repeatable.",
+    ),
+    click.option(
+        "--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m]."
+    ),
+    click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s]."),
+)
 
 
 @click.command()
@@ -32,20 +50,7 @@ TRIAL_FILE: Final = File(".trainer", ".csv")
     metavar="RECORD",
     help="A record to foretell, not to fit; may be repeated.",
 )
-@click.option(
-    "--columns",
-    multiple=True,
-    metavar="CHANNEL=HEADING[:UNIT]",
-    help="Where a channel is, such as --columns depth=Keel:m; may be repeated.",
-)
-@click.option(
-    "--bias",
-    multiple=True,
-    metavar="NAME=SD",
-    help="What may be off: weight [-], trim [m], pitch or roll [deg], log [-]; may be repeated.",
-)
-@click.option("--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m].")
-@click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s].")
+@instrument_options
 @click.option(
     "--draws", type=click.IntRange(0, 2000), default=100, help="Of the coefficients, for the bands."
 )

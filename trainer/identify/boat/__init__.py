@@ -3,8 +3,14 @@
 Begin with ``fit``, what is done in which order, then ``prior``, ``trial``, ``search``. The model is
 ``regressors`` and ``motion``, the likelihood ``filter``; ``report`` judges, ``figures`` makes the
 bands, ``fitted_file`` writes the boat, ``page`` shows it. ``plan`` says what to sail next, of
-``trial_legs``; ``planned_trial`` writes that as an exercise.
+``trial_legs``; ``planned_trial`` writes that as an exercise. ``watch`` tells by the scores of
+``altered`` parts whether the boat is still the one that was fitted; ``watch_page`` shows it.
 """
 
 # The modules that other rooms may use.
-__all__ = ["figures", "fit", "instruments", "page", "plan", "planned_trial", "report"]
+# fmt: off
+__all__ = [
+    "figures", "fit", "instruments", "page", "plan", "planned_trial", "report", "watch",
+    "watch_page",
+]
+# fmt: on

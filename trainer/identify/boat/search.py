@@ -39,6 +39,7 @@ MAX_DAMPINGS: Final = 8  # tried, before a step is given up
 SETTLED_MOVE: Final = 0.05  # [-] posterior standard deviations
 SETTLED_PROMISE: Final = 0.1  # [-] of the noise's step: below, it is left alone
 NOISE_NUDGE: Final = 0.05  # of a logarithm
+NOISE_STEPS, NOISE_PROMISE = 10, 1.0  # at most and at least, where the noise alone is sought
 FREQUENT_STEPS: Final = 4  # after these the noise moves every second step ...
 STOPPED_TEXT: Final = "stopped; the best so far"
 UNGATED_STEPS: Final = 3  # before a boat follows its records, no reading can be told wild
@@ -222,6 +223,14 @@ def _joined(passes: Sequence[FilterResult]) -> tuple[Numbers, Numbers]:
     return e, s
 
 
+def _lost_text(prior: Prior, trial: Trial) -> str:
+    """Return that a boat does not fly a record at all."""
+    return (
+        f"{trial.source}: the boat of {prior.vessel.file.path.name} does not fly this record: are "
+        "its units right, and is it of this boat?"
+    )
+
+
 def fit_trials(
     prior: Prior, trials: Sequence[Trial], options: SearchOptions = USUAL_SEARCH
 ) -> FitResult:
@@ -233,10 +242,7 @@ def fit_trials(
     search = _Search(prior, trials, options)
     for trial, first in zip(trials, search.passes(search.z, search.noise), strict=True):
         if not math.isfinite(first.cost):
-            raise ConfigError(
-                f"{trial.source}: the boat of {prior.vessel.file.path.name} does not fly this "
-                "record: are its units right, and is it of this boat?"
-            )
+            raise ConfigError(_lost_text(prior, trial))
     try:
         settled = search.run()
     except KeyboardInterrupt:
@@ -247,6 +253,26 @@ def fit_trials(
     found = SearchResult(search.z, search.cost, search.steps, settled, search.doubt)
     ends = tuple(search.passes(search.z, search.noise))
     return FitResult(prior, tuple(trials), found, Knowledge(values, root), V, search.noise, ends)
+
+
+def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
+    """Return the likeliest noise of a record of the prior's boat, from ``start`` on.
+
+    No reading is wild before the noise of all is found: in a sea nearly all would be.
+    """
+    search = _Search(prior, [trial], USUAL_SEARCH)
+    start = replace(start, gate=math.inf)
+    search.start = search.noise = start
+    if not math.isfinite(search.value(search.z, start)):
+        raise ConfigError(_lost_text(prior, trial))
+    for gate in (math.inf, WILD_DEVIATIONS):
+        search.noise = replace(search.noise, gate=gate)
+        search.cost = search.value(search.z, search.noise)
+        for _ in range(NOISE_STEPS):
+            search.move_noise()
+            if search.promise < NOISE_PROMISE:
+                break
+    return search.noise
 
 
 def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:

@@ -1,0 +1,102 @@
+"""How surely a watch tells a change of BB2, and how seldom one that is none: the acceptance.
+
+TRAINER_WATCHED_HOURS asks for more hours of an unchanged boat, TRAINER_CHANGED_DRAWS for more
+draws of each change; docs/watched-boat.md has what they gave.
+"""
+
+import os
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.bb2_trials import estimated_bb2, four_trials
+from helpers.changed_boats import NEVER, Alteration, sail_changed
+
+from trainer.config.vessel import load_vessel
+from trainer.identify.boat import search
+from trainer.identify.boat.fitted_file import fitted_text
+from trainer.identify.boat.prior import read_prior
+from trainer.identify.boat.report import report_fit
+from trainer.identify.boat.trial import without_unflown
+from trainer.identify.boat.vessel import FittedVessel
+from trainer.identify.boat.watch import BoatWatch, open_watch, watch_boat
+from trainer.units import DEGREE
+
+pytestmark = pytest.mark.slow
+
+HOURS = int(os.environ.get("TRAINER_WATCHED_HOURS", "4"))
+DRAWS = int(os.environ.get("TRAINER_CHANGED_DRAWS", "3"))
+CHANGED_AT, SHOWN_S = 900, 315  # [s] of the change, and after it: five minutes and a window's end
+HULL_DRAG_SHARE = 9.06e-4 / 1.612e-3  # of a1; the rest is the stopped propeller
+# what is aimed at, and in which waters it is reached within five minutes
+AIMS = {
+    Alteration("lift of the rudder", -0.2, CHANGED_AT): ("calm", "sea"),
+    Alteration("lift of the stern planes", -0.2, CHANGED_AT): ("calm",),
+    Alteration("lift of the bow planes", -0.2, CHANGED_AT): (),
+    Alteration("drag", 0.15 * HULL_DRAG_SHARE, CHANGED_AT): (),
+    Alteration("weight", 0.005, CHANGED_AT): ("calm", "sea"),
+    Alteration("zero of the rudder", DEGREE, CHANGED_AT): ("calm",),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bb2")
+
+
+@cache
+def true_bb2(folder: Path) -> FittedVessel:
+    """Return the shipped boat, with the time step of its estimate."""
+    step = load_vessel(str(estimated_bb2(folder))).run.step_s
+    file = load_vessel("bb2")
+    return FittedVessel(replace(file, run=replace(file.run, step_s=step)))
+
+
+@cache
+def fitted_bb2(folder: Path, seed: int) -> Path:
+    """Return the file of BB2 fitted to four trials."""
+    truth, path = true_bb2(folder), folder / f"fitted-{seed}.toml"
+    trials = map(without_unflown, four_trials(truth.numbers(truth.values), seed))
+    found = search.fit_trials(read_prior(str(folder / "own.toml")), [*trials])
+    path.write_text(fitted_text(found, report_fit(found, [], draws=0), path)[0], encoding="utf-8")
+    return path
+
+
+def watched(folder: Path, seconds: int, seed: int, change: Alteration, water: str) -> BoatWatch:
+    truth = true_bb2(folder)
+    trial = sail_changed(truth, truth.values, seconds, seed, change, sea=water == "sea")
+    files = open_watch(str(fitted_bb2(folder, 1 + seed // 2 % 2)), [])
+    return watch_boat(replace(files, trials=(without_unflown(trial),)))
+
+
+@pytest.mark.parametrize("water", ["calm", "sea"])
+@pytest.mark.parametrize("change", AIMS, ids=lambda one: one.name)
+def test_a_change_of_bb2_is_told_within_five_minutes_where_that_is_promised(
+    folder: Path, change: Alteration, water: str
+) -> None:
+    told, named = [], []
+    for draw in range(DRAWS):
+        seed = 7000 + 2 * draw + (water == "sea")
+        report = watched(folder, CHANGED_AT + SHOWN_S, seed, change, water)
+        told.append(report.change is not None and report.change.told.seconds > CHANGED_AT)
+        named.append(
+            report.change is not None and change.name in [one.name for one in report.change.parts]
+        )
+        most = np.max(report.deviations)
+        print(f"{water} {change.name} {seed}: {most:.1f}, told {told[-1]}, named {named[-1]}")
+    if water in AIMS[change]:
+        assert np.mean(told) >= 0.9
+        assert np.mean(named) >= 0.9
+
+
+@pytest.mark.parametrize("water", ["calm", "sea"])
+def test_bb2_unchanged_is_left_alone(folder: Path, water: str) -> None:
+    alarms = 0
+    for hour in range(HOURS // 2):
+        seed = 9000 + 2 * hour + (water == "sea")
+        report = watched(folder, 3600, seed, NEVER, water)
+        alarms += report.change is not None
+        print(f"{water} hour {hour}: {np.max(report.deviations):.2f}")
+    assert alarms <= HOURS // 100
