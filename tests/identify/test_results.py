@@ -273,12 +273,12 @@ def test_every_figure_is_on_a_screen_of_four_at_most(described: Any) -> None:
     shown = screens(described)
     names = [screen.title for screen in shown]
     assert names == [
-        *("Record", "Residuals", "Correlations 1", "Correlations 2", "Step", "Pulse"),
+        *("Fit 1", "Fit 2", "Record", "Correlations 1", "Correlations 2", "Step", "Pulse"),
         *("Bode 1", "Bode 2", "Terms"),
     ]
     assert all(1 <= len(screen.panels) <= MAX_PANELS for screen in shown)
     titles = [panel.title for screen in shown for panel in screen.panels]
-    assert len(set(titles)) == len(titles) == 27
+    assert len(set(titles)) == len(titles) == 30
 
 
 def test_the_page_has_a_link_to_every_screen(path: Any, tmp_path: Path) -> None:
@@ -287,7 +287,7 @@ def test_the_page_has_a_link_to_every_screen(path: Any, tmp_path: Path) -> None:
     text = page.read_text()
     links, targets = re.findall(r'href="#(s\d+)"', text), re.findall(r'<section id="(s\d+)"', text)
     assert links == targets
-    assert len(targets) == 11
+    assert len(targets) == 12
     assert ">Known least</a>" in text
 
 
@@ -296,7 +296,7 @@ def test_a_pdf_has_a_page_for_each_screen(path: Any, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     told(path, "--plot", tmp_path / "fit.pdf")
     drawn = (tmp_path / "fit.pdf").read_bytes()
-    assert len(re.findall(rb"/Type /Page\b", drawn)) == 9
+    assert len(re.findall(rb"/Type /Page\b", drawn)) == 10
 
 
 def test_large_manoeuvres_have_no_terms_of_turns(described: Any) -> None:

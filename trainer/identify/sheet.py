@@ -38,15 +38,17 @@ def sheet(
 ) -> str:
     """Return the page: ``text``, ``screens`` drawn, ``further`` parts, and ``report`` as data.
 
-    It needs no other file. The same report gives the same bytes.
+    The first screen comes before the text, for people look before they read. The page needs no
+    other file. The same report gives the same bytes.
     """
     heading, _, rest = text.partition("\n")
+    first, *others = map(draw_screen, screens)
     return html.fill_page(
         "identified.html",
         "guide.css",
         title=title,
         heading=heading,
-        screens=[("Numbers", listing(rest)), *map(draw_screen, screens), *further],
+        screens=[first, ("Numbers", listing(rest)), *others, *further],
         data=html.embed_json(asdict(report)),
     )
 

@@ -26,6 +26,7 @@ from trainer.report.text import INDENT, cut_text, format_number, items, table, w
 from trainer.units import DEGREE, KNOT
 
 SIGN_TEXT: Final = "A positive rudder turns to port here, so K of a stable ship is negative."
+OUTPUTS_ABREAST: Final = 2  # on a screen
 BAND_DEVIATIONS: Final = 1.96  # standard deviations
 MAX_OUTLIERS_SHOWN: Final = 10  # outliers that a page lists
 MATRICES_TITLE: Final = "Matrices"
@@ -250,26 +251,39 @@ def screens(identified: Identification) -> tuple[Screen, ...]:
     """Return all figures of a fit in groups, each for one screen."""
     of = " deg" if identified.report.length_m else ""
     responses = (f"step of 1{of}", step_of), (f"pulse of 1{of} s", pulse_of)
-    groups: dict[str, Iterable[Panel]] = {"Record": _record(identified)}
+    groups: dict[str, Iterable[Panel]] = {
+        "Fit": _fit(identified),
+        "Record": _record(identified),
+    }
     for number in range(1, len(identified.report.runs)):
         groups[f"Run {number + 1}"] = _record(identified, number)
-    t, standard = identified.fitted.problem.samples.t, identified.run.standardised.T
-    groups["Residuals"] = [
-        Panel(
-            f"residuals of {output}",
-            "time [s]",
-            "[std dev]",
-            (Curve("residual", t, residuals),),
-            levels=(-BAND_DEVIATIONS, 0.0, BAND_DEVIATIONS),
-        )
-        for output, residuals in zip(identified.report.outputs, standard, strict=True)
-    ]
     groups["Correlations"] = correlation_panels(identified.report.residuals)
     for title, shape in responses:
         name = title.split()[0].capitalize()
         groups[name] = _responses(identified, title, shape(identified.fitted))
     groups |= {"Bode": _bode(identified), "Terms": _terms(identified)}
     return screens_of(groups | {"Large manoeuvre": _large(identified)})
+
+
+def _fit(identified: Identification) -> Iterator[Panel]:
+    """Yield outputs as measured and by the model alone, below two of them their residuals."""
+    fitted, report = identified.fitted, identified.report
+    problem, at = fitted.problem.runs[0]
+    measured, t = problem.samples.outputs, problem.samples.t
+    alone = predict_alone(problem, fitted.found.theta[at])
+    by_model = "by rudder alone" if report.length_m else "alone"
+    levels = (-BAND_DEVIATIONS, 0.0, BAND_DEVIATIONS)
+    for first in range(0, len(report.outputs), OUTPUTS_ABREAST):
+        pair = list(enumerate(report.outputs))[first : first + OUTPUTS_ABREAST]
+        for i, output in pair:
+            dots = Curve("measured", t, measured[:, i], points=True)
+            curves = (dots, Curve(by_model, t, alone[:, i]))
+            unit = f"[{report.units[i]}]"
+            yield Panel(f"{output}, measured and modelled", "time [s]", unit, curves)
+        for i, output in pair:
+            residuals = (Curve("residual", t, identified.run.standardised[:, i]),)
+            title = f"residuals of {output}"
+            yield Panel(title, "time [s]", "[std dev]", residuals, levels=levels)
 
 
 def _record(identified: Identification, number: int = 0) -> Iterator[Panel]:
