@@ -56,6 +56,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 @click.option("--csv", type=CSV_OUTPUT, help="States here, orders and events beside.")
 @click.option("--parquet", type=Output(".parquet"), help="The same as Parquet files.")
 @click.option("--rrd", type=RRD_OUTPUT, help="The run as Rerun's viewer shows it.")
+@click.option("--mcap", type=Output(".mcap"), help="The run for Foxglove, and viewers of robots.")
 @click.option(
     "--plot", type=PLOT_OUTPUT, help="Columns over time, .png, .svg or .pdf by its ending."
 )

@@ -12,6 +12,7 @@ PACKAGE_NAME: Final = "submarine-trainer"
 EXTRA_BY_LIBRARY: Final = {  # what is imported, by the extra that brings it
     "matplotlib": "plot",
     "rerun": "rerun",
+    "mcap": "mcap",
     "pyarrow": "parquet",
     "pandas": "pandas",
     "distributed": "cluster",

@@ -17,6 +17,7 @@ from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.series import MIN_ROWS, Series, load_series
 from trainer.core.kernel import Numbers
+from trainer.io.mcap import export_mcap
 from trainer.io.recording import recording as recording_file
 from trainer.io.tables import (
     Cell,
@@ -32,18 +33,19 @@ from trainer.report.plots import Curve, Panel
 from trainer.session.past.header import layout_of, method_of, open_whole_recording, trainees_of
 from trainer.session.past.layout import numbers_of
 
-FORM_LIBRARIES: Final = {"parquet": "pyarrow", "rrd": "rerun"}  # of forms that need one
+FORM_LIBRARIES: Final = {"parquet": "pyarrow", "rrd": "rerun", "mcap": "mcap"}  # of forms
+TABLE_WRITERS: Final = {"csv": export_csv, "parquet": export_parquet, "mcap": export_mcap}
 USUAL_COLUMNS: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
 
 def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | None) -> None:
-    """Write the forms ``wanted``, csv, parquet or rrd, and print the names of the files.
+    """Write the forms ``wanted``, csv to mcap, and print the names of the files.
 
     ConfigError if they cannot be written.
     """
     chosen = {form: out for form, out in wanted.items() if out is not None}
     if not chosen:
-        forms = "--csv FILE, --parquet FILE, --rrd FILE or --plot FILE"
+        forms = "--csv FILE, --parquet FILE, --rrd FILE, --mcap FILE or --plot FILE"
         raise ConfigError(f"{path}: export to what? say {forms}")
     if path.suffix.lower() == ".csv":
         raise ConfigError(f"{path}: is a table already; of a CSV file only --plot FILE is made")
@@ -61,7 +63,7 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
                     raise ConfigError(f"--rrd {out}: {error.strerror}") from None
                 written.append(out)
             else:
-                write = export_csv if form == "csv" else export_parquet
+                write = TABLE_WRITERS[form]
                 written += write(recording, table_layout(recording), out, branch)
         for problem in recording.excess():
             click.echo(f"trainer: {path}: {problem}", err=True)

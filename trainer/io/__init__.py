@@ -13,7 +13,7 @@ within those two packages.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "ais", "chart", "client", "connection", "file_lock", "line", "lines", "machine", "nmea",
+    "ais", "chart", "client", "connection", "file_lock", "line", "lines", "machine", "mcap", "nmea",
     "noise_log", "orders", "outputs", "paths", "recording", "serial_line", "server", "sides",
     "status_line", "tables", "udp",
 ]
