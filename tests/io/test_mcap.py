@@ -20,7 +20,7 @@ from trainer.units import DEGREE
 @pytest.fixture(scope="module")
 def drill(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a recording of a dive with a turn, and an order that was refused."""
-    crew = {10.0: "depth 110", 20.0: "course 045", 30.0: "mark log", 40.0: "rudder right 60"}
+    crew = {10.0: "depth 110", 20.0: "course 315", 30.0: "mark log", 40.0: "rudder right 60"}
     return record(tmp_path_factory.mktemp("drill") / "drill.trainer", "stern-plane-jam", crew)
 
 
