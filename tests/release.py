@@ -35,6 +35,7 @@ VERSION_LINES: Final = {  # by its file, how the line with the version begins an
     "CITATION.cff": ("version: ", ""),
     "codemeta.json": ('  "version": "', '",'),
     ".zenodo.json": ('  "version": "', '",'),
+    "deploy/conda/recipe.yaml": ('  version: "', '"'),
 }
 DAY_LINES: Final = {  # by its file, how the line with the day of that version begins and ends
     "CITATION.cff": ("date-released: ", ""),

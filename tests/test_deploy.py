@@ -11,13 +11,14 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import ROOT, environment
 from helpers.shell import understand
 
 from trainer.boat.machine_code import FORBIDDEN_TEXT
 
 DEPLOY = ROOT / "deploy"
 UNIT = DEPLOY / "trainer-classroom.service"
+RECIPE = DEPLOY / "conda" / "recipe.yaml"
 CONTAINERFILE = (DEPLOY / "Containerfile").read_text(encoding="utf-8")
 PAGE = (ROOT / "docs" / "classroom.md").read_text(encoding="utf-8")
 
@@ -100,3 +101,61 @@ def test_the_page_types_what_the_container_understands() -> None:
 
     assert json.loads(entry) == ["trainer"]
     assert understand(f"trainer {line}") == ["serve"]
+
+
+def test_the_recipe_of_conda_asks_for_what_the_wheel_does() -> None:
+    whole = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project, recipe = whole["project"], RECIPE.read_text(encoding="utf-8")
+    host, run = (
+        re.findall(r"^    - (.+)$", part, re.MULTILINE)
+        for part in recipe.partition("  host:")[2].partition("tests:")[0].split("  run:")
+    )
+
+    python = f"python {project['requires-python']}"
+    asked = {re.sub(r"(?=[<>])", " ", need, count=1) for need in project["dependencies"]}
+    built = {re.sub(r"(?=[<>])", " ", need, count=1) for need in whole["build-system"]["requires"]}
+    assert set(run) == {python, *asked}
+    assert set(host) == {python, "pip", *built}
+    (name, entry) = next(iter(project["scripts"].items()))
+    assert f"- {name} = {entry}" in recipe
+    assert f"summary: {project['description']}" in recipe
+    assert f"license: {project['license']}" in recipe
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_the_builder_of_conda_packages_reads_the_recipe() -> None:
+    builder = pytest.importorskip("rattler_build")
+    (variant,) = builder.Stage0Recipe.from_file(RECIPE).render()
+
+    assert variant.recipe.package.name == "submarine-trainer"
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_without_shipped_code_it_is_made_at_the_first_start(tmp_path: Path) -> None:
+    tree = tmp_path / "tree"
+    ignored = shutil.ignore_patterns("*.o.gz", "__pycache__")
+    shutil.copytree(ROOT / "trainer", tree / "trainer", ignore=ignored)
+    shutil.copytree(ROOT / "configs", tree / "configs")
+    told = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "trainer",
+            "run",
+            "--headless",
+            "--duration",
+            "10",
+            "--speed",
+            "max",
+        ],
+        cwd=tree,
+        env=environment(PYTHONPATH=str(tree), XDG_CACHE_HOME=str(tmp_path)),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert "compiling the core for this machine, this once" in told.stderr
+    assert "20 ticks" in told.stdout

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.process  # git
 DAY = date(2026, 12, 1)
 FEW = (
     *("pyproject.toml", "CITATION.cff", "CHANGELOG.md", "trainer/__init__.py"),
-    *("codemeta.json", ".zenodo.json"),
+    *("codemeta.json", ".zenodo.json", "deploy/conda/recipe.yaml"),
 )
 LOCAL = (".*", "__pycache__", "node_modules", "dist", "build")  # what a checkout has of its own
 NEWER = "9.0.0"
@@ -43,7 +43,7 @@ def under_git(folder: Path) -> Path:
 def desk(tmp_path: Path) -> Path:
     """Return a throwaway repository of the files that a release writes."""
     for name in FEW:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     return under_git(tmp_path)
 
