@@ -191,7 +191,7 @@ def check(file: Path) -> None:
 @click.option("--json", "json", is_flag=True, help="Print the figures as JSON.")
 @cores_option
 def debrief(folder: Path, cores: int | None, **asked: Any) -> None:
-    """Lay the boats of a class beside one another: marks, curves, where all of them lost.
+    """Lay the boats of a class beside one another: marks, curves, common losses.
 
     \b
     Example:  trainer class debrief FOLDER

@@ -134,13 +134,13 @@ def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -
 
 
 def class_folders(folder: Path) -> list[Path]:
-    """Return the folders of the classes that are kept in a folder, or that it is itself."""
+    """Return the folders of classes in a folder, or itself if it is one."""
     found = (folder / CLASS_FILE_NAME, *sorted(folder.glob(f"*/{CLASS_FILE_NAME}")))
     return [path.parent for path in found if path.is_file()]
 
 
 def kept_class(folder: Path) -> ClassFile:
-    """Return the class that a folder was made for, as it is written; ConfigError without one."""
+    """Return the class of a folder as its file says it; ConfigError without one."""
     if not (folder / CLASS_FILE_NAME).is_file():
         raise ConfigError(f"{folder}: there is no class: it would have a {CLASS_FILE_NAME}")
     return read_class(folder / CLASS_FILE_NAME)

@@ -16,8 +16,8 @@ rooms judge a run, rehearse an exercise, or write a page; what a page consists o
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "attainable", "beside", "boat_page", "class_debrief", "class_page", "controls", "episodes",
-    "evaluator", "forgetting", "forms", "history", "judgement", "page", "progress",
+    "attainable", "beside", "boat_page", "class_page", "controls", "episodes", "evaluator",
+    "forgetting", "forms", "history", "judgement", "page", "progress",
     "progress_words", "recording_export", "rehearsal", "scoring", "tick_judge", "trajectory",
 ]
 # fmt: on

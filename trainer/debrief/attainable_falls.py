@@ -113,7 +113,7 @@ def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[Passed
 
 
 def dearest_rule(before: Scorecard, after: Scorecard) -> str:
-    """Return the name of the score that lost most between two runs' marks, "" without scores."""
+    """Return the score that lost most between two runs, "" without scores."""
     earned = [
         {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
         for card in (before, after)

@@ -33,7 +33,7 @@ from trainer.debrief.run_summary import (
     summary_path,
 )
 from trainer.io.lines import plain
-from trainer.io.paths import RECORDING_SUFFIX
+from trainer.io.paths import RECORDING_SUFFIX, made_folder
 from trainer.report.svg import clock
 from trainer.session.past.header import exercise_of, open_recording
 from trainer.workers import map_tasks
@@ -72,18 +72,18 @@ class ClassLesson:
     begin: float  # [s]
     end: float
     boats: tuple[int, ...]
-    marks: float  # [%] that they lost, all together
+    marks: float  # [%] that each of them lost, in the mean
     task: str  # that lost most
 
     def told(self, of: int) -> str:
         """Return it as a sentence; ``of`` is how many boats sailed it."""
-        minute = clock(self.begin)
-        when = f"At {minute}" if clock(self.end) == minute else f"{minute} to {clock(self.end)}:"
+        begin, end = clock(self.begin), clock(self.end)
+        when = begin if begin == end else f"{begin} to {end}"
         task = f', most of them in "{self.task}"' if self.task else ""
-        boats = ", ".join(map(str, self.boats))
+        which = ", ".join(map(str, self.boats))
         return (
-            f"{when} {len(self.boats)} of {of} boats lost {self.marks:.0f} marks together{task} "
-            f"(boats {boats})."
+            f"{when}: {len(self.boats)} of {of} boats lost {self.marks:.0f} marks each in the mean"
+            f"{task} (boats {which})."
         )
 
 
@@ -114,7 +114,7 @@ class ClassDebrief:
 
 
 def gather_class(folder: Path, pages: Path | None, cores: int) -> ClassDebrief:
-    """Return the debrief of the class in a folder; ConfigError if there is none, or no run.
+    """Return the debrief of the class in a folder; ConfigError without a run.
 
     With ``pages`` each boat's own debrief is written into that folder. What is kept beside a
     recording is taken from there, and what is missing is judged on so many processors.
@@ -125,6 +125,8 @@ def gather_class(folder: Path, pages: Path | None, cores: int) -> ClassDebrief:
     summaries: dict[FoundRun, RunSummary | str | None] = {
         run: ready_summary(run.path, page_of[run]) for run in found
     }
+    if pages and found:
+        made_folder(pages)
     missing = [run for run in found if summaries[run] is None]
     with counted_progress(len(missing)) as count_one:
         tasks = [(run.path, page_of[run]) for run in missing]
@@ -179,7 +181,7 @@ def page_name(run: FoundRun) -> str:
 
 
 def ready_summary(path: Path, page: Path | None) -> RunSummary | None:
-    """Return what is kept beside a recording, None if that or its page has to be made."""
+    """Return a kept summary, None if that or its page has to be made."""
     summary = kept_summary(path)
     if summary is None or page is None:
         return summary
@@ -225,7 +227,8 @@ def counted_progress(whole: int) -> Iterator[Callable[[], None]]:
 def class_exercise(exercise: str, runs: Sequence[BoatRun]) -> ClassExercise:
     """Return an exercise with its runs, and what several boats lost."""
     losses = {each.boat: each.summary.losses for each in runs}
-    return ClassExercise(exercise, runs[0].summary.run.title, tuple(runs), class_lessons(losses))
+    title = runs[0].summary.run.title or exercise or "Without an exercise"
+    return ClassExercise(exercise, title, tuple(runs), class_lessons(losses))
 
 
 def class_lessons(losses: Mapping[int, Iterable[LostMarks]]) -> tuple[ClassLesson, ...]:
@@ -251,7 +254,9 @@ def class_lessons(losses: Mapping[int, Iterable[LostMarks]]) -> tuple[ClassLesso
         for _, _, loss in best:
             by_task[loss.task] += loss.marks
         task = max(by_task, key=lambda name: by_task[name])
-        lessons.append(ClassLesson(best[0][0], best[-1][0], tuple(boats), _lost(best), task))
+        lessons.append(
+            ClassLesson(best[0][0], best[-1][0], tuple(boats), _lost(best) / len(boats), task)
+        )
         rest = [each for each in rest if each not in best]
     return tuple(lessons)
 
@@ -284,7 +289,7 @@ def class_text(debrief: ClassDebrief) -> str:
     lines: list[str] = []
     for exercise in debrief.exercises:
         mean = "" if exercise.mean is None else f", mean {exercise.mean:.0f}"
-        lines.append(f"{exercise.title or exercise.exercise}: {len(exercise.runs)} boats{mean}")
+        lines.append(f"{exercise.title}: {len(exercise.runs)} boats{mean}")
         for each in exercise.runs:
             run, boat = each.summary.run, f"{each.boat:3} {each.name}".rstrip()
             who = ", ".join(each.summary.trainees) or "-"
@@ -296,7 +301,7 @@ def class_text(debrief: ClassDebrief) -> str:
 
 
 def class_table(debrief: ClassDebrief) -> Iterator[tuple[object, ...]]:
-    """Yield a row for each trainee in each exercise; a boat without names has one, too."""
+    """Yield a row for each trainee and exercise; a nameless boat has one too."""
     for exercise in debrief.exercises:
         for each in exercise.runs:
             own = dict(zip(each.summary.trainees, each.summary.own_marks, strict=True))

@@ -29,7 +29,6 @@ from trainer.debrief.class_debrief import (
 )
 from trainer.debrief.page import PAGE_BADGE
 from trainer.debrief.progress_words import write_table
-from trainer.io.paths import made_folder
 from trainer.report.html import charts, fill_page, paragraph, section, table
 from trainer.report.svg import Chart, ChartGround, ChartMoment, CurveLine, draw_chart
 
@@ -58,7 +57,7 @@ def debrief_class(folder: Path, asked: ClassRequest, cores: int) -> None:
     pages = asked.html
     if not (pages or asked.csv or asked.json):
         pages = folder / PAGES_FOLDER
-    debrief = gather_class(folder, made_folder(pages) if pages else None, cores)
+    debrief = gather_class(folder, pages, cores)
     if asked.csv is not None:
         write_table(asked.csv, CLASS_HEADER, class_table(debrief))
     if pages is not None:
@@ -75,7 +74,7 @@ def render_class(debrief: ClassDebrief) -> str:
     """Return the page of a class."""
     boats = {each.boat for exercise in debrief.exercises for each in exercise.runs}
     chapters = [
-        (f"exercise-{number}", each.title or each.exercise, _chapter(each))
+        (f"exercise-{number}", each.title, _chapter(each))
         for number, each in enumerate(debrief.exercises, 1)
     ]
     troubles = [paragraph(each) for each in debrief.troubles]
@@ -85,7 +84,7 @@ def render_class(debrief: ClassDebrief) -> str:
         "debrief.html",
         "debrief.css",
         badge=PAGE_BADGE,
-        title=f"Class {debrief.name}",
+        title=debrief.name,
         under=f"{len(boats)} boat{'' if len(boats) == 1 else 's'}",
         verdict="",
         briefing="",

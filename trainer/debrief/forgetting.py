@@ -1,4 +1,4 @@
-"""A trainee's name forgotten: in recordings, progress and classes, and in what was made of them.
+"""A trainee's name forgotten: in recordings, progress, classes, and what was made of them.
 
 ``trainer recordings --forget`` calls it, and each step is told.
 """
@@ -99,7 +99,7 @@ def _remover(name: str) -> Callable[[str], str]:
 
 
 def forget_in_papers(folders: Iterable[Path], name: str) -> Iterator[str]:
-    """Remove a name from what lies in the folders of classes, and yield each step; ConfigError.
+    """Remove a name from what lies in folders of classes; yield each step. ConfigError.
 
     That are pages, tables that ``trainer class debrief`` has written there, and what boats said.
     """

@@ -1,4 +1,4 @@
-"""The summary of a judged run: its entry of progress, its curve, and where marks were lost.
+"""The summary of a judged run: its result, its curve, where marks were lost.
 
 ``class_debrief`` puts many of them beside one another. To find a curve the reference crew flies on
 from many moments, so a summary is made once and kept beside the recording: drill.summary.json
@@ -66,7 +66,7 @@ def summary_of(debrief: DebriefData) -> RunSummary:
 
 
 def losses_of(curve: AttainableCurve, step: float) -> Iterator[LostMarks]:
-    """Yield what the crew lost; a record that ends early is no fault of that minute."""
+    """Yield what the crew lost; a record that ends early is no loss."""
     for change in curve.changes:
         if change.marks < 0.0 and change.cause is not ChangeCause.RECORD_ENDS:
             words = change_words(change, step)
@@ -74,7 +74,7 @@ def losses_of(curve: AttainableCurve, step: float) -> Iterator[LostMarks]:
 
 
 def lost_task(curve: AttainableCurve, change: MarkChange) -> str:
-    """Return the name of the score that lost most over a change, "" where none is known."""
+    """Return the score that lost most over a change, "" for none."""
     before = [each for each in curve.points if each.tick <= change.begin][-1:]
     after = [each for each in curve.points if each.tick >= change.end][:1]
     cards = [each.card for each in (*before, *after) if each.card is not None]
