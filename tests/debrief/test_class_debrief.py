@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import pickle
 import re
 import shutil
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ import platformdirs
 import pytest
 from helpers.few_points import look_at_few_moments
 from helpers.recorded import record
+from helpers.sessions import begin_run
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
@@ -21,7 +23,10 @@ from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run
 from trainer.debrief import class_debrief
 from trainer.debrief.class_debrief import CLASS_HEADER, class_lessons, gather_class
-from trainer.debrief.run_summary import LostMarks, kept_summary, summary_path
+from trainer.debrief.page import read_dossier
+from trainer.debrief.run_summary import LostMarks, kept_summary, summary_of, summary_path
+from trainer.io.recording.recording import Recording
+from trainer.session.past.options import RunOptions
 
 pytestmark = [pytest.mark.long, pytest.mark.filterwarnings("ignore::RuntimeWarning")]
 EXERCISE = "steady-course"
@@ -159,7 +164,7 @@ def test_a_forgotten_name_is_gone_from_all_that_a_class_has(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(platformdirs, "user_data_dir", lambda *_, **__: str(tmp_path / "own"))
-    typed(folder, "--csv", folder / "books.csv", "--html", folder / "debrief", "--cores", 1)
+    typed(folder, "--csv", folder / "books.csv", "--html", folder / "pages", "--cores", 1)
     (folder / "boat-1.log").write_text(f"noted: {ANN} has the helm\n", encoding="utf-8")
     before = files_with(folder, ANN)
     assert {"books.csv", "class.toml", "index.html", "steady.summary.json"} <= {*before}
@@ -209,6 +214,25 @@ def test_what_nobody_has_foreseen_in_one_recording_is_told_with_its_file(
 
     (told,) = gather_class(folder, None, cores=1).troubles
     assert told.startswith(f"{path}: cannot be read: ZeroDivisionError")
+
+
+def test_a_boat_that_has_not_begun_counts_for_nothing(folder: Path) -> None:
+    path = folder / "boat-3" / "steady.trainer"
+    path.unlink()
+    plan, _, header = begin_run(RunOptions(exercise=EXERCISE, given=frozenset()))
+    state = plan.launch_boat().records.state.tobytes()
+    Recording.create(path, header, state).close()
+    debrief = gather_class(folder, None, cores=1)
+
+    assert [each.boat for each in debrief.exercises[0].runs] == [1, 2]
+    assert debrief.troubles == ("boat 3 has not begun",)
+
+
+def test_a_run_without_a_curve_is_judged_by_a_process_of_its_own_too(folder: Path) -> None:
+    summary = summary_of(read_dossier(folder / "boat-1" / "steady.trainer", None))
+
+    assert not summary.points
+    assert pickle.loads(pickle.dumps(summary)) == summary  # noqa: S301  made here
 
 
 def test_a_folder_without_a_class_or_without_a_run_is_told(tmp_path: Path, folder: Path) -> None:

@@ -134,7 +134,9 @@ def gather_class(folder: Path, pages: Path | None, cores: int) -> ClassDebrief:
             summaries[run] = made
             count_one()
     troubles += [each for each in summaries.values() if isinstance(each, str)]
-    judged = [(run, each) for run, each in summaries.items() if isinstance(each, RunSummary)]
+    known = [(run, each) for run, each in summaries.items() if isinstance(each, RunSummary)]
+    judged = [(run, each) for run, each in known if each.run.seconds]
+    troubles += [f"boat {run.boat} has not begun" for run, each in known if not each.run.seconds]
     if not judged:
         raise ConfigError(*(troubles or [f"{folder}: no boat of this class has a recording"]))
     by_exercise: dict[str, list[BoatRun]] = defaultdict(list)

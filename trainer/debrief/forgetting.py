@@ -20,7 +20,6 @@ from trainer.config.files import ConfigError, nearest, quote, renew_file
 from trainer.config.progress import forget_progress
 from trainer.debrief.changes import read_changes, write_changes
 from trainer.debrief.class_debrief import CLASS_HEADER
-from trainer.debrief.class_page import PAGES_FOLDER
 from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
 from trainer.debrief.history import fold_name, marks_path, recordings_in, searched, unforeseen
 from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
@@ -105,7 +104,7 @@ def forget_in_papers(folders: Iterable[Path], name: str) -> Iterator[str]:
     """
     without = _remover(name)
     for folder in (kept for each in folders for kept in class_folders(each)):
-        yield from _remove_pages(name, (folder / PAGES_FOLDER).glob("*.html"))
+        yield from _remove_pages(name, (*folder.glob("*.html"), *folder.glob("*/*.html")))
         for path in sorted((*folder.glob("*.csv"), *folder.glob("*/*.csv"))):
             yield from _renew(path, _nameless_table(path, name))
         for path in sorted(folder.glob("boat-*.log")):

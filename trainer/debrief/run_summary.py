@@ -52,14 +52,15 @@ def summary_of(debrief: DebriefData) -> RunSummary:
     """Return the summary of a compared debrief."""
     comparison, step = debrief.compared, debrief.step
     own = tuple(own_marks_of(debrief, name) for name in debrief.trainees)
-    summary = RunSummary(run_of(debrief, Outcome.LEFT), debrief.trainees, own)
+    run = replace(run_of(debrief, Outcome.LEFT), costs={})  # a plain one crosses processes
+    summary = RunSummary(run, debrief.trainees, own)
     if comparison is None or comparison.curve is None:
         why = comparison.no_curve if comparison else "this exercise has no reference crew"
         return replace(summary, no_curve=why)
     curve = comparison.curve
     return replace(
         summary,
-        run=replace(summary.run, costs=costs_of(curve.changes)),
+        run=replace(run, costs=costs_of(curve.changes)),
         points=tuple((each.tick * step, each.marks) for each in curve.points),
         losses=tuple(losses_of(curve, step)),
     )
@@ -109,8 +110,7 @@ def keep_summary(path: Path, summary: RunSummary) -> None:
     """Keep a summary beside its recording, if that is complete and the folder allows it."""
     if path.with_name(f"{path.name}-wal").exists():  # it is being written
         return
-    plain = replace(summary, run=replace(summary.run, costs=dict(summary.run.costs)))
-    kept = {"of": recording_stamp(path), "summary": asdict(plain)}
+    kept = {"of": recording_stamp(path), "summary": asdict(summary)}
     try:
         renew_whole(summary_path(path), json.dumps(kept, indent=1, default=float) + "\n")
     except OSError:  # a folder that is not ours
