@@ -15,18 +15,20 @@ from helpers.places import ROOT
 from helpers.shell import understand
 
 from trainer.boat.machine_code import FORBIDDEN_TEXT
+from trainer.classroom.fleet import END_TIMEOUT_S
 
 DEPLOY = ROOT / "deploy"
 UNIT = DEPLOY / "trainer-classroom.service"
+CLASS_LINES = DEPLOY / "class.conf"
 CONTAINERFILE = (DEPLOY / "Containerfile").read_text(encoding="utf-8")
 PAGE = (ROOT / "docs" / "classroom.md").read_text(encoding="utf-8")
 
 
-def service() -> configparser.SectionProxy:
-    """Return the keys of the unit's service."""
-    unit = configparser.ConfigParser(interpolation=None)
+def service(path: Path = UNIT) -> configparser.SectionProxy:
+    """Return the keys of the unit's service; of a key that is given twice, the last."""
+    unit = configparser.ConfigParser(interpolation=None, strict=False)
     unit.optionxform = str  # type: ignore[assignment,method-assign]
-    unit.read(UNIT, encoding="utf-8")
+    unit.read(path, encoding="utf-8")
     return unit["Service"]
 
 
@@ -37,6 +39,21 @@ def test_the_service_types_a_command_that_there_is() -> None:
     assert program == "/opt/trainer/bin/trainer"
     assert understand(shlex.join(["trainer", *words])) == ["serve"]
     assert "`/opt/trainer`" in PAGE
+
+
+def test_a_class_takes_the_place_of_the_boat_in_the_service() -> None:
+    keys = service(CLASS_LINES)
+    line = re.sub(r"\$\{\w+\}", "depth-changes", keys["ExecStart"])
+    program, *words = shlex.split(line)
+    text = CLASS_LINES.read_text(encoding="utf-8")
+
+    assert program == "/opt/trainer/bin/trainer"
+    assert understand(shlex.join(["trainer", *words])) == ["class"]
+    assert re.findall("^ExecStart=(.?)", text, re.MULTILINE) == ["", "/"]  # the boat's is taken off
+    assert float(keys["TimeoutStopSec"]) > END_TIMEOUT_S
+    assert f"{UNIT.name}.d/{CLASS_LINES.name}" in PAGE
+    for name in re.findall(r"\$\{(\w+)\}", text):
+        assert f"{name}=" in PAGE
 
 
 def test_the_service_allows_machine_code_and_a_real_time_priority() -> None:
@@ -95,7 +112,7 @@ def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None
 
 def test_the_page_types_what_the_container_understands() -> None:
     (entry,) = re.findall(r"^ENTRYPOINT (.*)$", CONTAINERFILE, re.MULTILINE)
-    (line,) = re.findall(r"^podman run .* trainer (serve .*)$", PAGE, re.MULTILINE)
+    lines = re.findall(r"^podman run .* trainer ((?:serve|class) .*)$", PAGE, re.MULTILINE)
 
     assert json.loads(entry) == ["trainer"]
-    assert understand(f"trainer {line}") == ["serve"]
+    assert [understand(f"trainer {line}") for line in lines] == [["serve"], ["class"]]
