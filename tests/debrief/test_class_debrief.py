@@ -7,6 +7,7 @@ import pickle
 import re
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import platformdirs
@@ -77,6 +78,7 @@ def test_the_minute_in_which_most_boats_lost_marks_is_the_first_lesson() -> None
     assert (lesson.begin, lesson.end, lesson.boats) == (190.0, 245.0, (1, 2, 3))
     assert (lesson.marks, lesson.task) == (5.0, "Course")
     words = '3:10 to 4:05: 3 of 4 boats lost 5 marks each in the mean, most of them in "Course"'
+    assert "lost 1 mark each" in replace(lesson, marks=0.6).told(4)
     assert lesson.told(4) == f"{words} (boats 1, 2, 3)."
 
 

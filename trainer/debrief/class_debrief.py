@@ -82,7 +82,8 @@ class ClassLesson:
         task = f', most of them in "{self.task}"' if self.task else ""
         which = ", ".join(map(str, self.boats))
         return (
-            f"{when}: {len(self.boats)} of {of} boats lost {self.marks:.0f} marks each in the mean"
+            f"{when}: {len(self.boats)} of {of} boats lost "
+            f"{counted(round(self.marks), 'mark')} each in the mean"
             f"{task} (boats {which})."
         )
 
@@ -277,6 +278,11 @@ def lesson_lines(exercise: ClassExercise) -> list[str]:
     return [each.told(curves) for each in exercise.lessons]
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number of things in words: 1 boat, 2 boats."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def marks_words(run: ProgressRun) -> str:
     """Return the marks of a run with their standard error, "-" for none."""
     if run.total is None:
@@ -291,7 +297,7 @@ def class_text(debrief: ClassDebrief) -> str:
     lines: list[str] = []
     for exercise in debrief.exercises:
         mean = "" if exercise.mean is None else f", mean {exercise.mean:.0f}"
-        lines.append(f"{exercise.title}: {len(exercise.runs)} boats{mean}")
+        lines.append(f"{exercise.title}: {counted(len(exercise.runs), 'boat')}{mean}")
         for each in exercise.runs:
             run, boat = each.summary.run, f"{each.boat:3} {each.name}".rstrip()
             who = ", ".join(each.summary.trainees) or "-"
