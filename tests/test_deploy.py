@@ -15,19 +15,21 @@ from helpers.places import ROOT, environment
 from helpers.shell import understand
 
 from trainer.boat.machine_code import FORBIDDEN_TEXT
+from trainer.classroom.fleet import END_TIMEOUT_S
 
 DEPLOY = ROOT / "deploy"
 UNIT = DEPLOY / "trainer-classroom.service"
 RECIPE = DEPLOY / "conda" / "recipe.yaml"
+CLASS_LINES = DEPLOY / "class.conf"
 CONTAINERFILE = (DEPLOY / "Containerfile").read_text(encoding="utf-8")
 PAGE = (ROOT / "docs" / "classroom.md").read_text(encoding="utf-8")
 
 
-def service() -> configparser.SectionProxy:
-    """Return the keys of the unit's service."""
-    unit = configparser.ConfigParser(interpolation=None)
+def service(path: Path = UNIT) -> configparser.SectionProxy:
+    """Return the keys of the unit's service; of a key that is given twice, the last."""
+    unit = configparser.ConfigParser(interpolation=None, strict=False)
     unit.optionxform = str  # type: ignore[assignment,method-assign]
-    unit.read(UNIT, encoding="utf-8")
+    unit.read(path, encoding="utf-8")
     return unit["Service"]
 
 
@@ -38,6 +40,21 @@ def test_the_service_types_a_command_that_there_is() -> None:
     assert program == "/opt/trainer/bin/trainer"
     assert understand(shlex.join(["trainer", *words])) == ["serve"]
     assert "`/opt/trainer`" in PAGE
+
+
+def test_a_class_takes_the_place_of_the_boat_in_the_service() -> None:
+    keys = service(CLASS_LINES)
+    line = re.sub(r"\$\{\w+\}", "depth-changes", keys["ExecStart"])
+    program, *words = shlex.split(line)
+    text = CLASS_LINES.read_text(encoding="utf-8")
+
+    assert program == "/opt/trainer/bin/trainer"
+    assert understand(shlex.join(["trainer", *words])) == ["class"]
+    assert re.findall("^ExecStart=(.?)", text, re.MULTILINE) == ["", "/"]  # the boat's is taken off
+    assert float(keys["TimeoutStopSec"]) > END_TIMEOUT_S
+    assert f"{UNIT.name}.d/{CLASS_LINES.name}" in PAGE
+    for name in re.findall(r"\$\{(\w+)\}", text):
+        assert f"{name}=" in PAGE
 
 
 def test_the_service_allows_machine_code_and_a_real_time_priority() -> None:
@@ -97,10 +114,10 @@ def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None
 
 def test_the_page_types_what_the_container_understands() -> None:
     (entry,) = re.findall(r"^ENTRYPOINT (.*)$", CONTAINERFILE, re.MULTILINE)
-    (line,) = re.findall(r"^podman run .* trainer (serve .*)$", PAGE, re.MULTILINE)
+    lines = re.findall(r"^podman run .* trainer ((?:serve|class) .*)$", PAGE, re.MULTILINE)
 
     assert json.loads(entry) == ["trainer"]
-    assert understand(f"trainer {line}") == ["serve"]
+    assert [understand(f"trainer {line}") for line in lines] == [["serve"], ["class"]]
 
 
 def test_the_recipe_of_conda_asks_for_what_the_wheel_does() -> None:
@@ -139,17 +156,7 @@ def test_without_shipped_code_it_is_made_at_the_first_start(tmp_path: Path) -> N
     shutil.copytree(ROOT / "trainer", tree / "trainer", ignore=ignored)
     shutil.copytree(ROOT / "configs", tree / "configs")
     told = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "trainer",
-            "run",
-            "--headless",
-            "--duration",
-            "10",
-            "--speed",
-            "max",
-        ],
+        [sys.executable, *"-m trainer run --headless --duration 10 --speed max".split()],
         cwd=tree,
         env=environment(PYTHONPATH=str(tree), XDG_CACHE_HOME=str(tmp_path)),
         capture_output=True,

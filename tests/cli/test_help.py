@@ -58,6 +58,7 @@ SHORTER = (
     ("--seeds 5", "--seeds 1"),
     ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
     (" --boats 8", " --boats 1"),
+    ("trainer class debrief FOLDER", "trainer class debrief class-kept"),
     ("trainer class --resume FOLDER", "trainer class tuesday.toml --folder kept"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
@@ -83,6 +84,11 @@ FIRST = {  # what is typed before
     "trainer web": ("trainer serve periscope-depth --frozen",),
     "trainer class": ("rm -f tuesday.toml", "trainer class new tuesday.toml depth-changes"),
     "trainer class new": ("rm -f tuesday.toml",),
+    "trainer class debrief": (
+        "mkdir -p class-kept/boat-1",
+        "trainer class new class-kept/class.toml steady-course --boats 1",
+        f"{FLIGHT.format('steady-course')} --record class-kept/boat-1/drill.trainer",
+    ),
     "trainer class check": ("rm -f tuesday.toml", "trainer class new tuesday.toml"),
     "trainer exercise check": ("trainer exercise new drill.toml",),
     "trainer exercise baseline": ("trainer exercise new drill.toml",),
@@ -258,7 +264,7 @@ class Typist:
         line = line.replace("{address}", self.address)
         if line.startswith("trainer serve"):
             return self.serve(line)
-        if re.match(r"trainer (?:web|class (?!new|check))", line):
+        if re.match(r"trainer (?:web|class (?!new|check|debrief))", line):
             return self.browse(line)
         says = "status\ndetach\n" if self.served else "status\nquit\n"
         return typed(line, self.folder, says, **self.own)

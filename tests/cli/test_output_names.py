@@ -108,7 +108,8 @@ def test_no_option_takes_a_path_that_the_walk_does_not_see() -> None:
         if isinstance(one.type, click.Path | click.File) and not isinstance(one.type, File)
     }
     noted = {("boat", "check-cases", "folder")}  # whose files are noted as they are read
-    assert plain == noted | {("class", "folder"), ("class", "resume")}  # folders, which are kept
+    kept = {("class", "folder"), ("class", "resume")}  # folders, as are those of a debrief
+    assert plain == noted | kept | {("class", "debrief", name) for name in ("folder", "html")}
 
 
 def test_an_output_that_is_an_input_is_refused_under_every_name(

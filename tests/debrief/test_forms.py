@@ -11,10 +11,10 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.debrief.changes import change_of
 from trainer.debrief.data import debrief_figures
+from trainer.debrief.forgetting import forget_trainee
 from trainer.debrief.forms import form_text, judged_names, read_forms, with_forms, write_forms
 from trainer.debrief.history import (
     familiarisation_lines,
-    forget_trainee,
     list_lines,
     list_recording,
     trainee_history,

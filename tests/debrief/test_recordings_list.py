@@ -15,6 +15,7 @@ from helpers.recorded import record
 from trainer.cli.main import main
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
+from trainer.debrief import forgetting as forgetting_module
 from trainer.debrief import history as history_module
 from trainer.debrief.changes import (
     change_of,
@@ -24,11 +25,11 @@ from trainer.debrief.changes import (
     write_changes,
 )
 from trainer.debrief.data import debrief_figures, find_branch
+from trainer.debrief.forgetting import forget_trainee
 from trainer.debrief.forms import EvaluationForm, read_forms
 from trainer.debrief.history import (
     ListedRecording,
     RecordedResult,
-    forget_trainee,
     history_lines,
     latest_recording,
     list_lines,
@@ -210,7 +211,7 @@ def test_whatever_one_recording_does_the_others_are_listed_and_forgotten(
         return forms_of(path) if path != odd else unforeseen(path)  # type: ignore[return-value]
 
     monkeypatch.setattr(history_module, "kept_result", unforeseen)
-    monkeypatch.setattr(history_module, "read_forms", unforeseen_forms)
+    monkeypatch.setattr(forgetting_module, "read_forms", unforeseen_forms)
 
     found = {each.path: each.trouble for each in map(list_recording, (odd, kept))}
     assert found[kept] == ""

@@ -6,7 +6,7 @@ import pytest
 from helpers.recorded import record
 
 from trainer.debrief.data import debrief_figures
-from trainer.debrief.history import forget_trainee
+from trainer.debrief.forgetting import forget_trainee
 from trainer.debrief.page import read_dossier, render
 from trainer.debrief.watches import Watch, named
 

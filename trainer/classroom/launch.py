@@ -16,7 +16,7 @@ import click
 
 from trainer.classroom.entrance import class_pages
 from trainer.classroom.fleet import BoatState, Fleet
-from trainer.config.class_file import CLASS_FILE_NAME, ClassFile, class_text, load_class
+from trainer.config.class_file import CLASS_FILE_NAME, ClassFile, class_text, kept_class, load_class
 from trainer.config.files import ConfigError, is_path, write_once
 from trainer.io.paths import dated_name, made_folder, recordings_folder
 from trainer.web.address import Address, announce_address
@@ -40,16 +40,6 @@ def new_folder(asked: Path | None, planned: ClassFile) -> Path:
     write_once(folder / CLASS_FILE_NAME, class_text(replace(planned, exercise=whole)))
     folder.chmod(0o700)
     return folder
-
-
-def kept_class(folder: Path) -> ClassFile:
-    """Return the class that a folder was made for; ConfigError if there is none."""
-    path = folder / CLASS_FILE_NAME
-    if not path.is_file():
-        raise ConfigError(
-            f"--resume {folder}: there is no class: it would have a {CLASS_FILE_NAME}"
-        )
-    return load_class(path)
 
 
 @dataclass(frozen=True)
@@ -95,7 +85,8 @@ def begin_class(
 
 def resume_class(folder: Path, tokens: Sequence[str], site: ClassSite) -> int:
     """Go on with the class of a folder, to its end; return the exit code. ConfigError."""
-    planned = kept_class(folder)
+    kept_class(folder)
+    planned = load_class(folder / CLASS_FILE_NAME)
     with listening_at(site) as place:
         return serve_class(planned, folder.absolute(), tokens, place)
 

@@ -1,4 +1,4 @@
-"""The command ``trainer class``: one instructor, many boats; and the file of a class.
+"""The command ``trainer class``: one instructor, many boats; the file of a class; its debrief.
 
 Each boat is a session of its own (``trainer serve``), which the class begins and keeps at sea.
 """
@@ -13,10 +13,12 @@ import click
 
 from trainer.cli.answers import print_note
 from trainer.cli.options import (
+    CSV_OUTPUT,
     EXERCISE_NAME,
     TOML_FILE,
     TOML_OUTPUT,
     WEB_ADDRESS,
+    cores_option,
     flags_given,
     page_options,
     record_of,
@@ -179,3 +181,27 @@ def check(file: Path) -> None:
         row = planned.row_of(number)
         who = ", ".join(row.trainees) or "no names"
         click.echo(f"{number:3} {row.name or '':24} seed {row.seed}, {who}")
+
+
+@class_command.below
+@click.command()
+@click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--html", type=FOLDER_PATH, help="Folder of the pages. [default: debrief, in FOLDER]")
+@click.option("--csv", type=CSV_OUTPUT, help="A row for each trainee and exercise.")
+@click.option("--json", "json", is_flag=True, help="Print the figures as JSON.")
+@cores_option
+def debrief(folder: Path, cores: int | None, **asked: Any) -> None:
+    """Lay the boats of a class beside one another: marks, curves, common losses.
+
+    \b
+    Example:  trainer class debrief FOLDER
+              trainer class debrief FOLDER --csv books.csv
+
+    FOLDER is where the class keeps its recordings; its terminal names it. The pages are one for the
+    class and one for each boat. What has been judged once is kept beside the recordings.
+    """
+    from trainer.debrief import class_page
+    from trainer.workers import processor_count
+
+    request = record_of(class_page.ClassRequest, asked)
+    class_page.debrief_class(folder, request, cores or processor_count())

@@ -168,7 +168,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 @click.argument("places", type=RECORDING_FILE, nargs=-1)
 @click.option("--trainee", metavar="NAME", help="What this trainee has done.")
 @click.option("--progress", is_flag=True, help="With --trainee: the way through the course.")
-@click.option("--csv", "csv_path", type=CSV_OUTPUT, help="All runs of a class, or of the trainee.")
+@click.option("--csv", "csv_path", type=CSV_OUTPUT, help="All runs of the trainees, or of PLACES.")
 @click.option("--forget", metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 def recordings(
@@ -194,7 +194,7 @@ def recordings(
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
-    from trainer.debrief import history
+    from trainer.debrief import forgetting, history
 
     if progress and trainee is None:
         raise click.UsageError("--progress says whose: add --trainee NAME")
@@ -202,11 +202,11 @@ def recordings(
         from trainer.debrief import progress_words
 
         if csv_path is not None:
-            progress_words.write_class(csv_path, trainee)
+            progress_words.write_class(csv_path, trainee, places)
         if progress and trainee is not None:
             progress_words.print_progress(trainee)
     elif forget is not None:
-        history.print_forgotten(places, forget)
+        forgetting.print_forgotten(places, forget)
     elif trainee is not None:
         history.print_history(places, trainee, as_json=as_json)
     else:

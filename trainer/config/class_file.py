@@ -117,12 +117,12 @@ def read_class(path: Path) -> ClassFile:
 
 def recording_folders(folder: Path) -> list[Path]:
     """Return a folder, and those of the boats of classes kept in it."""
-    return [folder, *(boat for kept in _classes_in(folder) for boat in kept.parent.glob("boat-*/"))]
+    return [folder, *(boat for kept in class_folders(folder) for boat in kept.glob("boat-*/"))]
 
 
 def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -> Iterator[str]:
     """Remove a trainee's name from the classes kept in folders; yield where. ConfigError."""
-    for path in (path for folder in folders for path in _classes_in(folder)):
+    for path in (kept / CLASS_FILE_NAME for folder in folders for kept in class_folders(folder)):
         planned = read_class(path)
         rows = [
             replace(row, trainees=tuple(each for each in row.trainees if not is_name(each)))
@@ -133,10 +133,17 @@ def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -
             yield f"{path}: the name is removed"
 
 
-def _classes_in(folder: Path) -> list[Path]:
-    """Return the files of the classes that are kept in a folder, or that it is itself."""
+def class_folders(folder: Path) -> list[Path]:
+    """Return the folders of classes in a folder, or itself if it is one."""
     found = (folder / CLASS_FILE_NAME, *sorted(folder.glob(f"*/{CLASS_FILE_NAME}")))
-    return [path for path in found if path.is_file()]
+    return [path.parent for path in found if path.is_file()]
+
+
+def kept_class(folder: Path) -> ClassFile:
+    """Return the class of a folder as its file says it; ConfigError without one."""
+    if not (folder / CLASS_FILE_NAME).is_file():
+        raise ConfigError(f"{folder}: there is no class: it would have a {CLASS_FILE_NAME}")
+    return read_class(folder / CLASS_FILE_NAME)
 
 
 def _row_problems(planned: ClassFile) -> Iterator[str]:

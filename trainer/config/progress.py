@@ -201,12 +201,13 @@ def read_file(path: Path) -> Progress:
         what = f"schema = {quote(schema)}: this version reads {quote(PROGRESS_SCHEMA)}"
         raise ConfigError(f"{path}: {what}")
     try:
-        return Progress(str(table["trainee"]), tuple(map(_run, table["runs"])))
+        return Progress(str(table["trainee"]), tuple(map(read_run, table["runs"])))
     except (KeyError, TypeError, ValueError, AttributeError):
         raise ConfigError(f"{path}: is damaged: a run in it is of another form") from None
 
 
-def _run(row: Mapping[str, Any]) -> ProgressRun:
+def read_run(row: Mapping[str, Any]) -> ProgressRun:
+    """Return a run as its file has it; TypeError, ValueError or AttributeError if damaged."""
     known = {each.name for each in fields(ProgressRun)}
     run = ProgressRun(**{name: value for name, value in row.items() if name in known})
     total, costs = run.total, {str(kind): float(marks) for kind, marks in run.costs.items()}

@@ -5,6 +5,8 @@ read from it, ``scoring`` and ``judgement`` make marks of them, ``data`` gathers
 and ``charts`` show, ``page`` writes it. ``rehearsal`` flies an exercise without a session, by its
 reference crew or nobody; ``attainable`` asks what a careful crew could still earn.
 
+``class_debrief`` puts the boats of a class beside one another, by a ``run_summary`` of each.
+
 ``recording_export`` gives what was sailed as columns, ``boat_page`` a page to sail on from there.
 
 ``beside``, ``evaluator`` and ``progress`` are started by name as processes of their own. Other
@@ -14,8 +16,8 @@ rooms judge a run, rehearse an exercise, or write a page; what a page consists o
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "attainable", "beside", "boat_page", "controls", "episodes", "evaluator", "forms", "history",
-    "judgement", "page", "progress", "progress_words", "recording_export", "rehearsal", "scoring",
-    "tick_judge", "trajectory",
+    "attainable", "beside", "boat_page", "class_page", "controls", "episodes", "evaluator",
+    "forgetting", "forms", "history", "judgement", "page", "progress",
+    "progress_words", "recording_export", "rehearsal", "scoring", "tick_judge", "trajectory",
 ]
 # fmt: on

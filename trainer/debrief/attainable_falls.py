@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from trainer.debrief.attainable_stretches import WORTH_MARKS, AttainablePoint
 from trainer.debrief.judgement import before_gate, marks_given, share_of
+from trainer.debrief.scoring import Scorecard
 
 
 class PassedKind(Enum):
@@ -108,8 +109,14 @@ def what_passes(before: AttainablePoint, after: AttainablePoint) -> tuple[Passed
         return PassedKind.LOSS, verdict.reason
     if verdict and verdict.gate and not after.lost and after.marks < before_gate(verdict):
         return PassedKind.LIMIT, verdict.gate
+    return PassedKind.RULE, dearest_rule(before.card, after.card)
+
+
+def dearest_rule(before: Scorecard, after: Scorecard) -> str:
+    """Return the score that lost most between two runs, "" without scores."""
     earned = [
         {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
-        for card in (before.card, after.card)
+        for card in (before, after)
     ]
-    return PassedKind.RULE, max(earned[0], key=lambda name: earned[0][name] - earned[1][name])
+    lost = {name: marks - earned[1].get(name, 0.0) for name, marks in earned[0].items()}
+    return max(lost, key=lambda name: lost[name], default="")

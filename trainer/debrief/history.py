@@ -1,4 +1,4 @@
-"""Recordings and their trainees: the list, a trainee's history, a name forgotten.
+"""Recordings and their trainees: the list, and a trainee's history.
 
 ``trainer recordings`` prints them. The result of a recording is computed once and kept beside it:
 drill.marks.json beside drill.trainer. That file may be removed at any time. It has no names,
@@ -7,36 +7,29 @@ because names stand in the recordings alone.
 
 import json
 import math
-import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 import click
 import numpy as np
-from markupsafe import escape
 
 from trainer import __version__
-from trainer.config.class_file import forget_in_classes, recording_folders
+from trainer.config.class_file import recording_folders
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.outcome import Outcome
-from trainer.config.progress import forget_progress
-from trainer.debrief.changes import changes_path, read_changes, write_changes
+from trainer.debrief.changes import changes_path
 from trainer.debrief.data import DebriefData, gather_debrief, standard_error_of
-from trainer.debrief.forms import EvaluationForm, read_forms, write_forms
-from trainer.debrief.page import BADGE_SEARCH_CHARS, PAGE_BADGE
-from trainer.debrief.watches import persons_in
 from trainer.io.lines import plain
 from trainer.io.outputs import renew_whole
 from trainer.io.paths import RECORDING_SUFFIX, recordings_folder
-from trainer.io.recording.recording import ExcessRows, RecordingError, erase_header
+from trainer.io.recording.recording import ExcessRows
 from trainer.session.past.header import (
     FAMILIARISATION_KEY,
-    TRAINEES_KEY,
     open_recording,
     open_whole_recording,
     trainees_of,
@@ -54,11 +47,6 @@ MARK_TYPES: Final[Mapping[str, Any]] = {  # of what is kept
     **dict.fromkeys(("total", "standard_error"), float | int | None),
     "aids": str,
 }
-REMOVED_NAME: Final = "(name removed)"
-
-
-class NoSuchTraineeError(ConfigError):
-    """No recording has the name."""
 
 
 @dataclass(frozen=True)
@@ -141,10 +129,10 @@ def list_recording(path: Path) -> ListedRecording:
     try:
         return _listed(path)
     except Exception as wrong:  # noqa: BLE001 whatever one file does, the others are listed
-        return ListedRecording(path, "", (), None, _unexpected(path, wrong))
+        return ListedRecording(path, "", (), None, unforeseen(path, wrong))
 
 
-def _unexpected(path: Path, wrong: Exception) -> str:
+def unforeseen(path: Path, wrong: Exception) -> str:
     """Return in a line what a file made the program do that nobody has foreseen."""
     return f"{path}: cannot be read: {type(wrong).__name__}: {quote(str(wrong))}"
 
@@ -276,86 +264,6 @@ def trainee_history(own: Iterable[ListedRecording]) -> list[AttemptHistory]:
     ]
 
 
-# A name forgotten
-
-
-def forget_trainee(name: str, recordings: Iterable[Path]) -> Iterator[str]:
-    """Remove a name everywhere, and yield each step; ConfigError if no recording has it."""
-    names: set[str] = set()
-    done, troubles = 0, []
-    for path in recordings:
-        try:
-            with open_recording(path) as recording:
-                trainees = trainees_of(recording.header())
-        except ConfigError:  # it is no recording, or damaged: it is not ours to change
-            continue
-        try:
-            named = {*trainees, *persons_in(path), *(form.by for form in read_forms(path))}
-            names |= named
-            if fold_name(name) in map(fold_name, named):
-                yield from _forget(name, path, trainees)
-                done += 1
-        except (ConfigError, RecordingError) as wrong:
-            troubles.append(str(wrong))
-        except Exception as wrong:  # noqa: BLE001 the name has to go from the others
-            troubles.append(_unexpected(path, wrong))
-    if troubles:
-        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in troubles))
-    if not done:
-        raise NoSuchTraineeError(
-            f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
-        )
-
-
-def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
-    """Remove a name from one recording and from the files beside it."""
-    others = [each for each in trainees if fold_name(each) != fold_name(name)]
-    without = _remover(name)
-    remarks = erase_header(path, {TRAINEES_KEY: json.dumps(others) if others else None}, without)
-    marks_path(path).unlink(missing_ok=True)  # it is of another state of the recording
-    changes = read_changes(path)
-    if changes:
-        write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
-    forms = read_forms(path)
-    if forms:
-        write_forms(path, [_nameless(form, name, without) for form in forms])
-    remark_words = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
-    yield f"{path}: the name is removed{remark_words}"
-    yield from _pages(name, path)
-
-
-def _nameless(form: EvaluationForm, name: str, without: Callable[[str], str]) -> EvaluationForm:
-    """Return a filled form without a name, which may be of who filled it in."""
-    by = REMOVED_NAME if fold_name(form.by) == fold_name(name) else form.by
-    return replace(form, by=by, remark=form.remark and without(form.remark))
-
-
-def _remover(name: str) -> Callable[[str], str]:
-    """Return a function that removes a name from a text. A bare number stays: it may be any."""
-    if not re.search(r"[^\W\d_]", name):
-        return lambda text: text
-    words = r"\s+".join(re.escape(word) for word in name.split())
-    pattern = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
-    return lambda text: pattern.sub(REMOVED_NAME, text)
-
-
-def _pages(name: str, path: Path) -> Iterator[str]:
-    """Remove the debriefs beside a recording that show a name; yield those, and doubtful ones."""
-    shown = fold_name(str(escape(name)))
-    for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
-        text = page.read_text(encoding="utf-8", errors="replace")
-        if PAGE_BADGE in text[:BADGE_SEARCH_CHARS] and shown in fold_name(text):
-            page.unlink()
-            yield f"{page}: removed, it showed the name; trainer debrief makes it anew"
-    for printed in sorted(path.parent.glob(f"{_literal(path.stem)}*.pdf")):
-        yield f"{printed}: may show the name: look, and remove it"
-
-
-def _literal(stem: str) -> str:
-    """Return a file pattern that matches this name alone."""
-    return re.sub(r"([*?[])", r"[\1]", stem)
-
-
 # As printed
 
 
@@ -383,20 +291,6 @@ def print_history(sources: Sequence[Path], name: str, *, as_json: bool) -> None:
         click.echo(json.dumps(figures, indent=1))
         return
     click.echo("\n".join(map(plain, [*history_lines(attempts), *familiarisation_lines(own)])))
-
-
-def print_forgotten(sources: Sequence[Path], name: str) -> None:
-    """Remove a name and print where it stood; ConfigError if nowhere, or not removable."""
-    removed = [f"{path}: removed" for path in forget_progress(name)]
-    removed += forget_in_classes(searched(sources), lambda one: fold_name(one) == fold_name(name))
-    for line in removed:
-        click.echo(line)
-    try:
-        for line in forget_trainee(name, recordings_in(sources)):
-            click.echo(line)
-    except NoSuchTraineeError:
-        if not removed:
-            raise
 
 
 def list_lines(found: Iterable[ListedRecording], columns: int | None = None) -> Iterator[str]:

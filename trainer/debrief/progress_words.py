@@ -10,7 +10,8 @@ import shlex
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -29,6 +30,7 @@ from trainer.config.progress import (
     progress_path,
     read_file,
 )
+from trainer.debrief.history import recordings_in
 from trainer.io.lines import plain
 from trainer.io.outputs import replacing
 
@@ -128,21 +130,38 @@ def print_progress(name: str) -> None:
         click.echo(line)
 
 
-def write_class(path: Path, name: str | None) -> None:
-    """Write the runs of a class, or of one trainee, as CSV; ConfigError."""
+def write_class(path: Path, name: str | None, places: Sequence[Path] = ()) -> None:
+    """Write the runs of all trainees, or of one, as CSV; ConfigError.
+
+    With ``places`` they are those whose recordings lie there.
+    """
     found = [find_progress(name)] if name is not None else list(all_progress())
     for wrong in (each for each in found if isinstance(each, ConfigError)):
         click.echo(f"trainer: left out: {wrong}", err=True)
     known = [each for each in found if isinstance(each, Progress)]
+    if places:
+        names = {each.name for each in recordings_in(places)}
+        chosen = [replace(each, runs=runs_of(each, names)) for each in known]
+        known = [each for each in chosen if each.runs]
+    write_table(path, CSV_HEADER, class_rows(known))
+    runs = sum(len(each.runs) for each in known)
+    click.echo(f"{path}: {runs} runs of {len(known)} trainees")
+
+
+def runs_of(progress: Progress, recordings: Container[str]) -> tuple[ProgressRun, ...]:
+    """Return the runs of a trainee that some recordings keep, by the files' names."""
+    return tuple(each for each in progress.runs if each.recording in recordings)
+
+
+def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table as CSV; ConfigError."""
     try:
         with replacing(path) as made, made.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(CSV_HEADER)
-            writer.writerows(class_rows(known))
+            writer.writerow(header)
+            writer.writerows(rows)
     except OSError as error:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
-    runs = sum(len(each.runs) for each in known)
-    click.echo(f"{path}: {runs} runs of {len(known)} trainees")
 
 
 def _figures(run: ProgressRun) -> Iterable[float | None]:
