@@ -28,6 +28,7 @@ from helpers.hands import (
 )
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
+from helpers.plant_page import work_supplies
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from soak.session_process import Caller
@@ -124,6 +125,7 @@ def test_every_control_reaches_the_boat(
     ):
         work(page, page.get_by_role("button", name=f"Autopilot: {words}"), way)
         await_truth(instructor, place, wanted)
+    work_supplies(page, instructor, way, ".panel >", [*SURFACES])
     report(page, f"steady by {way}", way)
     assert heard(instructor, f"steady by {way}")
     work_frame(page, way)
