@@ -101,6 +101,7 @@ def test_every_control_reaches_the_boat(
     shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
     page = opened(look, shared, size="desk", has_touch=way == "touch")
+    work_supplies(page, instructor, way, ".panel >", [*SURFACES])
     for name, channel in SURFACES.items():
         angle = put(page, name, way)
         await_truth(instructor, f"{channel}.ordered_{name}", f"{angle:.1f}")
@@ -125,7 +126,6 @@ def test_every_control_reaches_the_boat(
     ):
         work(page, page.get_by_role("button", name=f"Autopilot: {words}"), way)
         await_truth(instructor, place, wanted)
-    work_supplies(page, instructor, way, ".panel >", [*SURFACES])
     report(page, f"steady by {way}", way)
     assert heard(instructor, f"steady by {way}")
     work_frame(page, way)
