@@ -31,6 +31,7 @@ COMMAND_GROUPS: Final = (
             "trainer.cli.workshop.fit_boat.fit",
             "trainer.cli.workshop.plan_trial.plan_trial",
             "trainer.cli.workshop.vessel.check",
+            "trainer.cli.workshop.vessel.plant",
             "trainer.cli.workshop.guide.manoeuvre",
             "trainer.cli.workshop.guide.guide",
             "trainer.cli.workshop.vessel.reduce",
