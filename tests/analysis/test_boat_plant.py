@@ -31,8 +31,8 @@ def test_every_consumer_of_the_file_is_in_the_page_and_in_the_picture_behind_its
         for bus in row.buses:
             after = page.split(f"{bus} bus: ")[1].split(" bus: ")[0]
             assert f"{named(row.name)} ({row.power_w / 1e3:g} kW" in after
-    for row in plant.burning:
-        assert f"{row.dose_s:g} s" in page.split("Fire, by compartment:")[1]
+    for item in plant.burning:
+        assert f"{item.dose_s:g} s" in page.split("Fire, by compartment:")[1]
     assert {"main oil", "vital oil", "rudder", "stern planes", "bow planes"} <= {*words}
 
 

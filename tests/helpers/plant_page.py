@@ -6,7 +6,7 @@ from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
 from helpers.hands import await_truth, read, step, work
-from helpers.waiting import await_that
+from helpers.waiting import eventually
 
 # Rows and keys of the window, the field, and how it then stands: one of these words.
 PLANT_KEYS: Final = (
@@ -64,7 +64,7 @@ def work_window(page: Page, caller: Caller, way: str) -> None:
         found = page.locator(f"#plant button[aria-label='{row}: {key}']")
         work(page, found, way)
         step(caller, 1)
-        await_that(is_done, (row, key, stands))
+        assert eventually(is_done), (row, key, stands)
         expect(found).to_have_attribute("aria-pressed", "true")
 
 

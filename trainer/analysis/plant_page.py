@@ -1,7 +1,7 @@
-"""What feeds what in a boat's plant, as text and as a picture, made from its vessel file.
+"""What feeds what in a boat's plant, as text and as a picture.
 
-``cli/workshop/vessel`` prints and writes them. A feed is a row of both: a source, what it feeds,
-and what stands beside it, so that nothing can be in one and lack in the other.
+It is made from the vessel file; ``cli/workshop/vessel`` prints and writes it. A feed is a row of
+both: a source, what it feeds, and what stands beside it, so that nothing can be in one alone.
 """
 
 from collections.abc import Iterator
@@ -81,7 +81,7 @@ def bus_feeds(plant: Plant) -> Iterator[Feed]:
 
 
 def oil_feeds(file: VesselFile, plant: Plant) -> Iterator[Feed]:
-    """Yield what the pumps of oil feed, and what moves each surface that the boat has."""
+    """Yield what the pumps of oil feed, and what moves each surface."""
     for pump in plant.pumps:
         system = "vital oil" if pump.name == "vital" else "main oil"
         note = f"{pump.rate_l_s:g} L/s below {pump.start_mpa:g} MPa"
@@ -131,7 +131,7 @@ def feed_page(file: VesselFile) -> str:
 
 
 def draw_feeds(file: VesselFile) -> str:
-    """Return the picture of what feeds what, as SVG; ConfigError if the boat has no plant."""
+    """Return the picture of it as SVG; ConfigError if the boat has no plant."""
     plant = own_plant(file)
     feeds = [*bus_feeds(plant), *oil_feeds(file, plant)]
     places = box_places(feeds)
@@ -164,7 +164,7 @@ def box_places(feeds: list[Feed]) -> dict[str, tuple[float, float, float]]:
 
 
 def feed_line(feed: Feed, places: dict[str, tuple[float, float, float]]) -> str:
-    """Return the line of a feed: from edge to edge, down at one side within a column."""
+    """Return the line of a feed, from edge to edge."""
     x, y, width = places[feed.source]
     to_x, to_y, to_width = places[feed.fed]
     style = "spare" if feed.is_spare else "feed"

@@ -16,18 +16,18 @@ export function furnishPlant(session, give, showRows = () => undefined) {
   panel.addEventListener("keydown", ({ key }) => {
     if (key === "Escape") panel.hidePopover();
   });
-  let last = "";
+  /** @type {unknown} */
+  let last = null; // a reading may come again with the tick of one before
   const show = () => {
     const reading = session.readings.latest.get(channel);
     const has = (reading?.values.main_pressure ?? "") !== "";
     opener.toggleAttribute("hidden", !has);
-    const now = `${reading?.tick}${session.state}`;
-    if (!has || now === last) return;
-    last = now;
+    if (!has || reading === last) return;
+    last = reading;
     showRows();
     const isUnusual = panel.querySelector(".told[data-unusual]") !== null;
     opener.toggleAttribute("data-unusual", isUnusual);
     write(opener, isUnusual ? say("Plant !") : say("Plant"));
   };
-  for (const event of ["tick", "state"]) session.on(event, show);
+  session.on("tick", show);
 }
