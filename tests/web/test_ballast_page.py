@@ -22,6 +22,7 @@ from helpers.hands import (
 )
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
+from helpers.plant_page import close_plant, open_plant
 from helpers.waiting import await_that
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
@@ -128,6 +129,8 @@ def test_every_control_does_in_the_boat_what_it_says(
     assert heard(instructor, f"trim is right {way}")
     work(page, page.locator("emergency-cover .cover"), way)
     work_frame(page, way)
+    open_plant(page, way)  # tests/web/test_plant_page.py works its keys
+    close_plant(page, way)
     page.locator("emergency-cover .push").evaluate("(each) => (each.dataset.worked = '')")
     assert page.evaluate(UNWORKED) == []
     page.set_viewport_size({"width": 360, "height": 640})

@@ -28,6 +28,7 @@ from helpers.hands import (
 )
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
+from helpers.plant_page import work_supplies
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from soak.session_process import Caller
@@ -100,6 +101,7 @@ def test_every_control_reaches_the_boat(
     shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
     page = opened(look, shared, size="desk", has_touch=way == "touch")
+    work_supplies(page, instructor, way, ".panel >", [*SURFACES])
     for name, channel in SURFACES.items():
         angle = put(page, name, way)
         await_truth(instructor, f"{channel}.ordered_{name}", f"{angle:.1f}")

@@ -32,6 +32,7 @@ COMMAND_GROUPS: Final = (
             "trainer.cli.workshop.plan_trial.plan_trial",
             "trainer.cli.workshop.watch_boat.watch",
             "trainer.cli.workshop.vessel.check",
+            "trainer.cli.workshop.vessel.plant",
             "trainer.cli.workshop.guide.manoeuvre",
             "trainer.cli.workshop.guide.guide",
             "trainer.cli.workshop.vessel.reduce",

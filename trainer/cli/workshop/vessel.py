@@ -1,7 +1,7 @@
 """The commands that examine a vessel file, and that find its compact set of coefficients.
 
-``main`` has them: ``new``, ``check``, ``gains``, ``reduce``, ``sea`` and ``evaluate``. The figures
-come from ``analysis``; here options are read and answers shown.
+``main`` has them: ``new``, ``check``, ``plant``, ``gains``, ``reduce``, ``sea`` and ``evaluate``.
+The figures come from ``analysis``; here options are read and answers shown.
 """
 
 import sys
@@ -11,9 +11,10 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import json_of, outputs, show_progress, show_report
+from trainer.cli.answers import json_of, outputs, show_progress, show_report, write_text
 from trainer.cli.options import (
     SEA_NAME,
+    SVG_OUTPUT,
     TOML_OUTPUT,
     VESSEL_HELP,
     VESSEL_NAME,
@@ -120,6 +121,27 @@ def list_constants(vessel: str, *, as_json: bool) -> None:
 
     report = list_vessel_constants(load_vessel(vessel))
     click.echo(json_of(asdict(report)) if as_json else render(report))
+
+
+@click.command()
+@click.argument("vessel", type=VESSEL_NAME)
+@click.option("--svg", type=SVG_OUTPUT, metavar="FILE", help="Draw it too.")
+def plant(vessel: str, svg: Path | None) -> None:
+    """Say what feeds what in a boat: battery, buses, oil, surfaces, fire.
+
+    \b
+    Example:  trainer boat plant bb2
+              trainer boat plant bb2 --svg plant.svg
+
+    It is made from the table [plant] of the vessel file. Exit code 2 for a boat without one.
+    """
+    from trainer.analysis.plant_page import draw_feeds, feed_page
+    from trainer.config.vessel import load_vessel
+
+    file = load_vessel(vessel)
+    click.echo(feed_page(file))
+    if svg:
+        write_text(svg, draw_feeds(file), "--svg")
 
 
 @click.command()

@@ -10,13 +10,15 @@ import "../tanks/tank-mimic.js";
 import { Alerts, bankWatch } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
 import { Session } from "../model/session.js";
+import { plantRows } from "../plant/panel.js";
+import { furnishPlant } from "../plant/window.js";
 import { TankPanel } from "../tanks/panel.js";
 import { furnish, orderedLine } from "../frame.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { one, write } from "../draw.js";
 import { say } from "../words.js";
 
-const CHANNELS = ["gauges", "orders", "tanks", "air", "valves", "time"];
+const CHANNELS = ["gauges", "orders", "tanks", "air", "valves", "plant", "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, "ballast", CHANNELS);
@@ -26,7 +28,9 @@ const watches = [
 ];
 furnish(session, new Alerts(session, watches));
 for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bind(session);
-const panel = new TankPanel(session, giver(session));
+const give = giver(session);
+const panel = new TankPanel(session, give);
+furnishPlant(session, give, plantRows(session, give));
 
 const show = seldom(() => {
   write(one("#ordered"), orderedLine(session));

@@ -12,6 +12,8 @@ import "../tanks/tank-mimic.js";
 import { Alerts, bankWatch } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
 import { Session } from "../model/session.js";
+import { plantRows } from "../plant/panel.js";
+import { furnishPlant } from "../plant/window.js";
 import { TankPanel } from "../tanks/panel.js";
 import { furnish, orderedLine } from "../frame.js";
 import { furnishOrders, showStanding } from "../crew/orders.js";
@@ -22,7 +24,7 @@ import { one, write } from "../draw.js";
 import { say } from "../words.js";
 
 const DIVES = document.body.dataset.role === "diving";
-const CHANNELS = ["gauges", "orders", ...(DIVES ? ["diving", "tanks", "air", "valves"] : []), "time"];
+const CHANNELS = ["gauges", "orders", ...(DIVES ? ["diving", "tanks", "air", "valves", "plant"] : []), "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, DIVES ? "diving" : "deck", CHANNELS);
@@ -40,6 +42,7 @@ for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bi
 const give = giver(session);
 const panel = DIVES ? new TankPanel(session, give) : null;
 furnishOrders(session, give);
+if (DIVES) furnishPlant(session, give, plantRows(session, give));
 
 const show = seldom(() => {
   write(one("#ordered"), orderedLine(session));

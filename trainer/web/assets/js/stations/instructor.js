@@ -25,11 +25,13 @@ import { WATCHES } from "../instructor/watches.js";
 import { Alerts } from "../model/alerts.js";
 import { Motion } from "../model/motion.js";
 import { Session } from "../model/session.js";
+import { plantRows } from "../plant/panel.js";
+import { furnishPlant } from "../plant/window.js";
 import { Link } from "../protocol/link.js";
 import { say } from "../words.js";
 
 const CHANNELS = [
-  ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
+  ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves", "plant"],
   ...["time", "sea", "current", "casualties", "contacts", "lookout", "ledger"],
 ];
 const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be ordered
@@ -37,6 +39,7 @@ const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be o
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, "instructor", CHANNELS);
 const desk = new Desk(session);
+const givePlant = (/** @type {string} */ words) => desk.give(words);
 const motion = new Motion(session, POINTERS);
 
 furnish(session, new Alerts(session, WATCHES));
@@ -49,6 +52,7 @@ showSea(desk);
 showShips(desk);
 showTanks(desk);
 showAttitude(desk, motion);
+furnishPlant(session, givePlant, plantRows(session, givePlant));
 furnishTime(desk);
 furnishOrderLine(desk);
 furnishReading(desk);

@@ -6,6 +6,8 @@ import { Alerts } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
 import { Session } from "../model/session.js";
 import { drawPlots } from "../charts/plots.js";
+import { plantRows } from "../plant/panel.js";
+import { furnishPlant } from "../plant/window.js";
 import { limitsOf } from "../model/limits.js";
 import { furnish, orderedLine } from "../frame.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
@@ -25,7 +27,7 @@ const PLOTTED = {
   bow: ["diving.bow", "diving.ordered_bow"],
   rudder: ["steering.rudder", "steering.ordered_rudder"],
 };
-const PANELS = ["steering", "engine", "diving", "tanks", "air", "valves"];
+const PANELS = ["steering", "engine", "diving", "tanks", "air", "valves", "plant"];
 const CHANNELS = ["gauges", "orders", ...PANELS, "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
@@ -40,6 +42,7 @@ furnish(session, new Alerts(session));
 ];
 write(one("#plots-span"), say("last {0} minutes", SPAN / 60));
 const give = giver(session);
+furnishPlant(session, give, plantRows(session, give));
 const form = /** @type {HTMLFormElement} */ (one("#mark"));
 form.onsubmit = async (/** @type {SubmitEvent} */ event) => {
   event.preventDefault();

@@ -11,6 +11,7 @@ import { Pending } from "../model/pending.js";
 import { Session } from "../model/session.js";
 import { bearing, html, one, write } from "../draw.js";
 import { furnish, isTyping, orderedLine } from "../frame.js";
+import { furnishPlant } from "../plant/window.js";
 import { gamepad } from "../controls/gamepad.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { showInstruments } from "./instruments.js";
@@ -18,10 +19,13 @@ import { decimals, say } from "../words.js";
 
 /** @type {Record<string, string[]>} */
 const CHANNELS = {
-  helm: ["gauges", "orders", "steering", "engine", "time"],
-  planes: ["gauges", "orders", "diving", "time"],
-  pilot: ["gauges", "orders", "steering", "engine", "diving", "time"],
-  trainee: ["gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves", "time"],
+  helm: ["gauges", "orders", "steering", "engine", "supply", "time"],
+  planes: ["gauges", "orders", "diving", "supply", "time"],
+  pilot: ["gauges", "orders", "steering", "engine", "diving", "supply", "time"],
+  trainee: [
+    ...["gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
+    ...["supply", "plant", "time"],
+  ],
 };
 /** @type {Record<string, string>} the channel of each surface */
 const SURFACES = { rudder: "steering", stern: "diving", bow: "diving" };
@@ -50,6 +54,7 @@ const bars = [...document.querySelectorAll("repeat-bar, report-bar")];
 for (const bar of bars) bar.bind(session);
 
 export const give = giver(session);
+if (role !== "trainee") furnishPlant(session, give);
 /** What is ordered here, by the channel that will show it. @type {Record<string, Pending>} */
 const pending = Object.fromEntries(
   ["steering", "diving", "engine"].map((channel) => [channel, new Pending(session, channel)]),

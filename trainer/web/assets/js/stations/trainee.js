@@ -11,6 +11,8 @@ import { furnishSteps } from "../crew/step-panel.js";
 import { isTyping } from "../frame.js";
 import { furnishOrderLine } from "../instructor/order-line.js";
 import { limitsOf } from "../model/limits.js";
+import { plantRows } from "../plant/panel.js";
+import { furnishPlant } from "../plant/window.js";
 import { TankPanel } from "../tanks/panel.js";
 import { clock, html, one, write } from "../draw.js";
 import { give, nudge, session } from "./steering.js";
@@ -69,6 +71,7 @@ function choose(part) {
 let opened = ""; // the exercise for which a part is shown
 const field = /** @type {HTMLInputElement} */ (one("#order"));
 const tanks = new TankPanel(session, give);
+furnishPlant(session, give, plantRows(session, give));
 furnishSteps(session, (words) => void give(words), choose);
 furnishCourse(session);
 furnishOrderLine({
