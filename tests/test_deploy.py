@@ -156,7 +156,7 @@ def test_without_shipped_code_it_is_made_at_the_first_start(tmp_path: Path) -> N
     shutil.copytree(ROOT / "trainer", tree / "trainer", ignore=ignored)
     shutil.copytree(ROOT / "configs", tree / "configs")
     told = subprocess.run(
-        [sys.executable, *["-m", "trainer", "run", "--headless", "--duration", "10", "--speed", "max"]],
+        [sys.executable, *shlex.split("-m trainer run --headless --duration 10 --speed max")],
         cwd=tree,
         env=environment(PYTHONPATH=str(tree), XDG_CACHE_HOME=str(tmp_path)),
         capture_output=True,
