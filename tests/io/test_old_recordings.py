@@ -6,7 +6,7 @@
 import lzma
 import math
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -115,10 +115,11 @@ def test_it_is_refused_with_a_word_and_stays_as_it_is(name: str, old: Path) -> N
     before = old.read_bytes()
     options = RunOptions(headless=True, serve=False)
 
-    for refused in (
+    refusals: Sequence[Callable[[], int]] = (
         lambda: replay_file(old, {}, anyway=False, as_json=False),
         lambda: resume_boat(old, options, anyway=False),
-    ):
+    )
+    for refused in refusals:
         with pytest.raises(ConfigError) as error:
             refused()
         assert f"{old.name}: core " in str(error.value)
