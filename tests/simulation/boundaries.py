@@ -1,4 +1,4 @@
-"""A process is killed at each turn between an order's arrival and its answer, and gone on with.
+"""A process is killed at each turn between an order's arrival and its answer.
 
 A seed kills at any turn of a long life, and seldom within the few in which an order is journalled,
 obeyed and answered. Here a short script has one order at its end, and a kill at each of these
@@ -138,7 +138,7 @@ def kill_at(row: str, turns: int, *changes: Change) -> Resumed:
 
 
 def kill_at_each(row: str, every: int, *changes: Change) -> Iterator[Resumed]:
-    """Yield what goes on after a kill before the last order of a row, and at each turn after it.
+    """Yield what goes on after kills before and after a last order comes.
 
     Ends some turns after the answer; ``every`` second, third turn is enough for a look.
     """

@@ -32,8 +32,8 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import ORDER_WORDS
 
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
-# It needs an exercise with an aid, with lessons, or a boat that is crushed: the nightly has it.
-SELDOM_SAID: Final = {"word ghost", "word what-if", "heard lesson", "gate lost_gate"}
+# They need an exercise with aids or an evaluation, and a boat that is crushed.
+SELDOM_SAID: Final = {"word ghost", "word what-if", "gate lost_gate"}
 LONGEST_S: Final = 10.0  # that a process lives
 KEPT: Final = sorted((places.TESTS / "simulation" / "kept").glob("*.json"))
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
