@@ -91,7 +91,7 @@ class Resumed(NamedTuple):
 
 @dataclass
 class Boundary(Stage):
-    """The stage of one row, whose first process is killed some turns after its last order."""
+    """The stage of one row, whose first process is killed at its last order."""
 
     turns: int = 0  # -1: before the order comes
     last: int = 0  # the number of the last order
@@ -127,7 +127,7 @@ def script_of(row: str) -> Script:
 
 
 def kill_at(row: str, turns: int, *changes: Change) -> Resumed:
-    """Kill a process so many turns after the last order of a row, and go on."""
+    """Kill a process some turns after the last order of a row, and go on."""
     with folder_in_memory(), contextlib.ExitStack() as stack:
         for change in changes:
             stack.enter_context(change())
