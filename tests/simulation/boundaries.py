@@ -127,7 +127,7 @@ def script_of(row: str) -> Script:
 
 
 def kill_at(row: str, turns: int, *changes: Change) -> Resumed:
-    """Kill a process some turns after the last order of a row, and go on."""
+    """Kill a process some turns after the last order comes, and go on."""
     with folder_in_memory(), contextlib.ExitStack() as stack:
         for change in changes:
             stack.enter_context(change())
