@@ -118,7 +118,7 @@ class Boundary(Stage):
 
 
 def script_of(row: str) -> Script:
-    """Return the script of an instructor who says a row of words, and is killed at the last."""
+    """Return the script of a row, killed at its last word."""
     acts = tuple(Act(PACE_S, words) for words in row.split("|"))
     player = Player("instructor", (Visit(0.1, acts),))
     killed = Life(1, LONGEST_S, Ending.KILLED, 1, (player,), interleaving=1.0, frozen=True)
