@@ -29,6 +29,9 @@ the lines and in the file, and from beside each order, by wrapping three methods
 moment that no seed came to. ``--reached`` prints how many seeds reached each, and is red where none
 did. What an instructor says in a row (``SCENES``) leads to where single words seldom come.
 
+**The midst of an order** (``boundaries``): ten short scripts are killed at each turn between the
+arrival of their last order and its answer, and the session that goes on is compared as a whole.
+
 **What is found** is shrunk (``shrink``): lives, stations, visits, lines and mishaps are taken away
 as long as the same law is broken. What is left goes into ``tests/simulation/kept``, in a file
 named after the fault, and is played again by every test run.

@@ -113,6 +113,7 @@ class Witness:
     machine: Machine
     session: Session | None = None
     _reply: object = None  # the last that a station was given
+    _who: str = ""  # gives the order that is heard, before it may take another role
     _meant: str = ""  # by the order that is heard, before it acts: belay takes back the newest
     _before: int = 0  # the last order in the journal before the one that is heard
     ahead: Plans | None = None  # when the last order was done with; None in the midst of one
@@ -138,7 +139,7 @@ class Witness:
                 hear(dispatch, asked)
 
         def answer_order(station: Station, asked: Request, reply: Reply, *lines: str) -> None:
-            self._promise(station, asked, reply)
+            self._promise(asked, reply)
             answer(station, asked, reply, *lines)
 
         def take_tick(session: Session) -> None:
@@ -155,6 +156,7 @@ class Witness:
             if self.session:
                 self.docket.log.see_guest(self.session)
 
+        self.docket.log.watch(patch)
         patch.setattr(Session, "__post_init__", begin)
         patch.setattr(Session, "tick", take_tick)
         patch.setattr(Dispatch, "answer_left_orders", answer_left_orders)
@@ -171,6 +173,7 @@ class Witness:
         elsewhere = is_elsewhere(session, asked.station)
         self._reply, self._before, self.ahead = None, session.history.after, None
         self.docket.orders += 1
+        self._who = asked.station.who
         self._meant = session.crew.meant(asked.order).text
         yield
         self.ahead = session.agenda.plans
@@ -201,7 +204,7 @@ class Witness:
         elif rule.jumps and ending.watched and at_end:
             self.docket.enter(Law.ENDED, f"{text}: at the end, and yet it is not over")
 
-    def _promise(self, station: Station, asked: Request, reply: Reply) -> None:
+    def _promise(self, asked: Request, reply: Reply) -> None:
         """Note what a station is told, before it is."""
         self._reply = reply
         session, name = self.session, asked.order.name
@@ -215,9 +218,9 @@ class Witness:
         tick = session.history.tick
         if ORDER_WORDS[name].journalled:
             kind = "refused" if refused else "order"
-            promise = Promise(station.who, self._meant, tick, kind)
+            promise = Promise(self._who, self._meant, tick, kind)
         elif name == "mark":
-            promise = Promise(station.who, asked.order.subject or "marked", tick, "mark")
+            promise = Promise(self._who, asked.order.subject or "marked", tick, "mark")
         else:
             return
         self.docket.promises.append((promise, self.machine.now))

@@ -5,19 +5,34 @@ moments here that tempt it. A night prints how many seeds reached each; one that
 red, because then the generator never makes the case. ``Log`` is asked after each order and each
 tick, and as processes begin and end.
 
-Every order word is to be said and accepted sometimes, too: ``word NAME`` is such a moment.
+Every order word is to be said and accepted sometimes, too (``word NAME``), every gate on an order's
+road to be shut (``gate NAME``, and for each permission ``gate of roles: NAME``), and each kind of
+event and each channel to come to a line (``heard NAME``, ``shown NAME``), and each alert of the
+plant to be called (``called NAME``).
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import pytest
+
 from simulation.disk import Disk, Trouble
+from trainer.boat.calls import MonitorCall
+from trainer.boat.plant_alerts import PLANT_RANKS
 from trainer.config.outcome import Outcome
-from trainer.io.orders.grammar import Refused
+from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import ORDER_WORDS, Obeyer
+from trainer.session import dispatch
+from trainer.session.dispatch import ORDER_GATES, Gate
+from trainer.session.parts import Parts
 from trainer.session.session import Session
+from trainer.session.stations import station as stations
+from trainer.session.stations.event_log import EventLog
+from trainer.session.stations.roles import EVENT_KINDS, INSTRUCTOR_ROLE, Role
+from trainer.session.stations.roles import refusal as role_refusal
+from trainer.session.stations.station import Fact, Station
 
 if TYPE_CHECKING:
     from simulation.script import Life  # whose words are drawn among ships, and those know laws
@@ -180,6 +195,20 @@ WORD_MILESTONES: Final = tuple(
     for name, word in ORDER_WORDS.items()
     if word.obeyer not in (Obeyer.LINE, Obeyer.CHAIR)
 )
+GATE_MILESTONES: Final = tuple(f"gate {gate.__name__}" for gate in ORDER_GATES)
+ROLE_GATE_MILESTONES: Final = tuple(
+    dict.fromkeys(
+        f"gate of roles: {word.control.says}" for word in ORDER_WORDS.values() if word.control.says
+    )
+)
+HEARD_MILESTONES: Final = (
+    *(f"heard {kind}" for kind in EVENT_KINDS if kind != "lesson"),  # none is played
+    *(f"shown {channel}" for channel in INSTRUCTOR_ROLE.channels if channel != "teletype"),
+    *(f"called {alert}" for alert in PLANT_RANKS),
+)
+SAID_MILESTONES: Final = (
+    *(*WORD_MILESTONES, *GATE_MILESTONES, *ROLE_GATE_MILESTONES, *HEARD_MILESTONES),
+)
 MILESTONES: Final = (*ORDER_MILESTONES, *TICK_MILESTONES, *OTHER_MILESTONES)
 
 
@@ -266,6 +295,42 @@ class Log:
         """Note that another session was refused the recording."""
         self.reached.add("L14: a second session is refused")
 
+    def see_shown(self, kind: str, fields: Sequence[str]) -> None:
+        """Note what a line is shown: a channel's values, or an event of a kind."""
+        if kind == "TRE":
+            self.reached.add(f"heard {fields[2]}")
+        elif kind == "TRS":
+            self.reached.add(f"shown {fields[0]}")
+
+    def watch(self, patch: pytest.MonkeyPatch) -> None:
+        """Note which gates are shut, and what the plant calls. Nothing of it is changed."""
+        alert = EventLog.alert
+
+        def noted(gate: Gate) -> Gate:
+            def look(order: Order, station: Station | None, session: Parts) -> Refused | None:
+                shut = gate(order, station, session)
+                self._note(f"gate {gate.__name__}", shut is not None)
+                return shut
+
+            return look
+
+        def refuse(role: Role, order: Order) -> Refused | None:
+            shut = role_refusal(role, order)
+            says = ORDER_WORDS[order.name].control.says
+            self._note(f"gate of roles: {says}", shut is not None)
+            return shut
+
+        def alert_noted(
+            log: EventLog, kind: str, call: MonitorCall, fact: Fact | None = None
+        ) -> None:
+            self._note(f"called {call.key.partition(':')[0]}", kind == "plant")
+            alert(log, kind, call, fact)
+
+        patch.setattr(dispatch, "ORDER_GATES", tuple(map(noted, ORDER_GATES)))
+        patch.setattr(dispatch, "role_refusal", refuse)
+        patch.setattr(stations, "refusal", refuse)
+        patch.setattr(EventLog, "alert", alert_noted)
+
     def _note(self, name: str, is_so: bool) -> None:  # noqa: FBT001
         if is_so:
             self.reached.add(name)
@@ -283,7 +348,7 @@ def is_powerless(life: "Life") -> bool:
 
 def reach_table(reached: Counter[str], seeds: int) -> list[str]:
     """Return a line for each milestone, with how many seeds reached it; the rarest first."""
-    names = (*MILESTONES, *WORD_MILESTONES)
+    names = (*MILESTONES, *SAID_MILESTONES)
     return [
         f"{reached[name]:>7} of {seeds}  {name}"
         for name in sorted(names, key=lambda name: reached[name])
@@ -292,4 +357,4 @@ def reach_table(reached: Counter[str], seeds: int) -> list[str]:
 
 def never_reached(reached: Counter[str]) -> list[str]:
     """Return the milestones that no seed reached."""
-    return [name for name in (*MILESTONES, *WORD_MILESTONES) if not reached[name]]
+    return [name for name in (*MILESTONES, *SAID_MILESTONES) if not reached[name]]

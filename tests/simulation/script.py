@@ -15,6 +15,7 @@ from typing import Any, Final
 from simulation.disk import Trouble
 from simulation.network import ROOM_BYTES
 from simulation.traffic import traffic_words
+from trainer.session.stations.roles import INSTRUCTOR_ROLE
 
 EXERCISES: Final = (
     *("", "", "depth-changes", "visitor-dive", "rise-jam-shallow", "watch"),
@@ -32,6 +33,9 @@ FLEET_LIFE_S: Final = 20.0  # of a process among them, each tick of which takes 
 FLEET_SPEEDS: Final = (5.0, 20.0, 100.0)  # of time: a name comes every six minutes
 MAX_CABLES: Final = 2
 MAX_SEED: Final = 2**31
+GUEST_SHARE: Final = 0.15  # [-] of processes has one who is out of place there
+GUESTS: Final = ("trainee", "visitor")
+SHOWN: Final = INSTRUCTOR_ROLE.channels
 FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
 SIP_BYTES: Final = 300  # that a slow one takes in a second
 # What is there more than once is said more often.
@@ -51,20 +55,26 @@ WORDS: Final[Mapping[str, str]] = {
         |autopilot on|autopilot off|belay|briefing|course left 30|come right to 090|demonstrate
         |ghost on|ghost off|predictor 60 s|hint|freeze depth|release depth|release all|next
         |what if depth 80|dive|surface|drain aft|drain stop|pump trim forward 2|pump auxiliary 1
-        |periscope depth|rpm 60|turns 4|name wall|detach""",
+        |periscope depth|rpm 60|turns 4|name wall|detach|casualty oil-leak-header|loads shed
+        |casualty bus-port-lost|casualty fire-aft|bus tie shut|stern emergency|isolate main""",
     "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
         |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
         |rudder manual|rudder auto|mark late|course right 20|come left to 300|turns 5|rpm 80
-        |alerts|ack 1|have rudder|relief Berg""",
+        |alerts|ack 1|have rudder|relief Berg|rudder emergency|rudder normal|rudder hand""",
     "planes": """stern rise 5|stern dive 10|bow dive 3|planes zero|depth 80|aye|report ready|ready
         |planes manual|planes auto|rudder left 5|log 3|subscribe diving|mark|periscope depth
-        |ack all|ack 1|ack silent 1|have planes|relief Ott""",
+        |ack all|ack 1|ack silent 1|have planes|relief Ott|planes emergency|stern normal
+        |bow hand|subscribe supply""",
     "ballast": """blow forward|blow aft|vent forward open|vent aft open|vent forward shut
         |negative flood|trim auto|trim manual|emergency blow|compressor on|hover on|hover off
         |flood auxiliary 5|pump auxiliary 3|pump trim aft 2|drain forward|ready|report ready|aye
-        |name tanks|unsubscribe all""",
+        |name tanks|unsubscribe all|isolate main|isolate stern|open main|open stern|loads shed
+        |hydraulic pump 2 run|hydraulic pump vital stop|bus tie shut|bus tie open|loads back
+        |breaker port open|breaker port shut|ventilation secure|ventilation run|fight fire aft
+        |subscribe plant""",
     "observer": "mark one|mark two|who|status|log 9|subscribe gauges|history events 60 s|help",
     "visitor": "lever dive 3|lever rise 2|lever zero|restart|status|freeze|mark no",
+    "trainee": "depth 70|course 045|freeze|run|autopilot on|status|ready|hint",
 }
 CHOICES: Final = {
     role: tuple(each.strip() for each in words.split("|")) for role, words in WORDS.items()
@@ -101,6 +111,33 @@ SCENES: Final = (
     "freeze depth|backtrack 1 s|release all",
     "branch 1|branch 2|mark here|branch 1",
 )
+# What each instructor says first, dealt by seed, so that none is missed. Who comes second says the
+# next row: so one asks for command, and the other keeps it.
+DEALT: Final = (
+    *(2 * ("run|take command|keep command|take command|keep command|take command|keep command",)),
+    "ghost on|run|what if depth 80|freeze|what if depth 80|predictor 60 s|run",
+    "who|quit|quit",
+    "in 9 s depth 80|cancel all|order depth 90|belay|flood auxiliary 5|demonstrate for 5 s",
+    "end exercise|release marks|run|again",
+    "casualty oil-leak-header|step 200|rudder emergency|planes emergency|isolate main|open main",
+    "casualty bus-port-lost|step 4|bus tie shut|step 20|loads shed|breaker port open|loads back",
+    "casualty fire-aft|step 120|ventilation secure|fight fire aft|hydraulic pump 1 stop",
+    "run|casualty oil-leak-stern|step 40|snapshot A|isolate stern|stern hand|restore A|run",
+    "run|casualty bus-starboard-lost|snapshot B|bus tie shut|backtrack 2 s|restore B|run",
+    "run|planes manual|stern dive 20|step 900|run|run|run|mark crushed|backtrack 20 s",
+    "role helm|who|role instructor|scope raise",
+    "run|breaker starboard open|breaker port open|mark dark|reset|ventilation exhaust",
+)
+# What few may say: each of the others first says some of it, dealt likewise.
+FOREIGN: Final = (
+    *("scope raise", "negative flood", "hover on", "compressor on", "surface", "isolate main"),
+    *("lever dive 3", "emergency blow", "drain aft", "rudder emergency", "stern emergency"),
+    *("report ready", "ready", "have planes", "relief Berg", "order depth 90", "tell look out"),
+    *("mark mine", "rudder left 5", "planes zero", "depth 60", "course 020", "turns 5"),
+    *("vent aft shut", "autopilot on"),
+)
+DEAL_PACE_S: Final = 0.1  # [s] from word to word
+FOREIGN_COUNT: Final = 3  # that each says
 NOISE: Final = (
     *("\xff\xfd\x01hel\xff\r\n", "$TRO,900001,depth 70*00\r\n", "nonsense\r\n", "\r\n\n\r"),
     *("x" * 3000 + "\r\n", "depth 99999\r\n", "\x1b[2J\r\n", "caf\xe9\r\n", "$$$***\r\n"),
@@ -233,6 +270,8 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     lives: list[Life] = []
     while True:
         lives.append(_draw_life(dice, exercise, rate, longest))
+        if len(lives) == 1 and seed % FLEET_EVERY:
+            lives[0] = _deal_words(seed, lives[0])
         if len(lives) > 1 and lives[-2].ending is Ending.KILLED and dice.random() < 0.25:
             lives[-1] = _strike_again(dice, lives[-1])
         if lives[-1].ending is Ending.SIGNAL or len(lives) == MAX_LIVES:
@@ -279,6 +318,7 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
     roles = list(ROLES[: dice.randrange(2, len(ROLES) + 1)])
     if exercise == "visitor-dive":
         roles.append("visitor")
+    roles += [guest for guest in GUESTS if dice.random() < GUEST_SHARE]
     wait = dice.choice((0.5, 5.0)) if quiet else 1.0
     ways = [Way.CABLE] * dice.choice((0, 0, 1, MAX_CABLES)) + dice.choices(
         (Way.PORT, Way.PAGE), k=9
@@ -342,6 +382,29 @@ def _draw_scene(dice: Random) -> list[Act]:
     pace = dice.choice(SCENE_PACES_S)
     words = dice.choice(SCENES).split("|")
     return [Act(dice.expovariate(1.0 / pace), each, end=dice.choice(LINE_ENDS)) for each in words]
+
+
+def _deal_words(seed: int, life: Life) -> Life:
+    """Return a life in which each player first says what a seed deals it.
+
+    An instructor says a row of words, and looks at a channel; another what few may say.
+    """
+    players = []
+    for number, player in enumerate(life.players):
+        if player.role == "instructor":
+            words = DEALT[(seed + number) % len(DEALT)].split("|")
+            words = [f"subscribe {SHOWN[seed % len(SHOWN)]}", *words]
+        else:
+            first = FOREIGN_COUNT * (seed + number)
+            words = [FOREIGN[(first + i) % len(FOREIGN)] for i in range(FOREIGN_COUNT)]
+            words = ["restart", *words] if player.role == "visitor" else words
+        dealt = tuple(Act(DEAL_PACE_S, each) for each in words)
+        visits = [
+            replace(visit, acts=(*dealt, *visit.acts)) if i == 0 else visit
+            for i, visit in enumerate(player.visits)
+        ]
+        players.append(replace(player, visits=tuple(visits)))
+    return replace(life, players=tuple(players))
 
 
 def _draw_act(dice: Random, role: str, rate: float) -> Act:

@@ -204,6 +204,7 @@ class Program:
             allowed = shown[0] in role.channels
         else:
             allowed = sentence.kind != "TRE" or hears_kind(role, shown[2])
+        self.docket.log.see_shown(sentence.kind, sentence.fields)
         if not allowed:
             self.docket.enter(Law.SECRETS, f"{self._name} may not see {line!r}")
 

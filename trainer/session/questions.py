@@ -83,11 +83,14 @@ class Questions:
         return f"snapshots: {', '.join(names) or 'none by name'}; backtrack reaches any tick"
 
     def _acknowledge(self, asked: Request) -> Reply:
+        """Take that an alert is seen or silenced. It is in the file before the answer goes out."""
         order = asked.order
         if order.subject:  # named, and not numbered: a page's own
             return self.log.note_own_alert(order, asked.station)
         take = self.log.silence if order.word == "silent" else self.log.acknowledge
-        return take(order, asked.station)
+        reply = take(order, asked.station)
+        self.history.recording.flush()
+        return reply
 
     def _mark(self, asked: Request) -> Reply:
         """Mark this moment. The mark is in the file before the answer goes out."""

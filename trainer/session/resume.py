@@ -5,6 +5,7 @@ ConfigError if the vessel file, the exercise or the program has changed since, u
 insists, because the run would go on differently from how it began.
 """
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -38,11 +39,12 @@ def resume_boat(
 ) -> int:
     """Go on with the recording at ``path``; return the exit code."""
     with refusing_damage():
+        with contextlib.closing(Recording.look(path)) as looked:  # what is refused stays as it is
+            refuse_other(path, differences(looked.header()), anyway=anyway)
         recording = Recording.reopen(path)
     try:
         with refusing_damage():
             header = recording.header()
-            refuse_other(path, differences(header), anyway=anyway)
             plan = plan_of(header)
             boat = Boat(plan.file, plan.method)
             warm_boat(boat)
@@ -69,8 +71,8 @@ def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
     """Raise ConfigError naming what differs from the recording, unless the user insists."""
     if found and not anyway:
         raise ConfigError(
-            *(f"{path.name}: {each}" for each in found),
             f"{path.name}: would not be the same run; --anyway goes on all the same",
+            *(f"{path.name}: {each}" for each in found),  # of which the last may not be told
         )
 
 
