@@ -127,7 +127,7 @@ def test_two_who_come_at_once_get_two_boats_and_a_third_joins_where_he_chooses(
     expect(page).to_have_url(re.compile(r"/boat/3/helm$"))
     expect(page.locator("#state")).to_have_text("FROZEN")
     desk = class_page(lesson, look, DESK)
-    expect(tile(desk, 3).locator(".crew")).to_have_text("Jörg Müller, helm")
+    expect(tile(desk, 3).locator(".crew")).to_contain_text("Jörg Müller, helm")
     kept = [path for path in lesson.folder.rglob("*") if path.is_file()]
     assert len(kept) > BOATS
     assert not [path for path in kept if "Müller".encode() in path.read_bytes()]
