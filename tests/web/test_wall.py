@@ -125,7 +125,8 @@ def test_an_alert_stands_on_the_wall_in_large_words(look: Look) -> None:
         assert instructor.ask("freeze")[0]
         expect(page.locator("alert-bar .bell .count")).to_have_text(re.compile(r"[1-9]"))
         large = alert.locator("b").first
-        assert large.evaluate("(each) => parseFloat(getComputedStyle(each).fontSize)") >= 32.0
+        size = "(each) => parseFloat(getComputedStyle(each).fontSize)"
+        await_that(lambda: large.evaluate(size) >= 32.0)  # the page may draw it anew meanwhile
         expect(large).to_be_in_viewport(ratio=1.0)
 
 

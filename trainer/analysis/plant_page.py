@@ -26,8 +26,8 @@ CONSUMER_WORDS: Final = {
     "sounder": "echo sounder",
     "propulsion": "propulsion's control",
 }
-HANDS: Final = "two persons"
-BATTERY: Final = "battery"
+HAND_WORDS: Final = "two persons"
+BATTERY_WORD: Final = "battery"
 ROW_PX, TOP_PX = 21.0, 50.0  # [px] between rows; of the first
 COLUMN_PX: Final = (20.0, 150.0, 330.0, 570.0, 770.0)  # [px] their left edges
 BOX_PX: Final = (70.0, 110.0, 160.0, 100.0, 110.0)  # [px] their widths
@@ -39,7 +39,7 @@ PICTURE_STYLE: Final = (
 )
 
 
-class Feed(NamedTuple):
+class PlantFeed(NamedTuple):
     """What feeds what; ``note`` has the figures, ``is_spare`` is a feed that stands by."""
 
     source: str
@@ -63,41 +63,41 @@ def own_plant(file: VesselFile) -> Plant:
     return file.plant
 
 
-def bus_feeds(plant: Plant) -> Iterator[Feed]:
+def bus_feeds(plant: Plant) -> Iterator[PlantFeed]:
     """Yield what the battery and the buses feed, the small consumers of a bus together."""
     for bus in BUS_NAMES:
         by = "straight" if bus == "dc" else f"breaker, {plant.battery.bus_limit_w / 1e3:g} kW"
-        yield Feed(BATTERY, f"{bus} bus", by)
-    yield Feed("port bus", "starboard bus", "tie, either way", is_spare=True)
+        yield PlantFeed(BATTERY_WORD, f"{bus} bus", by)
+    yield PlantFeed("port bus", "starboard bus", "tie, either way", is_spare=True)
     for bus in BUS_NAMES:
         for row in plant.consumers:
             if bus in row.buses:
                 note = f"{row.power_w / 1e3:g} kW"
-                yield Feed(f"{bus} bus", named(row.name), note, row.buses[0] != bus)
+                yield PlantFeed(f"{bus} bus", named(row.name), note, row.buses[0] != bus)
         for hotel in plant.hotel:
             if hotel.bus == bus:
                 note = f"{hotel.power_w / 1e3:g} kW, {hotel.shed_w / 1e3:g} shed"
-                yield Feed(f"{bus} bus", f"{bus} hotel loads", note)
+                yield PlantFeed(f"{bus} bus", f"{bus} hotel loads", note)
 
 
-def oil_feeds(file: VesselFile, plant: Plant) -> Iterator[Feed]:
+def oil_feeds(file: VesselFile, plant: Plant) -> Iterator[PlantFeed]:
     """Yield what the pumps of oil feed, and what moves each surface."""
     for pump in plant.pumps:
         system = "vital oil" if pump.name == "vital" else "main oil"
         note = f"{pump.rate_l_s:g} L/s below {pump.start_mpa:g} MPa"
-        yield Feed(named(f"hydraulic_{pump.name}"), system, note)
+        yield PlantFeed(named(f"hydraulic_{pump.name}"), system, note)
     surfaces = plant.surfaces
     notes = {
         NORMAL_MODE: ("main oil", "normal"),
         EMERGENCY_MODE: ("vital oil", f"emergency, {surfaces.emergency_share:.2g} of the rate"),
     }
-    hand = (HANDS, f"hand, {surfaces.hand_deg_s:g} deg/s, after {surfaces.man_s:g} s")
+    hand = (HAND_WORDS, f"hand, {surfaces.hand_deg_s:g} deg/s, after {surfaces.man_s:g} s")
     for name in SURFACES:
         if name == "bow" and not file.surfaces.bow_plane_limit_deg:
             continue
         for mode in surfaces.modes:
             source, note = notes.get(mode, hand)
-            yield Feed(source, SURFACE_WORDS[name], note, mode != NORMAL_MODE)
+            yield PlantFeed(source, SURFACE_WORDS[name], note, mode != NORMAL_MODE)
 
 
 def fire_lines(plant: Plant) -> Iterator[str]:
@@ -148,13 +148,13 @@ def draw_feeds(file: VesselFile) -> str:
     return drawn.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
 
 
-def box_places(feeds: list[Feed]) -> dict[str, tuple[float, float, float]]:
+def box_places(feeds: list[PlantFeed]) -> dict[str, tuple[float, float, float]]:
     """Return where each box stands: its left edge, its middle's height, its width [px]."""
     buses = [f"{bus} bus" for bus in BUS_NAMES]
     fed = [each.fed for each in feeds if each.source in buses and each.fed not in buses]
-    oil = ["main oil", "vital oil", HANDS]
+    oil = ["main oil", "vital oil", HAND_WORDS]
     moved = [each.fed for each in feeds if each.source in oil]
-    columns = ([BATTERY], buses, [*dict.fromkeys(fed)], oil, [*dict.fromkeys(moved)])
+    columns = ([BATTERY_WORD], buses, [*dict.fromkeys(fed)], oil, [*dict.fromkeys(moved)])
     rows = max(len(names) for names in columns)
     return {
         name: (x, TOP_PX + (at + 0.5) * ROW_PX * rows / len(names), width)
@@ -163,7 +163,7 @@ def box_places(feeds: list[Feed]) -> dict[str, tuple[float, float, float]]:
     }
 
 
-def feed_line(feed: Feed, places: dict[str, tuple[float, float, float]]) -> str:
+def feed_line(feed: PlantFeed, places: dict[str, tuple[float, float, float]]) -> str:
     """Return the line of a feed, from edge to edge."""
     x, y, width = places[feed.source]
     to_x, to_y, to_width = places[feed.fed]

@@ -36,7 +36,7 @@ from trainer.report.svg import Chart, ChartGround, ChartMoment, CurveLine, draw_
 PAGES_FOLDER: Final = "debrief"  # in the folder of a class
 INDEX_NAME: Final = "index.html"
 CHART_BOATS: Final = 8  # in one chart: as many as there are styles of lines
-HEADS: Final = (
+BOAT_HEADS: Final = (
     *("Boat", "Trainee", "Marks", "Own marks", "Outcome", "Lost most", "Runs", "Debrief"),
 )
 
@@ -103,7 +103,7 @@ def _chapter(exercise: ClassExercise) -> Markup:
     words = [paragraph(each) for each in (*lesson_lines(exercise), *mean)]
     rows = [row for each in exercise.runs for row in _rows(each)]
     drawn = charts(draw_curves(exercise))
-    return Markup().join([*words, drawn, table(HEADS, rows, "class")])
+    return Markup().join([*words, drawn, table(BOAT_HEADS, rows, "class")])
 
 
 def draw_curves(exercise: ClassExercise) -> Iterator[Markup]:

@@ -3,7 +3,7 @@
 ``--html`` of ``trainer identify`` writes it. It needs no other file and no network.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
@@ -43,12 +43,18 @@ def sheet(
     """
     heading, _, rest = text.partition("\n")
     first, *others = map(draw_screen, screens)
+    parts = [first, ("Numbers", listing(rest)), *others, *further]
+    return fill_sheet(title, heading, parts, report)
+
+
+def fill_sheet(title: str, heading: str, parts: Sequence[Part], report: Any) -> str:
+    """Return the page of these parts, with ``report`` as data; links lead to each."""
     return html.fill_page(
         "identified.html",
         "guide.css",
         title=title,
         heading=heading,
-        screens=[first, ("Numbers", listing(rest)), *others, *further],
+        screens=parts,
         data=html.embed_json(asdict(report)),
     )
 

@@ -22,9 +22,9 @@ from trainer.io.tables import Layout
 from trainer.units import DEGREE, KNOT
 
 WORLD_FRAME, BOAT_FRAME = "world", "boat"
-NANOSECONDS: Final = 1_000_000_000
+SECOND_NS: Final = 1_000_000_000
 INFO_LEVEL, WARNING_LEVEL = 2, 3  # of Foxglove's Log
-JSON_NUMBER: Final = {"type": "number"}
+NUMBER_SCHEMA: Final = {"type": "number"}
 TIME_SCHEMA: Final = {
     "type": "object",
     "title": "time",
@@ -70,17 +70,17 @@ class McapTopic:
 
 def numbers_of(*names: str) -> dict[str, Any]:
     """Return the schema of an object of numbers."""
-    return {"type": "object", "properties": dict.fromkeys(names, JSON_NUMBER)}
+    return {"type": "object", "properties": dict.fromkeys(names, NUMBER_SCHEMA)}
 
 
 POSITION, QUATERNION = numbers_of("x", "y", "z"), numbers_of("x", "y", "z", "w")
-STRING: Final = {"type": "string"}
+STRING_SCHEMA: Final = {"type": "string"}
 POSE_TOPIC: Final = McapTopic(
     "/boat/pose",
     "foxglove.PoseInFrame",
     {
         "timestamp": TIME_SCHEMA,
-        "frame_id": STRING,
+        "frame_id": STRING_SCHEMA,
         "pose": {
             "type": "object",
             "properties": {"position": POSITION, "orientation": QUATERNION},
@@ -92,8 +92,8 @@ FRAME_TOPIC: Final = McapTopic(
     "foxglove.FrameTransform",
     {
         "timestamp": TIME_SCHEMA,
-        "parent_frame_id": STRING,
-        "child_frame_id": STRING,
+        "parent_frame_id": STRING_SCHEMA,
+        "child_frame_id": STRING_SCHEMA,
         "translation": POSITION,
         "rotation": QUATERNION,
     },
@@ -101,18 +101,18 @@ FRAME_TOPIC: Final = McapTopic(
 MOTION_TOPIC: Final = McapTopic(
     "/boat/motion",
     "trainer.Motion",
-    {"timestamp": TIME_SCHEMA, **dict.fromkeys(MOTION_COLUMNS, JSON_NUMBER)},
+    {"timestamp": TIME_SCHEMA, **dict.fromkeys(MOTION_COLUMNS, NUMBER_SCHEMA)},
 )
 LOG_PROPERTIES: Final = {
     "timestamp": TIME_SCHEMA,
     "level": {"type": "integer"},
-    **dict.fromkeys(("message", "name", "file"), STRING),
+    **dict.fromkeys(("message", "name", "file"), STRING_SCHEMA),
     "line": {"type": "integer"},
 }
 ORDERS_TOPIC, EVENTS_TOPIC = (
     McapTopic(name, "foxglove.Log", LOG_PROPERTIES) for name in ("/orders", "/events")
 )
-TOPICS: Final = (POSE_TOPIC, FRAME_TOPIC, MOTION_TOPIC, ORDERS_TOPIC, EVENTS_TOPIC)
+MCAP_TOPICS: Final = (POSE_TOPIC, FRAME_TOPIC, MOTION_TOPIC, ORDERS_TOPIC, EVENTS_TOPIC)
 
 
 def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | None) -> list[Path]:
@@ -124,7 +124,7 @@ def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | 
     from mcap.writer import Writer  # noqa: PLC0415  of an extra
 
     chosen = recording.branch if branch is None else branch
-    begun = round(datetime.fromisoformat(recording.header()["started"]).timestamp() * NANOSECONDS)
+    begun = round(datetime.fromisoformat(recording.header()["started"]).timestamp() * SECOND_NS)
     lines = sorted(_log_messages(recording, layout, chosen), key=itemgetter(0))
     messages = heapq.merge(lines, _motion_messages(recording, layout, chosen), key=itemgetter(0))
     try:
@@ -132,12 +132,12 @@ def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | 
             writer = Writer(file)
             writer.start(profile="", library="trainer")
             channels = {}
-            for topic in TOPICS:
+            for topic in MCAP_TOPICS:
                 schema = writer.register_schema(topic.schema, "jsonschema", topic.data)
                 channels[topic.name] = writer.register_channel(topic.name, "json", schema)
             for seconds, topic, message in messages:
-                at = begun + round(seconds * NANOSECONDS)
-                stamp = {"sec": at // NANOSECONDS, "nsec": at % NANOSECONDS}
+                at = begun + round(seconds * SECOND_NS)
+                stamp = {"sec": at // SECOND_NS, "nsec": at % SECOND_NS}
                 data = json.dumps({"timestamp": stamp, **message}).encode()
                 writer.add_message(channels[topic.name], at, data, at)
             writer.finish()  # type: ignore[no-untyped-call]

@@ -4,7 +4,6 @@ It needs no other file and no network. ``page`` has the same numbers as text.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
@@ -27,7 +26,7 @@ from trainer.identify.boat.page import (
 from trainer.identify.boat.report import FORETOLD_CHANNELS, VERDICT_WORDS, BoatFit, foretell
 from trainer.identify.boat.search import FitResult
 from trainer.identify.boat.trial import Trial
-from trainer.identify.sheet import draw_screen, listing, screens_of
+from trainer.identify.sheet import draw_screen, fill_sheet, listing, screens_of
 from trainer.report import html
 from trainer.report.plots import TRACK_TITLE, Curve, Panel
 from trainer.report.svg import Axis, rect, rule, svg_element
@@ -57,14 +56,8 @@ def html_page(fit: FitResult, held_out: Sequence[Trial], report: BoatFit) -> str
         ("Coefficients", Markup().join(_coefficients(report))),
         ("Numbers", listing(render(report).partition("\n")[2])),
     ]
-    return html.fill_page(
-        "identified.html",
-        "guide.css",
-        title=report.vessel,
-        heading=f"Fitted to its trials by trainer boat fit, version {__version__}",
-        screens=screens,
-        data=html.embed_json(asdict(report)),
-    )
+    heading = f"Fitted to its trials by trainer boat fit, version {__version__}"
+    return fill_sheet(report.vessel, heading, screens, report)
 
 
 def _figures(report: BoatFit) -> Iterator[Markup]:

@@ -109,7 +109,7 @@ class BoatWatch:
     warnings: tuple[str, ...]
 
 
-class Tested(NamedTuple):
+class ChangeScores(NamedTuple):
     """Scores after a window, of changes from each window in the memory on."""
 
     first: int  # the earliest of these windows
@@ -227,7 +227,7 @@ class _Sums:
         self.own = np.zeros((0, PART_COUNT, PART_COUNT))
         self.cross = np.zeros((0, PART_COUNT, self.open))
 
-    def add(self, seen: WindowScores) -> Tested:
+    def add(self, seen: WindowScores) -> ChangeScores:
         """Add a window; return the test of all begins after it."""
         if seen.record != self.record:  # weight, trim and gauges are those of a new day
             self.record, self.open_off = seen.record, np.zeros_like(self.open_off)
@@ -264,7 +264,7 @@ class _Sums:
         self.own, self.cross = self.own[old:], self.cross[old:]
         self.open_sums = self.open_sums[-MEMORY_WINDOWS:]
 
-    def test(self) -> Tested:
+    def test(self) -> ChangeScores:
         """Return the test, less what is open and what varies anyhow."""
         scores = np.sum([one for one, _ in self.open_sums], axis=0)
         information = np.sum([one for _, one in self.open_sums], axis=0)
@@ -278,10 +278,10 @@ class _Sums:
             varying = np.einsum("ij,jk->ik", whole, bound)
             score[begin] -= np.einsum("ij,j->i", varying, score[begin])
             variance[begin] = whole - np.einsum("ij,jk->ik", varying, whole)
-        return Tested(self.first, score, variance)
+        return ChangeScores(self.first, score, variance)
 
 
-def test_changes(seen: Sequence[WindowScores], usual: Numbers) -> list[Tested]:
+def test_changes(seen: Sequence[WindowScores], usual: Numbers) -> list[ChangeScores]:
     """Return the tests after each window, of changes that began in the memory.
 
     What is open is taken off, and then that every part varies a little anyhow, by ``usual``.
@@ -291,7 +291,10 @@ def test_changes(seen: Sequence[WindowScores], usual: Numbers) -> list[Tested]:
 
 
 def _find_change(
-    trials: Sequence[Trial], seen: Sequence[WindowScores], tests: Sequence[Tested], highest: Numbers
+    trials: Sequence[Trial],
+    seen: Sequence[WindowScores],
+    tests: Sequence[ChangeScores],
+    highest: Numbers,
 ) -> BoatChange | None:
     """Return the first change beyond the limit, judged by some windows more."""
     beyond = np.flatnonzero(highest.max(axis=1) > LIMIT_DEVIATIONS)
@@ -319,13 +322,13 @@ def _find_change(
     )
 
 
-def _parts_at_the_end(tests: Sequence[Tested], highest: Numbers) -> Iterator[WatchedPart]:
+def _parts_at_the_end(tests: Sequence[ChangeScores], highest: Numbers) -> Iterator[WatchedPart]:
     """Yield each part as it is at the end, with its largest statistic of all times."""
     for i in range(PART_COUNT):
         yield _watched(tests[-1], i, highest[:, i].max())
 
 
-def _watched(test: Tested, i: int, deviations: float) -> WatchedPart:
+def _watched(test: ChangeScores, i: int, deviations: float) -> WatchedPart:
     """Return what a test says of a part, by the begin that explains most."""
     part = ALTERED_PARTS[i]
     begin = int(test.deviations[:, i].argmax())

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
@@ -12,7 +11,7 @@ from markupsafe import Markup
 from trainer import __version__
 from trainer.identify.boat.sheet import SURFACES
 from trainer.identify.boat.watch import BoatChange, BoatWatch, Moment, WatchedPart, WatchFiles
-from trainer.identify.sheet import draw_screen, listing, screens_of
+from trainer.identify.sheet import draw_screen, fill_sheet, listing, screens_of
 from trainer.report import html
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import ascii_text, items, titled_table, wrap
@@ -121,14 +120,8 @@ def html_page(files: WatchFiles, report: BoatWatch) -> str:
         *map(draw_screen, screens_of(groups)),
         ("Numbers", listing(render(report).partition("\n")[2])),
     ]
-    return html.fill_page(
-        "identified.html",
-        "guide.css",
-        title=report.vessel,
-        heading=f"Watched by trainer boat watch, version {__version__}",
-        screens=screens,
-        data=html.embed_json(asdict(report)),
-    )
+    heading = f"Watched by trainer boat watch, version {__version__}"
+    return fill_sheet(report.vessel, heading, screens, report)
 
 
 def _verdict(report: BoatWatch) -> Iterator[Markup]:
