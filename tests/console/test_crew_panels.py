@@ -435,7 +435,10 @@ def test_who_works_a_surface_sees_what_moves_it_and_the_oil(role: str, told: str
     at_the_console(look, talk, role)
 
 
-@pytest.mark.parametrize(("role", "size"), [("ballast", (130, 40)), ("instructor", (200, 60))])
+@pytest.mark.parametrize(
+    ("role", "size"),
+    [("ballast", (130, 40)), ("instructor", (200, 60)), ("trainee", (130, 40))],
+)
 def test_the_plant_is_seen_whole_where_it_is_worked(role: str, size: tuple[int, int]) -> None:
     talk = tape(role)
     talk.say(sentences.state("plant", 121, 60.5, row_of("plant", PLANT)))
@@ -445,6 +448,20 @@ def test_the_plant_is_seen_whole_where_it_is_worked(role: str, size: tuple[int, 
             await seen(pilot, app, text)
 
     at_the_console(look, talk, role, size)
+
+
+@pytest.mark.parametrize("role", ["planes", "pilot", "diving", "trainee"])
+def test_who_dives_sees_how_deep_a_jam_or_a_flooding_would_take_the_boat(role: str) -> None:
+    talk = tape(role)
+    told = {"jam": "266", "flooding": "140", "test": "250"}
+    talk.say(sentences.state("safe", 121, 60.5, row_of("safe", told)))
+
+    async def look(pilot: Pilot[Refused], app: Console) -> None:
+        await seen(pilot, app, "now a jam to 266.0 flooding to 140.0 m, safe to 250.0")
+        assert inks_of(app, "266.0") == {"warning"}
+        assert inks_of(app, "140.0") == {"value"}
+
+    at_the_console(look, talk, role)
 
 
 def row_of(channel: str, told: dict[str, str]) -> list[str]:

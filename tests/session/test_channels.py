@@ -4,6 +4,7 @@ import math
 
 import pytest
 from helpers.boats import start_boat, take_ticks
+from helpers.crewed import Crewed
 from helpers.orders import obey_all
 from helpers.sessions import frame_of, state_reader
 from hypothesis import given
@@ -570,3 +571,27 @@ def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
 def test_the_panels_cover_what_the_observer_sees() -> None:
     assert set(PANEL_NAMES) <= set(OBSERVER.channels)
     assert set(PANEL_NAMES) <= set(CHANNELS)
+
+
+def test_status_of_one_channel_is_what_it_shows(ship: Crewed) -> None:
+    planes = ship.comes("planes")
+    assert ship.say(planes, "status safe")[0] == "ok"
+    told = " ".join(planes.sent)
+    assert "safe, 0 s: jam 80 m, flooding 61 m, test 250 m" in told
+    assert "gauges, 0 s" not in told
+    ship.order("status plant")
+    assert "main_pressure" in " ".join(ship.instructor.sent)
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ("status plan", "no channel plan; there is teletype, gauges"),
+        ("status motion", "motion is not shown here: you have the planes"),
+        ("status events", "events are no state: `log` tells the last of them"),
+    ],
+)
+def test_a_status_that_a_station_does_not_see_is_refused(
+    ship: Crewed, words: str, why: str
+) -> None:
+    assert why in ship.refused(words, ship.comes("planes"))

@@ -6,7 +6,8 @@ reason, by ``helm``, ``ballast_orders``, ``sea_orders`` and ``casualties``; what
 has a row in ``effects``. ``limits``, ``depths``, ``grounding``, ``pilot`` and ``plant_alerts`` look
 at each tick and call out (``calls`` says how urgent). ``reference_crew`` flies an exercise by its
 rules, ``due_orders`` a boat without a session. ``readings`` are those that others are told.
-``linear`` and ``stability`` judge a boat, ``plant`` what feeds it.
+``linear`` and ``stability`` judge a boat, ``plant`` what feeds it, ``safe_depth`` where it
+is safe.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
 machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
@@ -20,6 +21,6 @@ __all__ = [
     "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
     "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "plant",
     "plant_alerts", "plant_effects", "platforms", "quantities", "readings", "reference_crew",
-    "sea_orders", "ship", "stability", "world",
+    "safe_depth", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -289,6 +289,7 @@ class Console(App[Refused], inherit_bindings=False):
             return
         self.screen_stack[0].set_class(bool(exercise.step.text), "lesson")
         self.screen_stack[0].set_class("ballast" in exercise.by_hand, "tanks")
+        self.screen_stack[0].set_class(bool(model.picture.word("plant", "main_pressure")), "fed")
         entries = model.journal.entries
         rows = wrap_entry(entries[-1], self.size.width) if entries else []
         self.screen_stack[0].set_class(len(rows) > 1, "long-entry")  # such as a hint

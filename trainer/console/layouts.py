@@ -118,13 +118,13 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
         ),
         Layout(
             "planes",
-            ("time", "diving", "supply", "orders", "gauges"),
+            ("time", "diving", "supply", "safe", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (PaneDrawing("panel", panels.planes, moving=True),),
         ),
         Layout(
             "pilot",
-            ("time", "steering", "engine", "diving", "supply", "orders", "gauges"),
+            ("time", "steering", "engine", "diving", "supply", "safe", "orders", "gauges"),
             charts_named("gauges", "depth", "heading"),
             (PaneDrawing("panel", panels.pilot, moving=True),),
         ),
@@ -140,7 +140,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
         ),
         Layout(
             "diving",
-            ("time", "diving", "engine", "tanks", "air", "valves", "orders", "gauges"),
+            ("time", "diving", "engine", "tanks", "air", "valves", "safe", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (PaneDrawing("panel", panels.planes, moving=True),),
             TANK_DRAWINGS,
@@ -167,10 +167,10 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             "trainee",
             (
                 *("time", "steering", "engine", "diving", "tanks"),
-                *("air", "valves", "orders", "gauges"),
+                *("air", "valves", "supply", "plant", "safe", "orders", "gauges"),
             ),
             charts_named("gauges", "depth", "heading"),
-            (PaneDrawing("panel", panels.trainee, moving=True),),
+            (PaneDrawing("panel", panels.trainee, moving=True), PaneDrawing("plant", plant.plant)),
             (PaneDrawing("levels", panels.trainee_levels), PaneDrawing("fittings", tanks.fittings)),
         ),
         Layout(

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from trainer.boat.casualties import available_casualties, casualty_listing, degrees
-from trainer.io.orders.grammar import Reply
+from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.crew.agenda import Agenda
 from trainer.session.exercise.evaluation import Evaluation
 from trainer.session.past.history import History
@@ -48,7 +48,9 @@ class Questions:
             ),
         }
 
-    def _status(self, asked: Request) -> LongAnswer:
+    def _status(self, asked: Request) -> LongAnswer | Refused:
+        if channel := asked.order.subject:
+            return self.shown.status_of(channel, asked.station)
         lines = self.shown.status(asked.station)
         if asked.station.role is INSTRUCTOR_ROLE:
             lines.append(self.evaluation.status())

@@ -1,6 +1,6 @@
-"""The ghost and the predictor in words, and the way ahead for charts.
+"""What is ahead: ghost and predictor in words, the way ahead for charts, and the safe depth.
 
-``panels`` and ``chart`` place them. While the aids are off there is nothing to draw.
+``panels`` and ``chart`` place them. While the aids are off there is nothing of them to draw.
 """
 
 from collections.abc import Sequence
@@ -9,8 +9,9 @@ from typing import Final
 from trainer.console.drawing.crew_orders import depth_text, depth_unit
 from trainer.console.drawing.values import angle_text, course
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, Run, length, line
+from trainer.console.pane import Line, Lines, Run, fit, length, line
 
+DANGERS: Final = ("jam", "flooding")
 WAY_FIELDS: Final = ("depth", "heading", "pitch")  # of a point, after its seconds
 
 
@@ -47,6 +48,20 @@ def ahead_text(model: SessionModel) -> Line:
         (angle_text("pitch", number("predictor", "pitch")), "plain"),
     )
     return line(*parts)
+
+
+def safe_rows(model: SessionModel, width: int) -> Lines:
+    """Return how deep a jam or a flooding would take the boat now."""
+    number = model.picture.number
+    test = number("safe", "test")
+    told = [(name, number("safe", name)) for name in DANGERS]
+    runs: list[Run] = []
+    for name, depth in told:
+        if depth is not None and test is not None:
+            ink = "value" if depth <= test else "warning"
+            runs += [(f" {name} to", "dim"), (f" {depth_text(model, depth)}", ink)]
+    tail = (f" {depth_unit(model)}, safe to {depth_text(model, test)} ", "dim")
+    return [fit(line((" now a", "dim"), *runs, tail), width)] if runs else []
 
 
 def way_ahead(model: SessionModel, name: str) -> Sequence[tuple[float, float]]:

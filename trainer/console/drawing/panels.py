@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import Final
 
-from trainer.console.drawing.aids import aid_rows
+from trainer.console.drawing.aids import aid_rows, safe_rows
 from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.dials import (
     angles,
@@ -172,6 +172,7 @@ def planes(model: SessionModel, width: int, height: int) -> Lines:
         scale(model, "stern", "diving", width),
         scale(model, "bow", "diving", width),
         *supply_rows(model, ("stern", "bow"), width),
+        *safe_rows(model, width),
         angles(model, width),
     ]
     return [fit(each, width) for each in lines[:height]]
@@ -185,6 +186,7 @@ def pilot(model: SessionModel, width: int, height: int) -> Lines:
         *aid_rows(model, width),
         *surfaces(model, width),
         *supply_rows(model, ("rudder", "stern", "bow"), width),
+        *safe_rows(model, width),
         *telegraph(model, width),
         angles(model, width),
     ]

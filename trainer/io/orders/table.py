@@ -294,6 +294,7 @@ FORMS = (
     Form("name CALLED", "what this station is called in that list, such as wall"),
     Form("detach=bye", "leave the session, which goes on"),
     Form("status", "everything about the boat, once"),
+    Form("status CHANNEL", "what a channel shows, once"),
     Form("help", "the list of orders"),
     Form("help TOPIC", "all about one order"),
     Form("quit=exit", "end the session"),

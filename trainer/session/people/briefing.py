@@ -15,6 +15,7 @@ from trainer.boat.boat import Boat
 from trainer.config.derived import Loss
 from trainer.config.exercise import ExerciseLimits
 from trainer.config.loss_words import word_loss
+from trainer.config.plant_records import HAND_MODE
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
@@ -175,6 +176,10 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
     if role.name in TEST_DEPTH_ROLES:
         depths["test-depth"] = hull.test_depth_m
     yield from ((key, f"{depth:g}") for key, depth in depths.items() if depth is not None)
+    if boat.file.plant:
+        surfaces = boat.file.plant.surfaces
+        for mode in surfaces.modes:
+            yield f"shift-{mode}", f"{surfaces.man_s if mode == HAND_MODE else surfaces.shift_s:g}"
     yield "speed", f"{float(c.u_c_ahead) / KNOT:g}"
     yield "astern", f"{-float(c.u_c_astern) / KNOT:g}"
     yield "bell", "stop:0"

@@ -7,15 +7,23 @@ crew. ``ScreenOutput`` adds that to each state, and hands both to the sender (``
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from trainer.io.orders.grammar import Refused
 from trainer.session.crew.crew import CrewTalk
 from trainer.session.past.history import History
 from trainer.session.stations.aids import NO_AIDS, ShownAids
+from trainer.session.stations.channels import EVENTS_CHANNEL
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
-from trainer.session.stations.station import Station
+from trainer.session.stations.station import LongAnswer, Station
 from trainer.session.stations.status import status_lines
-from trainer.session.stations.subscriptions import Sender
-from trainer.session.stations.view import Pace, Picture, StateReader
+from trainer.session.stations.subscriptions import (
+    Sender,
+    display,
+    lack_of,
+    unknown_channel,
+    why_barred,
+)
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.timekeeping import Timekeeping
 
 
@@ -65,5 +73,17 @@ class ScreenOutput:
         """Return all lines about the boat that a station may know."""
         if station.role is INSTRUCTOR_ROLE:
             return status_lines(self.history.boat, self.time.ledger.summary())
-        picture = Picture(self.history.tick, self.history.now().state, self._pace)
-        return panel(station.role.channels, self._reader.frame(picture))
+        return panel(station.role.channels, self._frame())
+
+    def status_of(self, channel: str, station: Station) -> LongAnswer | Refused:
+        """Return what one channel shows, or why a station does not see it."""
+        role, boat = station.role, self.history.boat
+        if channel == EVENTS_CHANNEL:
+            return Refused("events are no state: `log` tells the last of them")
+        refused = unknown_channel(channel, role) or why_barred(channel, role)
+        if refusal := refused or lack_of(channel, boat):
+            return refusal
+        return LongAnswer(display(channel, role, machine=False).lines(self._frame()))
+
+    def _frame(self) -> Frame:
+        return self._reader.frame(Picture(self.history.tick, self.history.now().state, self._pace))

@@ -29,6 +29,7 @@ from trainer.session.stations.panels import (
 )
 from trainer.session.stations.plant_channels import PLANT_CHANNELS
 from trainer.session.stations.plot import CONTACTS_CHANNEL, PERISCOPE_CHANNELS
+from trainer.session.stations.safe_channel import SAFE_CHANNEL
 from trainer.session.stations.view import Frame
 from trainer.units import DEGREE, KNOT
 
@@ -163,6 +164,7 @@ CHANNELS: Final[Mapping[str, Channel]] = {
     for channel in (
         *panels.PANEL_CHANNELS,
         *PLANT_CHANNELS,
+        SAFE_CHANNEL,
         *PERISCOPE_CHANNELS,
         *AID_CHANNELS,
         *INSTRUCTOR_CHANNELS,

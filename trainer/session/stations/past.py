@@ -31,7 +31,7 @@ SLICE_ROWS: Final = 12  # rows sent at once
 # [s] between slices, and for room: ticks and other lines have their turn
 SLICE_PAUSE_S: Final = 0.01
 # Channels with values that no recorded state holds: they have no past.
-PRESENT_CHANNELS: Final = ("time", "ledger", "scope", "swell", "lookout", "predictor")
+PRESENT_CHANNELS: Final = ("time", "ledger", "scope", "swell", "lookout", "predictor", "safe")
 
 TickState = tuple[int, bytes]  # a tick and the state at its end
 

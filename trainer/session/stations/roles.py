@@ -59,6 +59,7 @@ AID_NAMES: Final = ("ghost", "predictor")  # channels that are empty while the a
 PANEL_NAMES: Final = (
     *("steering", "engine", "diving", "tanks", "air", "valves"),
     *("plant", "supply"),  # of a boat with a plant
+    "safe",  # of a boat with a test depth
 )
 # what only the instructor sees
 TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
@@ -134,12 +135,12 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
     for role in (
         INSTRUCTOR_ROLE,
         _role("helm", "the helm's", "have the helm", "steering", "engine", "supply"),
-        _role("planes", "the planes station's", "have the planes", "diving", "supply"),
+        _role("planes", "the planes station's", "have the planes", "diving", "supply", "safe"),
         _role(
             "pilot",
             "the pilot's",
             "have helm and planes (pilot)",
-            *("steering", "engine", "diving", "plant", "supply"),
+            *("steering", "engine", "diving", "plant", "supply", "safe"),
         ),
         _role(
             "ballast",
@@ -151,7 +152,7 @@ _OTHER_ROLES: Final[Mapping[str, Role]] = {
             "diving",
             "the diving officer's",
             "are the diving officer",
-            *("diving", "engine", "tanks", "air", "valves", "plant", "supply"),
+            *("diving", "engine", "tanks", "air", "valves", "plant", "supply", "safe"),
         ),
         _role(
             "deck",

@@ -16,6 +16,7 @@ import numpy as np
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.readings import READING_OFFSETS
+from trainer.boat.safe_depth import FlightAhead
 from trainer.core.readings import new_readings, write_readings
 from trainer.core.state import SOUNDING_COUNT, new_scratch, new_state
 from trainer.session.stations.aids import NO_AIDS, ShownAids
@@ -58,6 +59,7 @@ class Frame:
     shown: list[float]  # the readings [SI], by READING_OFFSETS
     pace: Pace
     summary: Callable[[], Summary]
+    fit_ahead: Callable[[], FlightAhead]  # a boat of the reader's own, fitted out once
     kept: dict[str, Any] = field(default_factory=dict)  # results that several fields share
 
     def __getitem__(self, name: str) -> float:
@@ -129,4 +131,8 @@ class StateReader:
         write_readings(self.boat.records.vessel, *records)
         shown = self._readings["whole"][0].tolist()
         numbers = whole.tolist()
-        return Frame(self.boat, numbers, shown, picture.pace, self._summary)
+        return Frame(self.boat, numbers, shown, picture.pace, self._summary, lambda: self._ahead)
+
+    @cached_property
+    def _ahead(self) -> FlightAhead:
+        return FlightAhead(self.boat)

@@ -23,13 +23,14 @@ class DepthGauge extends Gauge {
     this.level = svg("path", { class: "ghost", d: "M-14 0h22", hidden: true });
     this.scale = svg("g");
     this.allowed = svg("path", { class: "bracket", hidden: true });
+    this.dangers = ["jam", "flooding"].map((name) => svg("rect", { width: 5, class: `danger ${name}`, hidden: true }));
     this.mark = svg("path", { class: "pointer", d: "M0 0l16 -9v18Z" });
     this.ordered = svg("path", { class: "bug", d: "M0 0l14 -8v16Z" });
     this.figure = text([160, 172], "digits");
     this.order = text([160, 182], "order");
     const label = text([160, 126], "label spare", feet ? say("feet") : say("metres"));
     const moving = [this.faint, this.level, this.needle, this.bug, this.ordered, this.mark];
-    this.picture([418, 320], ...dial(), this.scale, this.allowed, ...moving, this.figure, this.order, label);
+    this.picture([418, 320], ...dial(), this.scale, this.allowed, ...this.dangers, ...moving, this.figure, this.order, label);
     this.limit(null);
   }
 
@@ -82,9 +83,21 @@ class DepthGauge extends Gauge {
     if (this.level) place(this.level, depth === null ? null : this.height(depth), LEFT + 8);
   }
 
+  /** Draws how far down dangers would take the boat from here, beside one another. @param {...(number | null)} depths [m] */
+  reach(...depths) {
+    const from = this.height(this.depth ?? 0);
+    depths.forEach((depth, at) => {
+      const bar = this.dangers?.[at];
+      const high = depth === null ? 0 : this.height(inUnit(depth)) - from;
+      bar?.toggleAttribute("hidden", !(high > 0));
+      for (const [name, value] of [["x", LEFT + 1 + 7 * at], ["y", from], ["height", Math.max(high, 0)]]) bar?.setAttribute(String(name), String(value));
+    });
+  }
+
   /** @param {number | null} metres @param {number | null} [orderedMetres] */
   show(metres, orderedMetres = null) {
     const [depth, ordered] = [metres, orderedMetres].map((each) => (each === null ? null : inUnit(each)));
+    this.depth = depth;
     if (!this.needle || !this.bug || !this.mark || !this.ordered || !this.figure) return;
     const near = depth !== null && ordered !== null && Math.abs(ordered - depth) < TURN / 2;
     turn(this.needle, depth === null ? null : (depth * 360) / TURN, CENTRE);

@@ -47,6 +47,9 @@ class SupplyKeys extends HTMLElement {
     this.append(this.#title, this.#told, ...(may ? [this.#row] : []));
     this.hidden = true;
     session.on("tick", () => this.show(session));
+    session.on("ranges", () => {
+      for (const [mode, key] of this.#keys) key.toggleAttribute("hidden", !(`shift-${mode}` in session.ranges));
+    });
   }
 
   /** @param {Session} session */

@@ -14,6 +14,7 @@ import { Link } from "../protocol/link.js";
 import { Session } from "../model/session.js";
 import { plantRows } from "../plant/panel.js";
 import { furnishPlant } from "../plant/window.js";
+import { furnishSafeDepth } from "../safe/safe-depth.js";
 import { TankPanel } from "../tanks/panel.js";
 import { furnish, orderedLine } from "../frame.js";
 import { furnishOrders, showStanding } from "../crew/orders.js";
@@ -24,7 +25,7 @@ import { one, write } from "../draw.js";
 import { say } from "../words.js";
 
 const DIVES = document.body.dataset.role === "diving";
-const CHANNELS = ["gauges", "orders", ...(DIVES ? ["diving", "tanks", "air", "valves", "plant"] : []), "time"];
+const CHANNELS = ["gauges", "orders", ...(DIVES ? ["diving", "tanks", "air", "valves", "plant", "safe"] : []), "time"];
 
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, DIVES ? "diving" : "deck", CHANNELS);
@@ -43,6 +44,7 @@ const give = giver(session);
 const panel = DIVES ? new TankPanel(session, give) : null;
 furnishOrders(session, give);
 if (DIVES) furnishPlant(session, give, plantRows(session, give));
+if (DIVES) furnishSafeDepth(session);
 
 const show = seldom(() => {
   write(one("#ordered"), orderedLine(session));

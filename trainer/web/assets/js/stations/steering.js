@@ -12,6 +12,7 @@ import { Session } from "../model/session.js";
 import { bearing, html, one, write } from "../draw.js";
 import { furnish, isTyping, orderedLine } from "../frame.js";
 import { furnishPlant } from "../plant/window.js";
+import { furnishSafeDepth } from "../safe/safe-depth.js";
 import { gamepad } from "../controls/gamepad.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { showInstruments } from "./instruments.js";
@@ -20,11 +21,11 @@ import { decimals, say } from "../words.js";
 /** @type {Record<string, string[]>} */
 const CHANNELS = {
   helm: ["gauges", "orders", "steering", "engine", "supply", "time"],
-  planes: ["gauges", "orders", "diving", "supply", "time"],
-  pilot: ["gauges", "orders", "steering", "engine", "diving", "supply", "time"],
+  planes: ["gauges", "orders", "diving", "supply", "safe", "time"],
+  pilot: ["gauges", "orders", "steering", "engine", "diving", "supply", "safe", "time"],
   trainee: [
     ...["gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
-    ...["supply", "plant", "time"],
+    ...["supply", "plant", "safe", "time"],
   ],
 };
 /** @type {Record<string, string>} the channel of each surface */
@@ -55,6 +56,7 @@ for (const bar of bars) bar.bind(session);
 
 export const give = giver(session);
 if (role !== "trainee") furnishPlant(session, give);
+if (CHANNELS[role].includes("safe")) furnishSafeDepth(session);
 /** What is ordered here, by the channel that will show it. @type {Record<string, Pending>} */
 const pending = Object.fromEntries(
   ["steering", "diving", "engine"].map((channel) => [channel, new Pending(session, channel)]),

@@ -28,6 +28,7 @@ const [SLOWEST, FASTEST] = [0.5, 50];
 const PRESENT = ["time", "ledger"]; // channels that have no past
 const OFFERED =
   "not in this page: it takes rudder, planes, engine, autopilot, valves, pumps, sea, casualties and time";
+const PANELS = ["gauges", "steering", "engine", "diving", "tanks", "air"];
 const TALK = ["role", "subscribe", "unsubscribe", "briefing", "history", "casualties", "snapshots", "branches", "who", "log", "status"];
 
 export class Desk {
@@ -197,7 +198,7 @@ export class Desk {
     if (order.name === "casualties") lines.push(...this.listing());
     if (order.name === "who") lines.push("instructor in this page");
     if (order.name === "log") lines.push(...this.log.slice(-order.value || -10).map(([, , , text]) => text));
-    if (order.name === "status") lines.push(...this.status());
+    if (order.name === "status") lines.push(...this.status(subject ? [subject] : PANELS));
     return order.name === "role" ? "this page is the whole session" : "";
   }
 
@@ -242,8 +243,10 @@ export class Desk {
     });
   }
 
-  status() {
-    return ["gauges", "steering", "engine", "diving", "tanks", "air"].flatMap((channel) => {
+  /** @param {string[]} channels */
+  status(channels) {
+    return channels.flatMap((channel) => {
+      if (!this.boat.channels[channel]) throw new Refusal(`no channel ${channel}`);
       const values = this.readings.values(channel);
       return this.boat.channels[channel].map(([name, unit], at) => `${name} ${values[at]} ${unit}`.trim());
     });
