@@ -73,7 +73,7 @@ class SafeDepth(NamedTuple):
 
 
 class FlightAhead:
-    """A boat of its own that is flown into a danger, and out of it if it can be."""
+    """A boat of its own, flown into a danger and out of it."""
 
     def __init__(self, boat: Boat) -> None:
         """Have a boat as ``boat`` is fitted out, with nothing around it."""

@@ -34,7 +34,7 @@ def deepest_after(danger: Danger) -> Callable[[Frame], Value]:
 
 
 def pack_limits(frame: Frame) -> Value:
-    """Return the safe depths as one word: knots, and metres for a jam and a flooding."""
+    """Return the safe depths as one word: knots, then metres for each danger."""
     return ";".join(
         ":".join("" if value is None else f"{value:.1f}" for value in (speed / KNOT, jam, flooding))
         for speed, jam, flooding in frame.fit_ahead().safe_depths
