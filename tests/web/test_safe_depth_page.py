@@ -26,6 +26,8 @@ def test_who_dives_is_told_how_deep_a_jam_would_go_and_sees_the_safe_depth(
     shared: Served, look: Look, name: str
 ) -> None:
     page = opened(look, shared, name)
+    if page.locator("#briefing").is_visible():
+        page.locator("#close-briefing").click()
     told = re.compile(r"^jam to \d+ m · flooding to \d+ m$")
     expect(page.locator("#open-safe")).to_have_text(told)
     bars = page.locator("depth-gauge .danger.jam:not([hidden])")

@@ -108,7 +108,7 @@ class FlightAhead:
 
     @cached_property
     def safe_depths(self) -> list[SafeDepth]:
-        """Return the safe depths by speed; those of speeds at which the boat can be in trim."""
+        """Return the safe depths by speed, where the boat can be in trim."""
         fastest = self._boat.file.propulsion.max_ordered_speed_kn * KNOT
         speeds = [count / SPEED_COUNT * fastest for count in range(1, SPEED_COUNT + 1)]
         found = [

@@ -1,4 +1,4 @@
-"""The channel of the safe depth: how deep a jam or a flooding would take the boat now.
+"""The channel of the safe depth: how deep a danger would take the boat.
 
 ``boat/safe_depth`` flies ahead, in the thread that sends, and only while somebody looks.
 """

@@ -16,9 +16,11 @@ export function furnishSafeDepth(session) {
   const diagram = one("depth-diagram", panel);
   /** @type {any} */
   const gauge = document.querySelector("depth-gauge");
-  panel.addEventListener("keydown", ({ key }) => {
-    if (key === "Escape") panel.hidePopover();
-  });
+  for (const part of [opener, panel]) {
+    part.addEventListener("keydown", ({ key }) => {
+      if (key === "Escape") panel.hidePopover();
+    });
+  }
   const number = (/** @type {string} */ place) => session.number(place);
   let packed = "";
   /** @type {Limit[]} */
