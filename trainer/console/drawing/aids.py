@@ -1,4 +1,4 @@
-"""What is ahead: ghost and predictor in words, the way ahead for charts, and the safe depth.
+"""What is ahead: ghost, predictor and safe depth in words, and the way for charts.
 
 ``panels`` and ``chart`` place them. While the aids are off there is nothing of them to draw.
 """
