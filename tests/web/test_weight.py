@@ -48,7 +48,7 @@ def test_a_file_keeps_its_name_as_long_as_it_is_the_same(
         copy.write_bytes(path.read_bytes())
     with (folder / "js" / "gauges" / "course-ring.js").open("a") as script:
         script.write("const another = 1;\n")
-    for module in (packing, modules):
+    for module in (modules,):
         monkeypatch.setattr(module, "ASSETS_FOLDER", folder)
     changed = Assets()
     changed.link(render(helm))

@@ -90,9 +90,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = render(
         page, said_in_tab() | causes, order_words=partial(order_words, taken), lessons=list
     )
-    sheet = "\n".join(
-        (ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in STYLESHEET_TAG.findall(html)
-    )
+    sheet = join_styles(STYLESHEET_TAG.findall(html))
     sheet = FONT_URL.sub(lambda url: f'url("{data_url(url[1])}")', sheet)
     entry = SCRIPT_TAG.findall(html)[0]
     script = close_text(bundle(entry))
