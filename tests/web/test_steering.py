@@ -192,6 +192,27 @@ def report_by_key(page: Page, instructor: Caller, way: str) -> None:
         expect(window).to_be_hidden()
 
 
+# A window that is closed and opened anew before its close is told, as on a machine that has much to do
+ANEW: Final = """() => {
+    const bar = document.querySelector("report-bar");
+    const [key, dialog] = [bar.querySelector(".open"), bar.querySelector("dialog")];
+    key.click();
+    dialog.close();
+    key.click();
+}"""
+
+
+def test_a_report_window_that_is_opened_anew_at_once_keeps_its_field(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, size="phone")
+    page.evaluate(ANEW)
+    page.evaluate(LAID_OUT)
+    expect(page.get_by_label("Report", exact=True)).to_be_visible(timeout=5000.0)
+    report(page, "all is well", "mouse")
+    assert heard(instructor, "all is well")
+
+
 def standing(page: Page, name: str) -> int:
     """Return what a lever stands at [deg]."""
     slider = page.locator(f"order-lever[name={name}]").get_by_role("slider")
