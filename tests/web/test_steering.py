@@ -32,7 +32,6 @@ from helpers.pages import SIZES, Served
 from helpers.plant_page import work_supplies
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
-from pytest import approx
 from soak.session_process import Caller
 
 NAMES: Final = ("helm", "planes", "pilot")
@@ -192,7 +191,7 @@ def report_by_key(page: Page, instructor: Caller, way: str) -> None:
         expect(window).to_be_hidden()
 
 
-# A window that is closed and opened anew before its close is told, as on a machine that has much to do
+# a window that is closed and opened anew before its close is told, as on a machine under load
 ANEW: Final = """() => {
     const bar = document.querySelector("report-bar");
     const [key, dialog] = [bar.querySelector(".open"), bar.querySelector("dialog")];
@@ -542,5 +541,5 @@ def test_no_key_moves_when_an_order_an_alert_or_a_report_comes(
     after = keys_by_size(page)
     for size, keys in before.items():
         for stood, stands in zip(keys, after[size], strict=True):
-            assert stands == [stood[0], *(approx(end, abs=1.5) for end in stood[1:])], size
+            assert stands == [stood[0], *(pytest.approx(end, abs=1.5) for end in stood[1:])], size
     assert instructor.ask("order clear all")[0]

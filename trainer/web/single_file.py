@@ -26,6 +26,7 @@ from trainer.web.modules import (
     wrap_modules,
 )
 from trainer.web.pages import PAGES, order_words, render
+from trainer.web.styles import join_styles
 from trainer.web.words import said_in_script
 
 # A page in a file has no server to link to. So its link is to the boat in its own worker.

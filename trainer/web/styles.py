@@ -11,7 +11,7 @@ from typing import Final
 from trainer.web import modules
 
 NAMED_FORM: Final = re.compile(r"^@custom-media (--[\w-]+) (.+);\n", re.MULTILINE)
-COMMENT: Final = re.compile(r"^[ \t]*/\*(?:(?!\*/).)*\*/\n", re.MULTILINE | re.DOTALL)  # whole lines
+COMMENT: Final = re.compile(r"^[ \t]*/\*(?:(?!\*/).)*\*/\n", re.MULTILINE | re.DOTALL)
 FORM_IN_CONDITION: Final = re.compile(r"(?<=[ ,(])\((--[\w-]+)\)")  # and not of ``var(--name)``
 
 

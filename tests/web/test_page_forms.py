@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from trainer.web.modules import ASSETS_FOLDER, STYLESHEET_TAG
-from trainer.web.pages import PAGES, render
+from trainer.web.pages import PAGES, Page, render
 from trainer.web.styles import FORM_IN_CONDITION, NAMED_FORM, join_styles
 
 STYLES = ASSETS_FOLDER / "css"
@@ -21,7 +21,7 @@ def cuts_of(sheet: str) -> list[str]:
 
 
 def test_one_file_has_the_cuts_of_the_screen_each_with_a_name() -> None:
-    named = {name: condition for name, condition in NAMED_FORM.findall(text_of("forms.css"))}
+    named = dict(NAMED_FORM.findall(text_of("forms.css")))
     assert {name.removeprefix("--") for name in named} == FORMS
     used = {name for path in SHEETS for name in FORM_IN_CONDITION.findall(path.read_text())}
     assert used == named.keys()
@@ -43,8 +43,8 @@ def test_a_cut_of_its_own_is_seen() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name or "choice")
-def test_a_browser_is_served_conditions_and_no_names(page: object) -> None:
-    sheet = join_styles(STYLESHEET_TAG.findall(render(page)))  # type: ignore[arg-type]
+def test_a_browser_is_served_conditions_and_no_names(page: Page) -> None:
+    sheet = join_styles(STYLESHEET_TAG.findall(render(page)))
     conditions = MEDIA.findall(sheet)
     assert any("width >= 1000px" in each for each in conditions)
     assert not [each for each in conditions if "(--" in each]
