@@ -62,6 +62,7 @@ SHIPS = """\
 schema = "exercise/1"
 name = "Traffic"
 briefing = "Look round."
+light = "dusk"
 duration_s = 3600
 [initial]
 speed_kn = 5

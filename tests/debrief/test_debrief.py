@@ -19,9 +19,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers import node
 from helpers.contrast import contrast
 from helpers.givers import journalled
 from helpers.sessions import begin_run, session_over
+from playwright.sync_api import Browser, expect
 
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, shipped_path
@@ -764,3 +766,22 @@ def test_a_debrief_tells_what_became_of_each_alert(tmp_path: Path) -> None:
     assert "<td>planes (Ott) after 2 s</td>" in page
     assert "<td>planes (Ott) after 4 s</td>" in page
     assert "alert-note" not in page
+
+
+@pytest.mark.process
+def test_a_narrow_page_has_no_barrier_and_each_table_is_a_stop_of_the_tab_key(
+    page: str, browser: Browser
+) -> None:
+    shown = browser.new_page(viewport={"width": 360, "height": 740})
+    shown.set_content(page)
+    shown.evaluate(node.axe())
+    assert shown.evaluate(node.BARRIERS) == []
+    assert shown.evaluate("document.documentElement.scrollWidth") == 360
+    wide = shown.locator(".wide")
+    assert wide.evaluate_all("(all) => all.some((each) => each.scrollWidth > each.clientWidth)")
+    for each in wide.all():
+        each.focus()
+        expect(each).to_be_focused()
+        expect(each).to_have_accessible_name(re.compile("Table"))
+    expect(shown.locator("th:empty")).to_have_count(0)
+    shown.close()

@@ -45,6 +45,19 @@ def see_whole(page: Page, where: object, cut_parts: str = CUT) -> None:
     await_that(lambda: page.evaluate(cut_parts) == [], lambda: (where, page.evaluate(cut_parts)))
 
 
+STANDS: Final = """() => {
+  const all = document.querySelectorAll("*").length;
+  if (window.counted !== all) [window.counted, window.since] = [all, performance.now()];
+  return performance.now() - window.since > 300;
+}"""  # all that the first readings build is there
+
+
+def ready(page: Page) -> None:
+    """Wait until a page shows a session."""
+    expect(page.locator("[data-state=connecting]")).to_have_count(0)
+    page.wait_for_function(STANDS, polling=50)
+
+
 # What can be worked now and bears no mark that it was.
 UNWORKED: Final = """() => [...document.querySelectorAll(
     "button, input, select, [role=slider], [role=button], [role=radio]")]

@@ -185,6 +185,10 @@ def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, kept: L
     expect(page.locator("#standing li", has_text="depth")).to_contain_text("repeated")
     expect(page.locator("#standing li", has_text="depth")).not_to_contain_text("not repeated")
     expect(page.locator("#said")).to_contain_text("planes: depth 80 m aye")
+    for words in ("order speed 7", "order course 090", "order depth 85"):
+        assert instructor.ask(words)[0]
+    expect(page.locator("#said li").nth(5)).to_be_attached()  # six have room where three had it
+    expect(page.locator("#said li").last).to_contain_text("85 m")
 
 
 def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(

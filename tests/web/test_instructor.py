@@ -99,6 +99,23 @@ def test_time_is_let_go_made_faster_stepped_and_stopped(
     assert seconds_of(caller) == before + 0.5
 
 
+def test_bell_and_repeat_stand_beside_their_orders(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    page = settled(shared, look)
+    for words in ("bell ahead full", "order depth 90", "step 2"):
+        assert caller.ask(words)[0]
+    row = page.locator("#truth tr[data-of=turns]")
+    expect(row.locator("td").last).to_have_text("ahead full")
+    depth = page.locator("#truth tr[data-of=depth] .ordered")
+    expect(depth).to_have_text("90")
+    expect(depth).to_have_attribute("title", "not repeated yet")
+    assert shared.attach("planes").ask("aye")[0]
+    assert caller.ask("step 1")[0]
+    expect(depth).to_have_attribute("title", "")
+    expect(page.locator("td[data-waits]")).to_have_count(0)
+
+
 @pytest.mark.parametrize("way", WAYS)
 def test_a_casualty_is_given_in_its_unit_by_two_clicks_and_cleared(
     shared: Served, caller: Caller, look: Look, way: str

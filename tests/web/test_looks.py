@@ -6,7 +6,7 @@ import pytest
 from helpers import node
 from helpers.browser import Look
 from helpers.contrast import contrast
-from helpers.hands import TOO_WIDE, see_whole
+from helpers.hands import TOO_WIDE, ready, see_whole
 from helpers.lanes import sample_cases
 from helpers.pages import PALETTES, SIZES, Served
 from helpers.waiting import await_that
@@ -82,19 +82,6 @@ def test_a_palette_for_the_sun_has_the_contrast_of_the_enhanced_rule() -> None:
         for ground in ("page", "panel", "well"):
             assert contrast(bright[ink], bright[ground]) >= ENHANCED, f"{ink} on {ground}"
     assert contrast(bright["edge"], bright["panel"]) >= ENHANCED
-
-
-STANDS = """() => {
-  const all = document.querySelectorAll("*").length;
-  if (window.counted !== all) [window.counted, window.since] = [all, performance.now()];
-  return performance.now() - window.since > 300;
-}"""  # all that the first readings build is there
-
-
-def ready(page: Page) -> None:
-    """Wait until a page shows a session."""
-    expect(page.locator("[data-state=connecting]")).to_have_count(0)
-    page.wait_for_function(STANDS, polling=50)
 
 
 MOVING = "document.getAnimations().filter((each) => each.playState === 'running').length"

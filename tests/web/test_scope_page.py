@@ -17,6 +17,7 @@ TRAFFIC: Final = """\
 schema = "exercise/1"
 name = "Traffic"
 briefing = "Look round."
+light = "dusk"
 duration_s = 3600
 
 [limits]
@@ -250,3 +251,21 @@ def test_a_type_of_ship_fills_in_its_masthead_and_the_briefing_is_there_in_words
     ahead.get_by_role("button", name="Briefing").click()
     expect(ahead.locator("#briefing-text")).to_contain_text("Look round.")
     expect(ahead.locator("#briefing-text")).to_contain_text("range to a ship at least 150 m")
+
+
+# the colour of the sky, beside the wire
+SKY: Final = """() => {
+  const canvas = document.querySelector("scope-view canvas");
+  const at = [0.42, 0.25].map((part) => Math.round(part * canvas.width));
+  return [...canvas.getContext("2d").getImageData(...at, 1, 1).data];
+}"""
+
+
+@pytest.mark.usefixtures("desk")
+def test_the_light_outside_is_the_session_s_whatever_the_palette(
+    traffic: Served, look: Look
+) -> None:
+    pages = [opened(look, traffic, query=f"?palette={palette}") for palette in ("day", "night")]
+    day, night = (page.evaluate(SKY) for page in pages)
+    assert day == night
+    assert max(day[:3]) - min(day[:3]) > 20  # coloured as at dusk

@@ -13,7 +13,7 @@ from helpers.waiting import PATIENCE
 from helpers.wire import request
 from playwright.sync_api import Browser, expect
 
-from trainer.web import modules, packing
+from trainer.web import modules
 from trainer.web.gate import hash_of, page_policy
 from trainer.web.modules import SCRIPT_TAG, collect_modules, wrap_module
 from trainer.web.packing import Assets
@@ -48,8 +48,7 @@ def test_a_file_keeps_its_name_as_long_as_it_is_the_same(
         copy.write_bytes(path.read_bytes())
     with (folder / "js" / "gauges" / "course-ring.js").open("a") as script:
         script.write("const another = 1;\n")
-    for module in (packing, modules):
-        monkeypatch.setattr(module, "ASSETS_FOLDER", folder)
+    monkeypatch.setattr(modules, "ASSETS_FOLDER", folder)
     changed = Assets()
     changed.link(render(helm))
     gone = {name.split(".")[0] + name[-3:] for name in before.files.keys() - changed.files.keys()}

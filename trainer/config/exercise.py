@@ -110,6 +110,9 @@ class ExerciseHeading:
         Choices(AIDS, "aids that are allowed; else none with [[scores]], both without")
     )
     hint_marks: float = with_default(5.0, "-", within(0, 100), "marks that each hint costs; else 5")
+    light: str | None = optional(
+        Choice(("day", "dusk", "night"), "what the periscope sees by; else day")
+    )
     guard_depth_m: float | None = optional(
         Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
     )

@@ -391,6 +391,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
         aids=plan.aids if plan.crew.rules else tuple(each for each in plan.aids if each != GHOST),
         way=bool(plan.crew.rules),
         hint_marks=plan.hint_marks,
+        light=plan.light,
     )
 
 

@@ -14,7 +14,6 @@ from pathlib import PurePosixPath
 from typing import Final
 
 from trainer.web.modules import (
-    ASSETS_FOLDER,
     EXPORTED_NAME,
     FONT_URL,
     SCRIPT_TAG,
@@ -24,6 +23,7 @@ from trainer.web.modules import (
     read_font,
     wrap_modules,
 )
+from trainer.web.styles import join_styles
 
 ASSETS_ROOT: Final = "./assets/"  # of the plain names too, which no request asks for
 MEDIA_TYPES: Final = {
@@ -59,8 +59,7 @@ class Assets:
         """Return a page that asks for hashed files, and its import map."""
         (entry,) = SCRIPT_TAG.findall(html)
         name = PurePosixPath(entry).stem
-        sheets = STYLESHEET_TAG.findall(html)
-        sheet = "".join((ASSETS_FOLDER / each).read_text(encoding="utf-8") for each in sheets)
+        sheet = join_styles(STYLESHEET_TAG.findall(html))
         fonts = {each: self._keep(each, read_font(each)) for each in FONT_URL.findall(sheet)}
         sheet = FONT_URL.sub(lambda url: f'url("{PurePosixPath(fonts[url[1]]).name}")', sheet)
         tags, script_map = self._script(name, entry)

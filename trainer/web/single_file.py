@@ -26,6 +26,7 @@ from trainer.web.modules import (
     wrap_modules,
 )
 from trainer.web.pages import PAGES, order_words, render
+from trainer.web.styles import join_styles
 from trainer.web.words import said_in_script
 
 # A page in a file has no server to link to. So its link is to the boat in its own worker.
@@ -90,9 +91,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = render(
         page, said_in_tab() | causes, order_words=partial(order_words, taken), lessons=list
     )
-    sheet = "\n".join(
-        (ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in STYLESHEET_TAG.findall(html)
-    )
+    sheet = join_styles(STYLESHEET_TAG.findall(html))
     sheet = FONT_URL.sub(lambda url: f'url("{data_url(url[1])}")', sheet)
     entry = SCRIPT_TAG.findall(html)[0]
     script = close_text(bundle(entry))

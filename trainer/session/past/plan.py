@@ -94,6 +94,7 @@ class Plan:
     steps: tuple[Step, ...] = ()  # that lead a trainee
     aids: tuple[str, ...] = AIDS  # that are allowed
     hint_marks: float = 0.0  # [%] that each hint costs
+    light: str = ""  # that the periscope sees by
 
     @property
     def judged_by_tasks(self) -> bool:
@@ -211,6 +212,7 @@ def plan_run(options: RunOptions) -> Plan:
         lost=exercise.lost,
         crew=exercise.crew,
         hint_marks=heading.hint_marks,
+        light=heading.light or "",
         baseline=kept_baseline(exercise.path),
         world=exercise.world,
         steps=exercise.steps,

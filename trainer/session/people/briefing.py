@@ -43,6 +43,7 @@ BRIEFING_TITLES: Final = {
     "allowed": "allowed",
     "aids": "aids allowed",
     "hint": "marks that a hint costs",
+    "light": "light",
     "limits": "limits",
     "wins": "won by",
     "lost": "lost by",
@@ -74,6 +75,7 @@ class Briefing:
     aids: tuple[str, ...] = ()  # that are allowed
     way: bool = False  # there is a reference crew to show it
     hint_marks: float = 0.0  # that each hint costs
+    light: str = ""  # that the periscope sees by
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
@@ -106,6 +108,7 @@ class Briefing:
         yield from ((key, "yes") for key, given in yes.items() if given)
         yield from (("hint", f"{self.hint_marks:g}") for _ in range(self.way and not self.steps))
         yield from (("aids", ",".join(self.aids)) for _ in self.aids[:1])
+        yield from (("light", self.light) for _ in self.light[:1])
         if self.steps:
             yield "steps", str(self.steps)
         if self.duration is not None:

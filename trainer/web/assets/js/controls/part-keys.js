@@ -2,7 +2,7 @@
 import { html } from "../draw.js";
 import { say } from "../words.js";
 
-/** `<part-keys part="group">` with `.parts = [[name, words]...]`: sets `data-group` of the body. */
+/** `<part-keys part="group">` with `.parts = [[name, words]...]`: sets `data-group` of the body. Sections of another group are `data-away`. */
 class PartKeys extends HTMLElement {
   /** @param {[string, string][]} parts */
   set parts(parts) {
@@ -23,7 +23,11 @@ class PartKeys extends HTMLElement {
 
   /** Shows a part. @param {string} name */
   choose(name) {
-    document.body.dataset[this.#part] = name;
+    const part = this.#part;
+    document.body.dataset[part] = name;
+    for (const each of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(`section[data-${part}]`))) {
+      each.toggleAttribute("data-away", each.dataset[part] !== name);
+    }
     for (const key of this.querySelectorAll("button")) {
       key.setAttribute("aria-pressed", String(key.dataset.name === name));
     }

@@ -1,7 +1,8 @@
 // Orders to the crew: given by keypad, key and word; what stands, and what the crew has said.
 import { ask } from "../controls/question.js";
-import { bearing, clock, html, one, write } from "../draw.js";
+import { bearing, html, one, write } from "../draw.js";
 import { depthOrder, pitchOrder } from "../frame.js";
+import { entryLine } from "./log-lines.js";
 import { say } from "../words.js";
 
 /**
@@ -11,7 +12,7 @@ import { say } from "../words.js";
 
 const FOOT = 0.3048; // [m]
 const STEEPEST = 30; // [deg] of bubble
-const SAID = 3; // entries of the log
+const SAID = 20; // entries of the log: as many as have room
 /** How a key of the keypad is ordered. @type {Record<string, (number: number) => string>} */
 const KEYS = {
   "depth, m": (number) => `order depth ${number} m`,
@@ -83,11 +84,7 @@ export function showStanding(session, give) {
   list.dataset.shown = now;
   list.replaceChildren(...orders.map((order) => line(order, give)));
   if (!orders.length) list.append(html("li", { class: "quiet" }, say("none stands")));
-  one("#said").replaceChildren(
-    ...said.map(({ seconds, text }) =>
-      html("li", {}, html("time", {}, clock(seconds)), ` ${text}`),
-    ),
-  );
+  one("#said").replaceChildren(...said.map(entryLine));
 }
 
 /**

@@ -34,7 +34,7 @@ class ReportBar extends HTMLElement {
       close.before(form);
       dialog.showModal();
     };
-    dialog.onclose = () => dialog.before(form);
+    dialog.onclose = () => dialog.open || dialog.before(form); // it comes late: it may be open anew
     session.on("state", () => session.live || dialog.close());
     const key = html("button", { type: "button", class: "open", click: open }, say("Report"));
     this.replaceChildren(key, form, dialog);

@@ -31,6 +31,7 @@ const OVERLAP = 1.06; // of what is drawn over what is seen, for a view that rol
  * @property {number} roll [rad] of the boat as it is seen that way, clockwise
  * @property {number} seconds of the boat's time
  * @property {Sight[]} ships
+ * @property {string} light of the session: a name of LIGHTS
  * @property {boolean} still nothing is to move by itself
  *
  * @typedef {{ scene: Scene, light: Light, radius: number, name: string }} Wired wires and tube, and
@@ -67,7 +68,7 @@ class ScopeView extends Chart {
     /** @type {Scene | null} */
     this.scene = null;
     this.mask = document.createElement("canvas");
-    this.made = ""; // of what size, power and palette it is
+    this.made = ""; // of what size, power and light it is
     this.looks = ""; // of the scene that is drawn
     this.washed = -Infinity; // [s] when the glass was last under water
     this.eye = 0; // [m] over the waves
@@ -93,13 +94,12 @@ class ScopeView extends Chart {
     if (!scene || !area) return;
     const { pen, width, height } = area;
     const radius = 0.5 * Math.min(width, height) - 2;
-    const palette = document.documentElement.dataset.palette ?? "dusk";
-    const light = LIGHTS[palette === "bright" ? "day" : palette] ?? LIGHTS.dusk;
+    const light = LIGHTS[scene.light];
     const shown = scene.view === "" || scene.view === "down" ? "dark" : this.look(scene, area, radius, light);
     this.dataset.view = shown;
     if (shown === "dark") this.tell(area, scene.words, light.ink);
     else {
-      this.cover(area, { scene, light, radius, name: `${palette} ${scene.power}` });
+      this.cover(area, { scene, light, radius, name: `${scene.light} ${scene.power}` });
       pen.lineWidth = 1.2;
       tape(area, { scene, radius, scale: scaleOf(scene, radius), ink: light.ink });
     }
@@ -173,7 +173,7 @@ class ScopeView extends Chart {
     pen.restore();
   }
 
-  /** Draws the wires and the tube round the view, once for a size, a power and a palette. @param {HTMLCanvasElement} canvas @param {number} ratio @param {Wired} wired */
+  /** Draws the wires and the tube round the view, once for a size, a power and a light. @param {HTMLCanvasElement} canvas @param {number} ratio @param {Wired} wired */
   makeTube({ width, height }, ratio, wired) {
     const { mask } = this;
     [mask.width, mask.height] = [width, height];
@@ -215,9 +215,9 @@ function nearness(ship, eye) {
 }
 
 /** Returns all of a scene that makes a difference to the picture, but its ships. @param {Scene} scene */
-function looksOf({ view, words, power, train, bearing: towards, head, roll, seconds }) {
+function looksOf({ view, words, power, train, bearing: towards, head, roll, seconds, light }) {
   if (view === "" || view === "down") return words;
-  return [view, power, ...[train, towards, head, roll].map((each) => each.toFixed(4)), seconds.toFixed(3)].join();
+  return [view, power, light, ...[train, towards, head, roll].map((each) => each.toFixed(4)), seconds.toFixed(3)].join();
 }
 
 /** Returns how large a radian is [px]. @param {Scene} scene @param {number} radius */

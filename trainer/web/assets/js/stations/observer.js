@@ -13,10 +13,10 @@ import { furnish, orderedLine } from "../frame.js";
 import { giver, seldom, showReadouts } from "./readouts.js";
 import { showInstruments } from "./instruments.js";
 import { showTanks } from "../tanks/panel.js";
-import { clock, html, one, write } from "../draw.js";
+import { one, write } from "../draw.js";
+import { keepLog } from "../crew/log-lines.js";
 import { say } from "../words.js";
 
-const SHOWN = 60; // entries of the log
 const SPAN = 300; // [s] of the charts
 /** Where each chart's quantity is shown, and where its order stands. */
 const PLOTTED = {
@@ -61,15 +61,6 @@ const show = seldom(() => {
 });
 for (const what of ["tick", "ranges", "crew"]) session.on(what, show);
 one("tank-mimic").addEventListener("choose", show);
-session.on("log", () => {
-  const list = one("#log");
-  const entries = session.log.slice(-SHOWN);
-  list.replaceChildren(
-    ...entries.map(({ seconds, text }) =>
-      html("li", {}, html("time", {}, clock(seconds)), html("span", {}, text)),
-    ),
-  );
-  list.scrollTop = list.scrollHeight;
-});
+keepLog(session);
 showInstruments(session);
 session.start();

@@ -183,6 +183,7 @@ function draw() {
   view.show({
     ...{ view: session.word("scope.view"), words: dark(), power: session.number("scope.power") ?? 1.5 },
     ...{ train: at + swung * DEGREE, bearing: bearingNow() + swung, head: head ?? 0 },
+    light: session.exercise.light ?? "day",
     ...{ roll: motion.calm.matches ? 0 : -tilt * DEGREE, ships, still: motion.calm.matches },
     seconds: (session.readings.latest.get("swell")?.seconds ?? 0) + later,
   });

@@ -14,12 +14,12 @@ import { limitsOf } from "../model/limits.js";
 import { plantRows } from "../plant/panel.js";
 import { furnishPlant } from "../plant/window.js";
 import { TankPanel } from "../tanks/panel.js";
-import { clock, html, one, write } from "../draw.js";
+import { one, write } from "../draw.js";
+import { keepLog } from "../crew/log-lines.js";
 import { give, nudge, session } from "./steering.js";
 import { seldom } from "./readouts.js";
 import { say } from "../words.js";
 
-const SHOWN = 60; // entries of the log
 const SPAN = 300; // [s] of the charts
 /** Where each chart's quantity is shown, and where its order stands. */
 const PLOTTED = {
@@ -130,10 +130,4 @@ session.on("exercise", () => {
   opened = title;
   choose(HAND.find(([axis]) => hand.split(",").includes(axis))?.[1] ?? "steer");
 });
-session.on("log", () => {
-  const entries = session.log.slice(-SHOWN);
-  one("#log").replaceChildren(
-    ...entries.map(({ seconds, text }) => html("li", {}, html("time", {}, clock(seconds)), html("span", {}, text))),
-  );
-  one("#log").scrollTop = one("#log").scrollHeight;
-});
+keepLog(session);
