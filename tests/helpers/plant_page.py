@@ -54,6 +54,16 @@ def close_plant(page: Page, way: str = "mouse") -> None:
     expect(page.locator("#plant")).to_be_hidden()
 
 
+def work_safe_depth(page: Page, way: str = "mouse") -> None:
+    """Open the window of the safe depth by its key, and close it by its own."""
+    opener, window = page.locator("#open-safe"), page.locator("#safe")
+    expect(opener).to_be_visible()
+    work(page, opener, way)
+    expect(window).to_be_visible()
+    work(page, window.locator("h2 button"), way)
+    expect(window).to_be_hidden()
+
+
 def work_window(page: Page, caller: Caller, way: str) -> None:
     """Work every key of the window's rows, and await what the session and the page say of it."""
     for row, key, field, stands in PLANT_KEYS:

@@ -29,7 +29,7 @@ from helpers.hands import (
 )
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
-from helpers.plant_page import work_supplies
+from helpers.plant_page import work_safe_depth, work_supplies
 from helpers.waiting import await_that
 from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 from soak.session_process import Caller
@@ -140,6 +140,7 @@ def test_every_control_reaches_the_boat(
     report(page, f"steady by {way}", way)
     assert heard(instructor, f"steady by {way}")
     work_frame(page, way)
+    work_safe_depth(page, way)
     assert page.evaluate(UNWORKED) == []
 
 
