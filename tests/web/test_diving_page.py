@@ -20,7 +20,7 @@ from helpers.hands import (
 )
 from helpers.lanes import sample_cases
 from helpers.pages import SIZES, Served
-from helpers.plant_page import close_plant, open_plant, work_safe_depth
+from helpers.plant_page import close_plant, open_plant
 from playwright.sync_api import Page, expect
 from soak.session_process import Caller
 
@@ -269,7 +269,6 @@ def test_an_observer_marks_a_moment_and_works_nothing_else(
         expect(tank).to_have_attribute("aria-pressed", "true")
     work(page, page.get_by_label("Remark"), way)
     work_frame(page, way)
-    work_safe_depth(page, way)
     open_plant(page, way)
     close_plant(page, way)
     assert page.evaluate(UNWORKED) == []
