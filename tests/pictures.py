@@ -42,11 +42,12 @@ PICTURES = (
     ("helm", (80, 24), 140.0),
     ("ballast", (80, 24), 150.0),
 )
-PAGE_PICTURES = (  # of docs/browser.md: page, size, palette
+PAGE_PICTURES = (  # of the documents: page, size, palette
     ("instructor", "desk", "dusk"),
     ("helm", "laptop", "dusk"),
     ("ballast", "tablet", "day"),
     ("pilot", "phone", "night"),
+    ("planes", "laptop", "day"),
     ("scope", "laptop", "dusk"),
     ("wall", "laptop", "dusk"),
     ("kiosk", "tablet", "dusk"),
@@ -152,6 +153,8 @@ def draw_page(browser: Browser, session: Served, what: tuple[str, str, str], pat
         if name == "kiosk":
             page.locator("#start").click()
         page.wait_for_selector(THERE)
+        if name == "planes":
+            page.locator("#open-safe").click()
         page.wait_for_timeout(4000)  # pointers settle, and the past has come
         page.screenshot(path=path)
 
