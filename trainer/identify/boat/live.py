@@ -67,22 +67,22 @@ class LiveRecord:
     seconds: list[float] = field(default_factory=list)  # of the rows
     forgotten: int = 0  # readings that were the first of this record
     number: int = 0  # of records begun
+    latest: int = -1  # tick that was heard of
 
     def __post_init__(self) -> None:
         self._signs = turning_signs(self.vessel.file.coefficients)
         self._coming: dict[str, float] = {}  # of the tick that is being told
         self._heard: set[str] = set()
-        self._tick = -1
 
     def hear(self, channel: str, tick: int, seconds: float, values: Mapping[str, str]) -> str:
         """Take what a channel shows at a tick; return why the record begins anew, "" if not."""
         if channel not in SHOWN_FIELDS:
             return ""
         why = ""
-        if tick != self._tick:
-            if tick < self._tick:
+        if tick != self.latest:
+            if tick < self.latest:
                 why = self.begin("time has gone back")
-            self._tick, self._coming, self._heard = tick, {}, set()
+            self.latest, self._coming, self._heard = tick, {}, set()
         for name, (taken, size) in SHOWN_FIELDS[channel].items():
             text = values.get(name, "")
             sign = self._signs[taken] or 1.0 if taken in SURFACE_CHANNELS else 1.0
