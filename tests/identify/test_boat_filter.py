@@ -193,3 +193,34 @@ def test_roots_and_inverses_are_exact_and_take_a_singular_matrix() -> None:
         singular, abs=1e-9
     )
     assert invert_positive(whole) == pytest.approx(np.linalg.inv(whole), rel=1e-10)
+
+
+def heave_at_middle(w: float, state: np.ndarray, boat: object, record: RecordNumbers) -> float:
+    """Return the heave [m/s] at the middle of the first step, of a boat that begins with ``w``."""
+    begun = state.copy()
+    begun[STATE.W] = w
+    whole = record._replace(interval=record.interval / record.steps, steps=1)
+    return 0.5 * float(w + sail_controls(boat, whole, begun)[1, STATE.W])
+
+
+def test_no_slope_is_taken_across_the_sign_of_heave() -> None:
+    """A force has a step there (Z_waq), and the slope across it would be that of a wall."""
+    values = BB2.values.copy()
+    values[PARAMETER_NAMES.index("Z_waq")] = -0.008
+    boat, record = BB2.numbers(values), fixed_record(0.0)
+    still = np.repeat(record.inputs[:1], 2, axis=0)
+    record = record._replace(readings=np.full((2, CHANNEL_COUNT), np.nan), inputs=still)
+    state = fixed_start().state.copy()
+    state[[STATE.V, STATE.Q]] = 0.8, 0.01
+    low, high = -0.5, 0.5
+    for _ in range(60):  # until the heave at the middle is a hair below zero
+        between = 0.5 * (low + high)
+        above = heave_at_middle(between, state, boat, record) > -5e-7
+        low, high = (low, between) if above else (between, high)
+    assert -1e-6 < heave_at_middle(low, state, boat, record) < 0.0
+    ends = []
+    for w in (low, low - 1e-3):
+        state[STATE.W] = w
+        start = fixed_start()._replace(state=state.copy())
+        ends.append(filter_record(boat, record, start, 0).covariance)
+    assert ends[0] == pytest.approx(ends[1], rel=0.01, abs=1e-6)
