@@ -10,6 +10,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 from trainer.core import full
+from trainer.core.kernel import Numbers
 from trainer.core.kinematics import attitude_of
 from trainer.core.terms import COEFFICIENTS
 from trainer.identify.boat.filter import (
@@ -22,7 +23,13 @@ from trainer.identify.boat.filter import (
     sail_controls,
 )
 from trainer.identify.boat.matrices import invert_positive, root_of_covariance
-from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_COUNT, write_rates
+from trainer.identify.boat.motion import (
+    MOTION_COUNT,
+    STATE,
+    STATE_COUNT,
+    BoatNumbers,
+    write_rates,
+)
 from trainer.identify.boat.regressors import (
     ATOM_PLACES,
     FITTED_TERMS,
@@ -195,7 +202,7 @@ def test_roots_and_inverses_are_exact_and_take_a_singular_matrix() -> None:
     assert invert_positive(whole) == pytest.approx(np.linalg.inv(whole), rel=1e-10)
 
 
-def heave_at_middle(w: float, state: np.ndarray, boat: object, record: RecordNumbers) -> float:
+def heave_at_middle(w: float, state: Numbers, boat: BoatNumbers, record: RecordNumbers) -> float:
     """Return the heave [m/s] at the middle of the first step, of a boat that begins with ``w``."""
     begun = state.copy()
     begun[STATE.W] = w

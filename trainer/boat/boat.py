@@ -49,7 +49,7 @@ def _getter(names: tuple[str, ...]) -> "itemgetter[Any]":
 
 
 def turning_signs(coefficients: Mapping[str, float]) -> dict[str, float]:
-    """Return by surface the sign of a deflection that turns right or lifts; 0 without effect.
+    """Return by surface which sign turns right or lifts; 0 without effect.
 
     The coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
     lift.

@@ -55,7 +55,7 @@ def address_path() -> Path:
 
 
 def left_token(url: str | None) -> str | None:
-    """Return the token that a session has left for this user, if `url` is its address or None."""
+    """Return the token that a session has left, where `url` is its address or None."""
     address, token = left_address()
     return token or None if url in (None, address) else None
 

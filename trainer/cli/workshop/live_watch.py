@@ -1,4 +1,4 @@
-"""The watch of a boat that is under way: a client of a session that tells its instructor.
+"""The watch of a boat under way, which tells the instructor of its session.
 
 It is an observer like any other: a process of its own, for which the boat waits no more than for a
 page. ``identify/boat/live`` makes a record of what it hears, and judges it in a thread.
@@ -15,14 +15,12 @@ from typing import Final
 from trainer.config.files import ConfigError
 from trainer.console.client import Client, Item, LineLoss, RoleRefusal, RoleTaken
 from trainer.console.readings import ChannelReadings
-from trainer.identify.boat.altered import window_rows
 from trainer.identify.boat.live import (
     SHOWN_FIELDS,
     LiveRecord,
     LiveVerdict,
     state_words,
 )
-from trainer.identify.boat.trial import Trial
 from trainer.identify.boat.watch import BoatWatch, WatchFiles, watch_boat
 from trainer.io import paths
 from trainer.io.orders.sentences import Sentence
@@ -117,24 +115,18 @@ class SessionWatch:
             return
         if len(self.record.rows) < self._due_rows:
             return
+        self._due_rows = len(self.record.rows) + self.record.window_rows
         try:
-            trial = self.record.trial()
+            files = replace(self.files, trials=(self.record.trial(),))
         except ConfigError as error:
             self._wait_for(str(error))
-            self._due_rows = len(self.record.rows) + self._window(2.0)
             return
-        self._due_rows = len(self.record.rows) + self._window(trial.interval)
         self._judging, self._begun_at = True, time.monotonic()
         place = self.record.number, self.record.seconds[0]
-        threading.Thread(target=self._judge, args=(trial, *place), daemon=True).start()
+        threading.Thread(target=self._judge, args=(files, *place), daemon=True).start()
 
-    def _window(self, interval: float) -> int:
-        """Return the readings from judgement to judgement."""
-        return window_rows(self.record.vessel, interval)
-
-    def _judge(self, trial: Trial, number: int, begun: float) -> None:
+    def _judge(self, files: WatchFiles, number: int, begun: float) -> None:
         """Judge a record in a thread."""
-        files = replace(self.files, trials=(trial,))
         try:
             self._found.put(Judgement(number, begun, (files, watch_boat(files))))
         except ConfigError as error:
@@ -169,7 +161,7 @@ def watch_session(
     biases: Mapping[str, float],
     tell: Callable[[str], None],
 ) -> tuple[WatchFiles, BoatWatch] | None:
-    """Watch a session until it ends or Ctrl-C; return what was found last, None for nothing.
+    """Watch a session until it ends or Ctrl-C; return the last verdict, None without.
 
     ConfigError where there is no session, or one of another boat.
     """

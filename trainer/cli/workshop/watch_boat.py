@@ -53,7 +53,7 @@ def watch(**options: Any) -> None:
 
 
 def carry_out(options: dict[str, Any]) -> "BoatWatch":
-    """Watch a boat by records as the options say, and write the page if asked for."""
+    """Watch a boat by records as the options say, and write its page."""
     from trainer.boat.compilation import announce_compiling
     from trainer.identify.boat.instruments import instruments_of
     from trainer.identify.boat.watch import open_watch, watch_boat
@@ -71,7 +71,7 @@ def carry_out(options: dict[str, Any]) -> "BoatWatch":
 
 
 def follow_session(options: dict[str, Any]) -> "BoatWatch | None":
-    """Watch the boat of a session until it ends; return what was found last, None for nothing."""
+    """Watch the boat of a session to its end; return the last verdict, None without."""
     from trainer.boat.compilation import announce_compiling
     from trainer.cli.workshop.live_watch import watch_session
     from trainer.identify.boat.instruments import instruments_of

@@ -1,4 +1,4 @@
-"""A watch of a boat that is under way: what a session shows becomes a record, and is judged.
+"""A session that goes on as a record that a watch can judge.
 
 A session shows its gauges tick by tick. Here they become the record that its recording would be, so
 that the watch of ``watch`` says the same of both. A jump in time, a gap, or a boat near the surface
@@ -17,6 +17,7 @@ from trainer.boat.boat import turning_signs
 from trainer.config.files import ConfigError, raise_problems
 from trainer.identify.boat.altered import WINDOW_LENGTHS, window_rows
 from trainer.identify.boat.trial import (
+    INTERVAL_RANGE_S,
     MIN_READINGS,
     SLOWEST_M_S,
     Trial,
@@ -59,7 +60,7 @@ REMARK_LETTERS: Final = 52  # that the line of a mark has room for
 
 @dataclass
 class LiveRecord:
-    """What a session has shown since the record was begun, a row for each tick that is needed."""
+    """What a session has shown since the record was begun, by tick."""
 
     vessel: FittedVessel
     biases: Mapping[str, float] = field(default_factory=dict)  # of Instruments
@@ -75,7 +76,7 @@ class LiveRecord:
         self._heard: set[str] = set()
 
     def hear(self, channel: str, tick: int, seconds: float, values: Mapping[str, str]) -> str:
-        """Take what a channel shows at a tick; return why the record begins anew, "" if not."""
+        """Take what a channel shows; return why the record begins anew, "" if not."""
         if channel not in SHOWN_FIELDS:
             return ""
         why = ""
@@ -120,6 +121,13 @@ class LiveRecord:
         self.seconds.append(seconds)
         return why
 
+    @property
+    def window_rows(self) -> int:
+        """Return the readings from judgement to judgement."""
+        steps = np.diff(self.seconds)
+        interval = float(np.median(steps)) if len(steps) else INTERVAL_RANGE_S[1]
+        return window_rows(self.vessel, interval)
+
     def trial(self) -> Trial:
         """Return the record of the windows that count; ConfigError why it cannot be judged yet.
 
@@ -127,9 +135,9 @@ class LiveRecord:
         """
         if len(self.rows) < MIN_READINGS:
             raise ConfigError(f"{len(self.rows)} of {MIN_READINGS} readings have come")
-        interval = float(np.median(np.diff(self.seconds)))
-        old = len(self.rows) - 1 - MEMORY_WINDOWS * window_rows(self.vessel, interval)
+        old = len(self.rows) - 1 - MEMORY_WINDOWS * self.window_rows
         if old > 0:
+            interval = float(np.median(np.diff(self.seconds)))
             self.forgotten += round((self.seconds[old] - self.seconds[0]) / interval)
             self.rows, self.seconds = dict([*self.rows.items()][old:]), self.seconds[old:]
         rows = [*self.rows.values()]
@@ -177,7 +185,7 @@ def change_remarks(change: BoatChange, begun: float) -> Iterator[str]:
 
 
 def state_words(report: BoatWatch, begun: float) -> str:
-    """Return in one line how far a boat now is from the one that was fitted."""
+    """Return how far a boat now is from the one that was fitted."""
     latest = [row[-1] for row in report.deviations]
     at = int(np.argmax(latest))
     return (

@@ -363,7 +363,7 @@ def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
 
 
 def least_depth(vessel: FittedVessel) -> float | None:
-    """Return how deep [m] a boat must be for the surface not to act; None where that is unknown."""
+    """Return the depth [m] below which no surface acts, None where it is unknown."""
     width = vessel.file.hull.diameter or vessel.file.hull.beam
     return None if width is None else MIN_DEPTH_DIAMETERS * width
 

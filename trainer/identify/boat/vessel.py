@@ -77,7 +77,7 @@ class FittedVessel:
         return mass_matrix(self.body(values[-1]), added)
 
     def has_inertia(self, values: Numbers) -> bool:
-        """Return whether each motion of a boat of parameters (m,) has inertia, as all bodies do."""
+        """Return whether each motion has inertia, for parameters (m,)."""
         mass = self.mass(values)
         return bool(np.linalg.eigvalsh(0.5 * (mass + mass.T))[0] > 0.0)
 
