@@ -13,6 +13,7 @@ from trainer.core import full
 from trainer.core.kernel import Numbers
 from trainer.core.kinematics import attitude_of
 from trainer.core.terms import COEFFICIENTS
+from trainer.identify.boat.figures import sail_figures
 from trainer.identify.boat.filter import (
     CHANNEL_COUNT,
     FilterResult,
@@ -231,3 +232,13 @@ def test_no_slope_is_taken_across_the_sign_of_heave() -> None:
         start = fixed_start()._replace(state=state.copy())
         ends.append(filter_record(boat, record, start, 0).covariance)
     assert ends[0] == pytest.approx(ends[1], rel=0.01, abs=1e-6)
+
+
+def test_a_boat_that_lacks_inertia_sails_no_figure() -> None:
+    values = BB2.values.copy()
+    assert BB2.has_inertia(values)
+    values[PARAMETER_NAMES.index("K_pdot")] = 1e-3
+    assert not BB2.has_inertia(values)
+    sailed = [*sail_figures(BB2.with_values(values))]
+    assert sailed
+    assert all(flight is None for _, _, flight in sailed)
