@@ -87,6 +87,19 @@ IDENTIFY: dict[str, Case] = {
     "joint": (True, "joint", True),
     "matrices": (True, "matrices", True),
 }
+WATCH_BOAT: dict[str, Case] = {
+    "html": ("page.html", "html", Path("page.html")),
+    "columns": ("depth=z:m", "columns", ("depth=z:m",)),
+    "bias": ("pitch=1", "bias", ("pitch=1",)),
+    "gauge_x": (2, "gauge_x", 2.0),
+    "late": (1, "late", 1.0),
+}
+FIT_BOAT: dict[str, Case] = {
+    **WATCH_BOAT,
+    "hold_out": (str(RECORD), "hold_out", (RECORD,)),
+    "output": ("fitted.toml", "output", Path("fitted.toml")),
+    "draws": (3, "draws", 3),
+}
 
 
 class ArrivedError(Exception):
@@ -111,6 +124,12 @@ FACES = {
     "fit": Face(
         partial(trainer.identify_ship, RECORD), IDENTIFY, f"{WORKSHOP}.identify.fit_ship", "scipy"
     ),
+    "fit_boat": Face(
+        partial(trainer.fit_boat, RECORD, "bb2"), FIT_BOAT, f"{WORKSHOP}.fit_boat.carry_out"
+    ),
+    "watch_boat": Face(
+        partial(calls.watch_boat, "bb2", RECORD), WATCH_BOAT, f"{WORKSHOP}.watch_boat.carry_out"
+    ),
 }
 
 
@@ -121,6 +140,8 @@ FACES = {
         (MANOEUVRE, calls.ManoeuvreOptions),
         (SWEEP, calls.SweepOptions),
         (IDENTIFY, calls.IdentifyOptions),
+        (FIT_BOAT, calls.FitBoatOptions),
+        (WATCH_BOAT, calls.WatchBoatOptions),
     ],
 )
 def test_every_keyword_has_a_case(cases: dict[str, Case], options: type[Any]) -> None:

@@ -88,6 +88,19 @@ def test_a_boat_that_was_not_fitted_is_refused_with_what_to_do(folder: Path) -> 
     assert "trainer boat fit RECORD..." in told
 
 
+@pytest.mark.long
+def test_options_of_records_and_of_sessions_are_not_mixed(folder: Path, fitted: Path) -> None:
+    done = typed(fitted, folder / "same.csv", "--token", "WORD")
+    assert "--token: is of a session, and records are given" in str(done.exception or done.output)
+    done = typed(fitted, "--late", 2.0)
+    assert "--late: is of records, and none is given" in str(done.exception or done.output)
+    done = typed(fitted, "--connect", folder / "none")
+    assert done.exit_code != 0
+    told = str(done.exception or done.output)
+    assert "no session listens there" in told
+    assert "or name records to watch" in told
+
+
 def test_wrong_words_and_files_are_refused(folder: Path) -> None:
     own, page = folder / "own.toml", folder / "never.html"
     for words in ((own,), (own, folder / "none.csv"), (own, folder / "one.csv", "--html", own)):

@@ -13,7 +13,9 @@ from typing import Any
 
 from helpers.places import ROOT
 
-NOTEBOOKS = [ROOT / "docs" / name for name in ("first-hour.ipynb", "identification.ipynb")]
+NOTEBOOKS = [
+    ROOT / "docs" / name for name in ("first-hour.ipynb", "identification.ipynb", "own-boat.ipynb")
+]
 
 
 def cells(path: Path) -> list[dict[str, Any]]:

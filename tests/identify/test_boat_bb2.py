@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from helpers.bb2_trials import ERRORS, estimated_bb2, four_trials, sail, vertical, zigzag
+from helpers.bb2_trials import estimated_bb2, four_trials, sail, vertical, zigzag
+from helpers.held_bands import SURE, inside, scores, told
 
 from trainer.config.vessel import load_vessel
-from trainer.core.kernel import Numbers
 from trainer.identify.boat import search
-from trainer.identify.boat.figures import FigureBand, figure_bands, figures_of
+from trainer.identify.boat.figures import FigureBand, figure_bands
 from trainer.identify.boat.filter import CHANNEL_NAMES, GROUND_CHANNEL, SPEED_CHANNEL
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.motion import STATE
@@ -30,9 +30,6 @@ from trainer.identify.boat.vessel import FittedVessel
 pytestmark = pytest.mark.slow
 
 SEEDS = (1, 2, 3)
-SURE = 1.96  # standard deviations: 95 %
-DRAWN_BOATS = range(1, 41)  # to sail until thirty of them have flown their trials
-COVERED_BOATS = 30
 
 
 class Fitted(NamedTuple):
@@ -62,37 +59,6 @@ def fitted(prior: Prior, seed: int) -> Fitted:
     found = search.fit_trials(prior, [*map(without_unflown, four_trials(boat, seed))])
     bands = figure_bands(prior.vessel, found.posterior, 100, lambda _: None)
     return Fitted(found, bands, sail(boat, zigzag(20.0, 10.0), 10.0, 600, 1000 + seed, "held out"))
-
-
-class Told(NamedTuple):
-    """A figure with its band, and the truth."""
-
-    value: float
-    sd: float
-    low: float
-    high: float
-    truth: float
-
-
-def told(bands: tuple[FigureBand, ...], truth: FittedVessel) -> dict[str, Told]:
-    """Return the figures that boat and fit come to, by name."""
-    figures, found = figures_of(truth.file), {}
-    for one in bands:
-        numbers = (one.value, one.sd, one.low, one.high, figures[one.name, one.unit])
-        if None not in numbers:
-            found[one.name] = Told(*map(float, numbers))  # type: ignore[arg-type]
-    return found
-
-
-def inside(bands: tuple[FigureBand, ...], truth: FittedVessel) -> list[bool]:
-    """Return for each figure that boat and fit come to whether its band holds the truth."""
-    return [one.low <= one.truth <= one.high for one in told(bands, truth).values()]
-
-
-def scores(found: search.FitResult, truth: Numbers) -> Numbers:
-    """Return how far each coefficient lies from the truth, in its own deviations."""
-    moving = found.posterior.sd > 0.0
-    return np.asarray((truth - found.posterior.values)[moving] / found.posterior.sd[moving])
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -132,37 +98,6 @@ def test_two_fits_one_after_the_other_agree_with_one(prior: Prior, tmp_path: Pat
     off = (second.posterior.values - both.posterior.values)[moving] / both.posterior.sd[moving]
     assert np.sqrt(np.mean(off**2)) < 0.3
     assert np.abs(off).max() < 1.0
-
-
-def test_bands_hold_over_boats_drawn_from_the_estimate(prior: Prior) -> None:
-    vessel, figures, coefficients = prior.vessel, list[bool](), list[Numbers]()
-    for number in DRAWN_BOATS:
-        values = prior.draw(1000 + number)
-        boat = vessel.numbers(values)
-        trials = [
-            sail(boat, zigzag(10.0, 10.0), 10.0, 450, 100 * number, "zigzag"),
-            sail(boat, vertical(10.0), 10.0, 500, 100 * number + 1, "vertical"),
-        ]
-        if not all(flies(one) for one in trials):
-            continue
-        found = search.fit_trials(prior, [*map(without_unflown, trials)])
-        bands = figure_bands(vessel, found.posterior, 40, lambda _: None)
-        figures += inside(bands, FittedVessel(vessel.with_values(values)))
-        coefficients.append(scores(found, values))
-        if len(coefficients) == COVERED_BOATS:
-            break
-    assert len(coefficients) == COVERED_BOATS
-    print(f"figures {np.mean(figures):.3f} of {len(figures)}")
-    print(f"coefficients {np.mean(np.abs(coefficients) < SURE):.3f}")
-    assert 0.90 < np.mean(figures) < 0.98
-    assert 0.89 < np.mean(np.abs(coefficients) < SURE) < 0.97
-
-
-def flies(trial: Trial) -> bool:
-    """Return whether a boat sailed its trial to the end, pitched by less than 35 degrees."""
-    read = trial.readings[:, : len(ERRORS)]
-    pitch = trial.readings[:, CHANNEL_NAMES.index("pitch")]
-    return bool(np.isfinite(read).all() and np.abs(pitch).max() < 0.6)
 
 
 def without_depth(trial: Trial) -> Trial:

@@ -10,8 +10,10 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 from trainer.core import full
+from trainer.core.kernel import Numbers
 from trainer.core.kinematics import attitude_of
 from trainer.core.terms import COEFFICIENTS
+from trainer.identify.boat.figures import sail_figures
 from trainer.identify.boat.filter import (
     CHANNEL_COUNT,
     FilterResult,
@@ -22,7 +24,13 @@ from trainer.identify.boat.filter import (
     sail_controls,
 )
 from trainer.identify.boat.matrices import invert_positive, root_of_covariance
-from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_COUNT, write_rates
+from trainer.identify.boat.motion import (
+    MOTION_COUNT,
+    STATE,
+    STATE_COUNT,
+    BoatNumbers,
+    write_rates,
+)
 from trainer.identify.boat.regressors import (
     ATOM_PLACES,
     FITTED_TERMS,
@@ -193,3 +201,44 @@ def test_roots_and_inverses_are_exact_and_take_a_singular_matrix() -> None:
         singular, abs=1e-9
     )
     assert invert_positive(whole) == pytest.approx(np.linalg.inv(whole), rel=1e-10)
+
+
+def heave_at_middle(w: float, state: Numbers, boat: BoatNumbers, record: RecordNumbers) -> float:
+    """Return the heave [m/s] at the middle of the first step, of a boat that begins with ``w``."""
+    begun = state.copy()
+    begun[STATE.W] = w
+    whole = record._replace(interval=record.interval / record.steps, steps=1)
+    return 0.5 * float(w + sail_controls(boat, whole, begun)[1, STATE.W])
+
+
+def test_no_slope_is_taken_across_the_sign_of_heave() -> None:
+    """A force has a step there (Z_waq), and the slope across it would be that of a wall."""
+    values = BB2.values.copy()
+    values[PARAMETER_NAMES.index("Z_waq")] = -0.008
+    boat, record = BB2.numbers(values), fixed_record(0.0)
+    still = np.repeat(record.inputs[:1], 2, axis=0)
+    record = record._replace(readings=np.full((2, CHANNEL_COUNT), np.nan), inputs=still)
+    state = fixed_start().state.copy()
+    state[[STATE.V, STATE.Q]] = 0.8, 0.01
+    low, high = -0.5, 0.5
+    for _ in range(60):  # until the heave at the middle is a hair below zero
+        between = 0.5 * (low + high)
+        above = heave_at_middle(between, state, boat, record) > -5e-7
+        low, high = (low, between) if above else (between, high)
+    assert -1e-6 < heave_at_middle(low, state, boat, record) < 0.0
+    ends = []
+    for w in (low, low - 1e-3):
+        state[STATE.W] = w
+        start = fixed_start()._replace(state=state.copy())
+        ends.append(filter_record(boat, record, start, 0).covariance)
+    assert ends[0] == pytest.approx(ends[1], rel=0.01, abs=1e-6)
+
+
+def test_a_boat_that_lacks_inertia_sails_no_figure() -> None:
+    values = BB2.values.copy()
+    assert BB2.has_inertia(values)
+    values[PARAMETER_NAMES.index("K_pdot")] = 1e-3
+    assert not BB2.has_inertia(values)
+    sailed = [*sail_figures(BB2.with_values(values))]
+    assert sailed
+    assert all(flight is None for _, _, flight in sailed)

@@ -209,3 +209,13 @@ def test_an_unknown_figure_is_told_with_the_nearest() -> None:
 def test_waters_that_no_trial_keeps_are_told_with_what_it_needs(own: Path) -> None:
     with pytest.raises(ConfigError, match=r"needs \d+ m of room.*give more --room"):
         planned(own, "20m")
+
+
+@pytest.mark.parametrize(("hull", "orders"), [("small-boat", 1), ("remus100", 0)])
+def test_bow_planes_are_ordered_only_of_a_boat_that_has_some(
+    tmp_path: Path, hull: str, orders: int
+) -> None:
+    vessel = read_prior(str(estimated_boat(tmp_path, hull))).vessel
+    leg, waters = BY_NAME["vertical zig-zag 8/5"], waters_of(vessel, None, None)
+    sailed = sail_legs(vessel, vessel.values, [leg], 60.0, waters)
+    assert [words for _, words in sailed.orders].count("bow planes zero") == orders

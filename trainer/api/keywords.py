@@ -58,7 +58,8 @@ def _words(command: click.Command, name: str, value: object) -> list[str]:
             raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {known}.")
         return flags[value]
     values = value if option.multiple and isinstance(value, list | tuple) else [value]
-    return [f"{option.opts[0]}={each}" for each in values]
+    whole = max(option.opts, key=len)  # of "-o" alone the sign of equality would be a value's
+    return [f"{whole}={each}" for each in values]
 
 
 def _names(option: click.Option) -> set[str]:

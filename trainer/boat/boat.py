@@ -48,6 +48,20 @@ def _getter(names: tuple[str, ...]) -> "itemgetter[Any]":
     return itemgetter(*(TICK_OFFSET if name == "t" else STATE_OFFSETS[name] for name in names))
 
 
+def turning_signs(coefficients: Mapping[str, float]) -> dict[str, float]:
+    """Return by surface which sign turns right or lifts; 0 without effect.
+
+    The coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
+    lift.
+    """
+    effects = {
+        "rudder": coefficients["N_dr"],
+        "stern": coefficients["M_ds"],
+        "bow": -coefficients["Z_db"],
+    }
+    return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
+
+
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
 
@@ -59,17 +73,7 @@ class Boat:
         """Fit the boat out; it lies still at the surface until ``start``."""
         self.file = file
         self.method = method
-        # The sign of a deflection that turns right or makes the boat rise, 0 without effect. The
-        # coefficients carry it: rudder by yawing moment, stern planes by pitching moment, bow by
-        # lift.
-        effects = {
-            "rudder": file.coefficients["N_dr"],
-            "stern": file.coefficients["M_ds"],
-            "bow": -file.coefficients["Z_db"],
-        }
-        self.toward = {
-            name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()
-        }
+        self.toward = turning_signs(file.coefficients)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
         self.take_records(fit_out(file, method))

@@ -29,8 +29,7 @@ LEAVE_TIMEOUT_S: Final = 3.0  # [s] for a screen that is asked to end
 
 def attend_session(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
-    address = paths.left_address()  # where the system has no local sockets
-    token = token or (address[1] if url in (None, address[0]) else None) or None
+    token = token or paths.left_token(url)  # where the system has no local sockets
     visit = Visit.prepare(lambda: url or paths.nearest_session(), role, token)
     try:
         visit.client.dial()

@@ -54,6 +54,12 @@ def address_path() -> Path:
     return socket_path().with_suffix(".address")
 
 
+def left_token(url: str | None) -> str | None:
+    """Return the token that a session has left, where `url` is its address or None."""
+    address, token = left_address()
+    return token or None if url in (None, address) else None
+
+
 def leave_address(url: str, token: str) -> None:
     """Leave the session's address and its token for this user's stations."""
     path = address_path()

@@ -94,15 +94,22 @@ def figures_of(file: VesselFile) -> dict[tuple[str, str], float | None]:
 
 
 def sail_figures(file: VesselFile) -> Iterator[tuple[Sailed, Any, Flight | None]]:
-    """Yield each manoeuvre as a boat sails it; no flight where it is lost."""
+    """Yield each manoeuvre as a boat sails it; no flight where it is lost.
+
+    A boat that lacks inertia, as a draw may, sails none.
+    """
     method, vessel = (
         Method("full", "lagged", "exact", "adams2", file.run.step_s),
         FittedVessel(file),
     )
-    boat = Submarine(file, method, Rig("own", "own", "trainer"))
+    sails = vessel.has_inertia(vessel.values)
+    boat = Submarine(file, method, Rig("own", "own", "trainer")) if sails else None
     for sailed in SAILED:
         time = sailed.lengths * vessel.length / vessel.speed
         manoeuvre: Any = replace(sailed.manoeuvre, duration_s=time)  # type: ignore[call-arg]
+        if boat is None:
+            yield sailed, manoeuvre, None
+            continue
         try:
             manoeuvre = within_limits(manoeuvre, boat)
             flight = fly_manoeuvre(boat, manoeuvre, vessel.speed)

@@ -190,7 +190,9 @@ def step_motion(boat: BoatNumbers, x: Numbers, h: float, room: PassRoom) -> None
 def _set_transition(boat: BoatNumbers, middle: Numbers, h: float, room: PassRoom) -> None:
     """Write Phi of a step, G by which rates act on its end, and the products at its middle.
 
-    G = h (I + h/2 A (I + h/3 A)), Phi = I + G A: the exponential to the third power.
+    G = h (I + h/2 A (I + h/3 A)), Phi = I + G A: the exponential to the third power. Slopes are
+    taken away from zero, because some forces have a step where drift or heave changes its sign, and
+    a slope across it is none.
     """
     control, n = room.control[1], STATE_COUNT
     for i in range(MOTION_COUNT):
@@ -199,7 +201,7 @@ def _set_transition(boat: BoatNumbers, middle: Numbers, h: float, room: PassRoom
     for k in range(SLOPE_STATES.size):
         j = SLOPE_STATES[k]
         kept = middle[j]
-        middle[j] = kept + SLOPE_STEPS[k]
+        middle[j] = kept + math.copysign(SLOPE_STEPS[k], kept)
         write_rates(boat, middle, control, room.atoms, room.force, room.rate)
         middle[j] = kept
         for i in range(MOTION_COUNT):
@@ -209,7 +211,8 @@ def _set_transition(boat: BoatNumbers, middle: Numbers, h: float, room: PassRoom
     for k in range(SLOPE_STATES.size):
         j = SLOPE_STATES[k]
         for i in range(MOTION_COUNT):
-            room.A[i, j] = (room.A[i, j] - room.rate[i]) / SLOPE_STEPS[k]
+            step = math.copysign(SLOPE_STEPS[k], middle[j])
+            room.A[i, j] = (room.A[i, j] - room.rate[i]) / step
     _multiply(room.A, room.A, room.AA)
     for i in range(MOTION_COUNT):
         for j in range(n):

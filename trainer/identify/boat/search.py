@@ -120,7 +120,12 @@ class _Search:
         return [run_pass(self.prior.vessel, values, one, noise, count) for one in self.trials]
 
     def value(self, z: Numbers, noise: Noise) -> float:
-        """Return what is minimised: minus the logarithm of likelihood and prior."""
+        """Return what is minimised: minus the logarithm of likelihood and prior.
+
+        It is infinite of a boat that lacks inertia, which a bad record may ask for.
+        """
+        if not self.prior.vessel.has_inertia(self.values(z)):
+            return math.inf
         cost = sum(one.cost for one in self.passes(z, noise))
         return cost + 0.5 * float(z @ z) + self.noise_cost(noise)
 

@@ -36,6 +36,7 @@ from trainer.identify.record.sources import (
     without_jumps,
 )
 from trainer.io.paths import RECORDING_SUFFIX
+from trainer.session.past.header import open_whole_recording, plan_of
 from trainer.units import DEGREE
 
 # the fields of a record by channel of the filter
@@ -146,7 +147,7 @@ def read_trial(
     problems = [f"{record.source}: {text}" for text in _lacking(record)]
     raise_problems(problems)
     if path.suffix == RECORDING_SUFFIX:
-        record = _thinned(record, vessel)
+        record = _thinned(_as_turned(record, path), vessel)
     if instruments.gauge_x:
         leaning = instruments.gauge_x * np.sin(record.column("pitch"))
         record = replace(record, depth=record.column("depth") + leaning)
@@ -241,16 +242,31 @@ def _lacking(record: Record) -> Iterator[str]:
         yield "no column is taken for the revolutions: call it rpm, rps or u_c"
 
 
+def _as_turned(record: Record, path: Path) -> Record:
+    """Return a recording with revolutions as its own boat has them: they are what is measured."""
+    with open_whole_recording(path) as recording:
+        turns = plan_of(recording.header()).file.propulsion.rps_per_mps
+    return replace(record, revolutions=turns * record.column("command_speed"), command_speed=None)
+
+
 def _thinned(record: Record, vessel: FittedVessel) -> Record:
     """Return an exact recording with ticks no closer than a fit needs."""
-    wanted = THINNED_LENGTHS * vessel.length / vessel.speed
-    return record.part(slice(None, None, max(1, round(wanted / record.interval))))
+    return record.part(slice(None, None, every_tick(vessel, record.interval)))
 
 
-def read_by_instruments(trial: Trial) -> Trial:
-    """Return an exact recording as usual instruments would have read it."""
+def every_tick(vessel: FittedVessel, step: float) -> int:
+    """Return of how many exact ticks of ``step`` [s] a fit needs one."""
+    return max(1, round(THINNED_LENGTHS * vessel.length / vessel.speed / step))
+
+
+def read_by_instruments(trial: Trial, before: int = 0) -> Trial:
+    """Return an exact recording as usual instruments would have read it.
+
+    ``before`` readings have been read of it already: the errors go on from there.
+    """
     sizes = np.array([USUAL_ERRORS[name] for name in CHANNEL_NAMES])
-    errors = deviates(1, trial.readings.size).reshape(trial.readings.shape)
+    rows, columns = trial.readings.shape
+    errors = deviates(1, (before + rows) * columns).reshape(-1, columns)[before:]
     told = (*trial.told, "exact: the errors of usual instruments are added")
     return replace(trial, readings=trial.readings + sizes * errors, told=told)
 
@@ -330,10 +346,10 @@ def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
     slow = float(np.mean(speed[np.isfinite(speed)] < SLOWEST_M_S))
     if slow > MAX_SLOW_SHARE:
         yield f"slower than {SLOWEST_M_S:g} m/s or astern in {slow:.0%}: fits are of boats ahead"
-    depth, width = trial.readings[:, 4], vessel.file.hull.diameter or vessel.file.hull.beam
-    if width is not None and float(np.nanmin(depth)) < MIN_DEPTH_DIAMETERS * width:
+    depth, least_m = trial.readings[:, 4], least_depth(vessel)
+    if least_m is not None and float(np.nanmin(depth)) < least_m:
         yield (
-            f"{np.nanmin(depth):.3g} m deep: needs {MIN_DEPTH_DIAMETERS * width:.3g} m, "
+            f"{np.nanmin(depth):.3g} m deep: needs {least_m:.3g} m, "
             f"{MIN_DEPTH_DIAMETERS:g} breadths of the hull, because the surface is not in the model"
         )
     for angle, surface, key, names in (
@@ -344,6 +360,12 @@ def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
         if together * np.sign(vessel.values[PARAMETER_NAMES.index(key)]) < WRONG_SIGN_CORRELATION:
             found = f"the boat turns the other way (correlation {together:.2f})"
             yield f"{found}: turn the sign of {names}"
+
+
+def least_depth(vessel: FittedVessel) -> float | None:
+    """Return the depth [m] below which no surface acts, None where it is unknown."""
+    width = vessel.file.hull.diameter or vessel.file.hull.beam
+    return None if width is None else MIN_DEPTH_DIAMETERS * width
 
 
 def _correlation(trial: Trial, angle: str, surface: int, span: float) -> float:

@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.boat import turning_signs
 from trainer.config.files import ConfigError
 from trainer.config.vessel_records import Surfaces
 from trainer.core.kernel import Numbers
@@ -43,6 +44,7 @@ HELM_GAINS, MAX_HELM_RAD = (0.5, 0.44), math.radians(15.0)
 PLANES_GAINS, MAX_PLANES_RAD = (1.5, 0.29), math.radians(15.0)
 PITCH_PER_LENGTH, MAX_KEPT_PITCH_RAD = 1.4, 0.1  # [rad per L] of a depth that is off
 THROTTLE_S: Final = 25.0  # [s] from nothing to full revolutions, of BB2; in proportion to L/U
+BOW_ORDER: Final = "bow planes zero"  # of a boat that has some
 OPEN_DEPTH_LENGTHS: Final = 1.0  # [L] below the shallowest depth, where none is said
 
 
@@ -231,11 +233,13 @@ def sail_legs(
     x[STATE.U], x[STATE.PSI], x[STATE.Z] = vessel.speed, START_COURSE_RAD, waters.depth
     inputs, states = [np.array([0.0, 0.0, 0.0, vessel.speed])], [x]
     before = Ordered(None, None, vessel.speed, START_COURSE_RAD)
+    has_bows = turning_signs(vessel.file.coefficients)["bow"] != 0.0
     orders = [(0.0, _turns(vessel.speed))]
     empty = np.zeros((0, len(CHANNEL_NAMES)))
     for k in range(round(len(legs) * seconds / interval)):
         ordered = watch.order(k * interval, x)
-        orders += ((round(k * interval, 2), words) for words in _typed(before, ordered))
+        words = [one for one in _typed(before, ordered) if one != BOW_ORDER or has_bows]
+        orders += [(round(k * interval, 2), one) for one in words]
         before = ordered
         change = np.clip(watch.angles(ordered, x) - inputs[-1], -able, able)
         inputs.append(inputs[-1] + change)
@@ -271,7 +275,7 @@ def _typed(before: Ordered, now: Ordered) -> Iterator[str]:
         yield "planes auto"
     elif now.stern is not None and now.stern != before.stern:
         if before.stern is None:
-            yield "bow planes zero"
+            yield BOW_ORDER
         yield f"stern planes {'dive' if now.stern > 0.0 else 'rise'} {abs(now.stern):g}"
 
 

@@ -69,13 +69,22 @@ class FittedVessel:
         inertia = hull.Ix, hull.Iy, hull.Iz, hull.Ixy, hull.Iyz, hull.Ixz
         return np.array([hull.mass, hull.weight, hull.buoyancy, *centres, *inertia, float(whole)])
 
-    def numbers(self, values: Numbers) -> BoatNumbers:
-        """Return the boat of parameters (m,), as ``values`` has them, for kernels."""
-        body, forces = self.body(values[-1]), values[:-1] * self.scales
-        added, table = np.zeros((6, 6)), TERM_NUMBERS
+    def mass(self, values: Numbers) -> Numbers:
+        """Return the mass matrix (6, 6) of parameters (m,), added mass in it."""
+        forces, added, table = values[:-1] * self.scales, np.zeros((6, 6)), TERM_NUMBERS
         for j in np.flatnonzero(table.axes >= 0):
             added[table.rows[j], table.axes[j]] = forces[j]
-        inverse = np.linalg.inv(mass_matrix(body, added))
+        return mass_matrix(self.body(values[-1]), added)
+
+    def has_inertia(self, values: Numbers) -> bool:
+        """Return whether each motion has inertia, for parameters (m,)."""
+        mass = self.mass(values)
+        return bool(np.linalg.eigvalsh(0.5 * (mass + mass.T))[0] > 0.0)
+
+    def numbers(self, values: Numbers) -> BoatNumbers:
+        """Return the boat of parameters (m,), as ``values`` has them, for kernels."""
+        body, forces, table = self.body(values[-1]), values[:-1] * self.scales, TERM_NUMBERS
+        inverse = np.linalg.inv(self.mass(values))
         parts = table.factors, table.rows, table.moving
         return BoatNumbers(body, forces, self.scales, np.ascontiguousarray(inverse), *parts)
 

@@ -75,19 +75,26 @@ def _since_words(change: BoatChange) -> str:
 
 
 def _clock(moment: Moment) -> str:
-    """Return a time as hours, minutes and seconds of a record."""
-    minutes, rest = divmod(round(moment.seconds), 60)
-    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d} of {Path(moment.source).name}"
+    """Return a time in a record."""
+    return f"{clock_words(moment.seconds)} of {Path(moment.source).name}"
+
+
+def clock_words(seconds: float) -> str:
+    """Return a time as hours, minutes and seconds."""
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
 
 
 def _change_words(part: WatchedPart) -> str:
     """Return by how much a part has changed."""
     if part.value is None or part.sd is None:
         return "not known by how much"
-    return f"{_amount(part.value, part.unit, sign=True)} (sd {_amount(part.sd, part.unit)})"
+    return (
+        f"{amount_words(part.value, part.unit, sign=True)} (sd {amount_words(part.sd, part.unit)})"
+    )
 
 
-def _amount(value: float | None, unit: str, *, sign: bool = False) -> str:
+def amount_words(value: float | None, unit: str, *, sign: bool = False) -> str:
     """Return a change with its unit: per cent for shares, degrees for radians."""
     if value is None or not math.isfinite(value):
         return "-"
@@ -105,9 +112,9 @@ def is_unseen(part: WatchedPart) -> bool:
 def part_row(part: WatchedPart) -> tuple[str, ...]:
     """Return a part as cells."""
     numbers = (
-        _amount(part.value, part.unit, sign=True),
-        _amount(part.sd, part.unit),
-        _amount(part.least, part.unit),
+        amount_words(part.value, part.unit, sign=True),
+        amount_words(part.sd, part.unit),
+        amount_words(part.least, part.unit),
     )
     return (part.name, f"{part.deviations:.1f}", *numbers)
 

@@ -29,8 +29,7 @@ FLUSH_TIMEOUT_S: Final = 2.0  # [s] for the last lines to go out at the end
 def attach_to(url: str | None, role: str, token: str | None) -> int:
     """Attach a teletype of a role until session or user ends it. Return the exit code."""
     wake = threading.Event()
-    address = paths.left_address()  # where the system has no local sockets
-    token = token or (address[1] if url in (None, address[0]) else None)
+    token = token or paths.left_token(url)  # where the system has no local sockets
     try:
         line = dial(url or paths.nearest_session(), wake)
     except LinkError as error:
