@@ -16,11 +16,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 
 from helpers.progress import Bar
 
-from simulation.milestones import never_reached, reach_table
+from simulation.drawing import draw_script
+from simulation.lost import find_loss
+from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
-from simulation.script import draw_script, read_script, write_script
+from simulation.script import read_script, write_script
 from simulation.seeds import Played, breaks_law, play_seed
 from simulation.shrink import shrink
+from simulation.weights import WEIGHTS_PATH, read_weights, weigh, write_weights
 from trainer.cli.main import run_command
 
 SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
@@ -46,6 +49,12 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
     "--reached", "table", is_flag=True, help="Print how many seeds reached each milestone."
 )
 @click.option(
+    "--weigh",
+    "weighs",
+    is_flag=True,
+    help="Write into weights.toml how often each action is to be drawn, by what is reached.",
+)
+@click.option(
     "--play",
     "script",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -60,6 +69,7 @@ def simulation(
     seconds: float,
     jobs: int,
     table: bool,
+    weighs: bool,
     script: Path | None,
 ) -> None:
     """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
@@ -78,23 +88,28 @@ def simulation(
     until = time.monotonic() + 60.0 * minutes if minutes else None
     totals: Counter[str] = Counter()
     reached: Counter[str] = Counter()
-    broken = []
+    broken, samples = [], []
     with Bar("playing", seeds) as bar:
         for played in play_seeds(range(first, first + seeds), seconds, jobs):
             totals.update(played.counts)
-            reached.update(played.reached)
+            reached.update(played.sample.reached)
+            samples.append(played.sample)
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
                 report_breach(played, seconds)
             if until and time.monotonic() > until:
                 break
-    counts = ", ".join(f"{count} {what}" for what, count in totals.items())
+    told = ", ".join(f"{count} {what}" for what, count in totals.items())
     seeds_broken = ", ".join(str(each.seed) for each in broken)
     verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
     if table:
         click.echo("\n".join(reach_table(reached, totals["seeds"])))
-    click.echo(f"from seed {first}: {counts}: {verdict}")
+    click.echo(f"from seed {first}: {told}: {verdict}")
+    if weighs:
+        counts = {name: reached[name] for name in (*MILESTONES, *SAID_MILESTONES)}
+        write_weights(weigh(samples, read_weights()), counts, totals["seeds"])
+        click.echo(f"{WEIGHTS_PATH.name}: written")
     lacking = never_reached(reached) if table else []
     if lacking:
         click.echo(f"NEVER REACHED: {', '.join(lacking)}")
@@ -120,7 +135,12 @@ def report_breach(played: Played, seconds: float) -> None:
         click.echo(f"seed {played.seed} breaks {breach}")
     law = played.breaches[0].law
     script = draw_script(played.seed, seconds)
-    small = shrink(script, functools.partial(breaks_law, law=law))
+    loss = find_loss(script, law)
+    for moment in loss.curve:
+        click.echo(f"broken {moment}")
+    if loss.lost:
+        click.echo(f"lost at {loss.lost.words!r}, tick {loss.lost.tick}")
+    small = shrink(loss.cut, functools.partial(breaks_law, law=law))
     path = Path(f"simulation-{played.seed}.json")
     write_script(small, path)
     click.echo(

@@ -2,9 +2,11 @@
 
 from typing import Final, NamedTuple
 
+from simulation.drawing import draw_script
 from simulation.laws import Breach, Law
 from simulation.play import Change, play
-from simulation.script import Script, draw_script
+from simulation.script import Script
+from simulation.weights import Sample, actions_of
 
 TWICE_EVERY: Final = 10  # seeds: of these one is played again, for L4
 
@@ -16,7 +18,7 @@ class Played(NamedTuple):
     breaches: tuple[Breach, ...]
     counts: dict[str, int]
     trace: str  # the digest of all bytes
-    reached: frozenset[str]  # milestones
+    sample: Sample  # what it did, and which milestones it reached
 
 
 def play_seed(seed: int, longest: float) -> Played:
@@ -36,7 +38,8 @@ def play_seed(seed: int, longest: float) -> Played:
         "answers": docket.answers,
         "ticks": docket.ticks,
     }
-    return Played(seed, tuple(breaches), counts, trace, frozenset(docket.log.reached))
+    sample = Sample(actions_of(script, docket.life), frozenset(docket.log.reached))
+    return Played(seed, tuple(breaches), counts, trace, sample)
 
 
 def breaks_law(script: Script, law: Law, *changes: Change) -> bool:
