@@ -16,12 +16,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 
 from helpers.progress import Bar
 
-from simulation.drawing import draw_script
 from simulation.lost import find_loss
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
 from simulation.script import read_script, write_script
-from simulation.seeds import Played, breaks_law, play_seed
+from simulation.seeds import Played, breaks_law, explore, play_seed
 from simulation.shrink import shrink
 from simulation.weights import WEIGHTS_PATH, read_weights, weigh, write_weights
 from trainer.cli.main import run_command
@@ -49,6 +48,12 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
     "--reached", "table", is_flag=True, help="Print how many seeds reached each milestone."
 )
 @click.option(
+    "--explore",
+    "explores",
+    is_flag=True,
+    help="Go on from where scripts come for the first time, instead of a new seed each time.",
+)
+@click.option(
     "--weigh",
     "weighs",
     is_flag=True,
@@ -69,6 +74,7 @@ def simulation(
     seconds: float,
     jobs: int,
     table: bool,
+    explores: bool,
     weighs: bool,
     script: Path | None,
 ) -> None:
@@ -79,6 +85,7 @@ def simulation(
     \b
     Example:  python -m tests.simulation --seeds 500
               python -m tests.simulation --from 31 --seeds 1
+              python -m tests.simulation --seeds 500 --explore
               python -m tests.simulation --play simulation-31.json
 
     Exit codes: 0 every law held, 1 one is broken, or with --reached a milestone was never reached.
@@ -90,14 +97,15 @@ def simulation(
     reached: Counter[str] = Counter()
     broken, samples = [], []
     with Bar("playing", seeds) as bar:
-        for played in play_seeds(range(first, first + seeds), seconds, jobs):
+        plain = play_seeds(range(first, first + seeds), seconds, jobs)
+        for played in explore(first, seeds, seconds) if explores else plain:
             totals.update(played.counts)
             reached.update(played.sample.reached)
             samples.append(played.sample)
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
-                report_breach(played, seconds)
+                report_breach(played)
             if until and time.monotonic() > until:
                 break
     told = ", ".join(f"{count} {what}" for what, count in totals.items())
@@ -129,12 +137,12 @@ def play_seeds(seeds: range, seconds: float, jobs: int) -> Iterator[Played]:
             yield from pool.map(play_one, seeds[begin : begin + many])
 
 
-def report_breach(played: Played, seconds: float) -> None:
-    """Print what a seed has broken, and write its script, shrunk."""
+def report_breach(played: Played) -> None:
+    """Print what a seed has broken and when it was lost; write its script, shrunk."""
     for breach in played.breaches:
         click.echo(f"seed {played.seed} breaks {breach}")
     law = played.breaches[0].law
-    script = draw_script(played.seed, seconds)
+    script = played.script
     loss = find_loss(script, law)
     for moment in loss.curve:
         click.echo(f"broken {moment}")

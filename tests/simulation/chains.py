@@ -5,12 +5,24 @@ among those that no plain seed has come through, though some came through its fi
 some through its last two. At the third the boat is changed, which no law allows.
 """
 
+# ruff: noqa: SLF001  a fault lies in private parts
+
+import contextlib
 import itertools
+import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from random import Random
 from typing import Final
+
+import pytest
+
+from simulation.laws import Docket
+from simulation.milestones import MILESTONES, Log
+from simulation.play import Change, play
+from simulation.script import Script
+from trainer.session.session import Session
 
 EVENTS: Final = 3
 Chain = tuple[str, ...]
@@ -27,7 +39,7 @@ class Track:
 
     def see(self, life: int, name: str) -> list[Chain]:
         """Note a milestone; return the chains that end with it."""
-        if life != self._begun:
+        if life != self._begun:  # a script has processes one after the other
             self._begun, self._events = life, dict.fromkeys(self.chains, 0)
         ends = []
         for chain, events in self._events.items():
@@ -53,3 +65,66 @@ def draw_chains(rows: Sequence[Sequence[str]], count: int, seed: int) -> list[Ch
         if third != first and (first, second, third) not in whole
     ]
     return Random(seed).sample(chains, count)  # noqa: S311  no secrets
+
+
+def rows_of(docket: Docket) -> list[list[str]]:
+    """Return the milestones that each process of a script reached, in order."""
+    rows: dict[int, list[str]] = {}
+    for name, point in docket.log.reached.items():
+        if point and name in MILESTONES:
+            rows.setdefault(point.life, []).append(name)
+    return list(rows.values())
+
+
+def tracked(track: Track, strike: Callable[[Session], object] = lambda _: None) -> Change:
+    """Return the change that tells a track of each milestone; a session is struck at the third."""
+
+    @contextlib.contextmanager
+    def change() -> Iterator[None]:
+        sessions: list[Session] = []
+        start, see = Log.see_start, Log._see
+
+        def start_noted(log: Log, session: Session) -> None:
+            sessions[:] = [session]
+            start(log, session)
+
+        def see_noted(log: Log, name: str) -> None:
+            see(log, name)
+            if track.see(log.life, name) and sessions:
+                strike(sessions[0])
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Log, "see_start", start_noted)
+            patch.setattr(Log, "_see", see_noted)
+            yield
+
+    return change
+
+
+def plant(chain: Chain) -> Change:
+    """Return the fault that moves the boat where a process has come through a chain."""
+
+    def move(session: Session) -> None:
+        session.boat.state.z += 0.01
+
+    return tracked(Track([chain]), move)
+
+
+def hunt(
+    chains: Sequence[Chain],
+    draw: Callable[[], Script],
+    learn: Callable[[Script, Docket], object],
+    budget: float,
+) -> tuple[dict[Chain, float], int]:
+    """Play scripts for so long [s of the processor].
+
+    Return when the first came through each chain, and how many scripts were played.
+    """
+    found: dict[Chain, float] = {}
+    begun, scripts = time.process_time(), 0
+    while time.process_time() - begun < budget and len(found) < len(chains):
+        script, track = draw(), Track([chain for chain in chains if chain not in found])
+        learn(script, play(script, tracked(track)))
+        scripts += 1
+        found.update(dict.fromkeys(track.passed, time.process_time() - begun))
+    return found, scripts

@@ -115,11 +115,13 @@ def _redraw_player(
     dice: Random, player: Player, place: tuple[int, int], rate: float, now: float, seconds: float
 ) -> Player:
     """Return a player who has said the same up to a place, and goes on with other words."""
-    done, begun = place
+    done, said = place
     first, *more = _draw_player(dice, player.role, rate, seconds, 1.0, player.way).visits
-    if begun >= 0:
-        visit = player.visits[done]
-        first = replace(visit, acts=(*visit.acts[:begun], *first.acts))
+    if said >= 0:
+        visit, acts = player.visits[done], first.acts
+        if said < len(visit.acts):  # it waits for that time already
+            acts = (replace(acts[0], after=visit.acts[said].after), *acts[1:])
+        first = replace(visit, acts=(*visit.acts[:said], *acts))
     elif done == len(player.visits):  # its program had nothing left to do
         first = replace(first, after=first.after + now)
     return replace(player, visits=(*player.visits[:done], first, *more))

@@ -77,11 +77,11 @@ def cut_after(script: Script, point: Point) -> Script:
     lives, before = script.lives, point.life - 1
     life = lives[before]
     players = []
-    for player, (done, begun) in zip(life.players, point.places, strict=True):
+    for player, (done, said) in zip(life.players, point.places, strict=True):
         visits = player.visits[:done]
-        if begun >= 0:
+        if said >= 0:
             visit = player.visits[done]
-            visits = (*visits, replace(visit, acts=visit.acts[:begun]))
+            visits = (*visits, replace(visit, acts=visit.acts[:said]))
         players.append(replace(player, visits=visits))
     short = replace(life, players=tuple(players), mishaps=life.mishaps[: point.mishaps])
     return replace(script, lives=(*lives[:before], short, *lives[point.life :]))

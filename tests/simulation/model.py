@@ -29,6 +29,9 @@ PLAN_WORDS: Final = {"in", "at", "when"}
 HEADING_SENTENCE: Final = "$INHDT,"
 
 
+NamedPlan = tuple[int, str, float]  # its number, its words, and when [s] it is due
+
+
 class ModelPlan(NamedTuple):
     """An order that an instructor has planned."""
 
@@ -42,7 +45,7 @@ class Kept(NamedTuple):
     """What stood when a snapshot was kept."""
 
     tick: int
-    plans: frozenset[tuple[int, str]]
+    plans: frozenset[NamedPlan]
 
 
 @dataclass
@@ -143,8 +146,8 @@ class Model:
             kept = Kept(before.tick, self._named())
             self.kept[order.subject, session.history.tick] = kept
 
-    def _named(self) -> frozenset[tuple[int, str]]:
-        return frozenset((plan.number, plan.text) for plan in self.plans.values())
+    def _named(self) -> frozenset[NamedPlan]:
+        return frozenset((p.number, p.text, round(p.seconds, 6)) for p in self.plans.values())
 
     def _spend_conditions(self, session: Session) -> None:
         """Believe that a plan with a condition that is gone was due."""
@@ -187,7 +190,7 @@ class Model:
             made = self.made.get((number, plan.order.text))
             if made and min(made) > tick:
                 self.tell(f"after {text}: plan {number} of tick {min(made)} is ahead at {tick}")
-        named = frozenset((n, p.order.text) for n, p in session.agenda.planned.items())
+        named = plans_of(session)
         kept = self.kept.get((order.subject, tick)) if order.name == "restore" else None
         if kept and whole and named != kept.plans:
             self.tell(f"after {text}: the plans are {sorted(named)}, not {sorted(kept.plans)}")
@@ -203,7 +206,7 @@ class Model:
 
     def _check_plans(self, session: Session, when: str) -> None:
         """Compare the orders ahead."""
-        there = frozenset((n, p.order.text) for n, p in session.agenda.planned.items())
+        there = plans_of(session)
         if there != self._named():
             self.tell(f"{when}: the plans are {sorted(there)}, not {sorted(self._named())}")
             self._believe(session)
@@ -254,3 +257,9 @@ class Before(NamedTuple):
             session.agenda.plans.last,
             session.conduct.command.holder,
         )
+
+
+def plans_of(session: Session) -> frozenset[NamedPlan]:
+    """Return the plans of a session."""
+    planned = session.agenda.planned.items()
+    return frozenset((n, plan.order.text, round(plan.seconds, 6)) for n, plan in planned)

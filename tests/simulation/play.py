@@ -240,9 +240,7 @@ class Stage:
                 if machine.turns < last:
                     answered = len(promises)
                     return False
-                awaited = (
-                    not life.at_mark or each.kind == "mark" for each, _ in promises[answered:]
-                )
+                awaited = (life.awaited in ("", each.kind) for each, _ in promises[answered:])
                 return not life.at_answer or any(awaited)
 
             machine.run(

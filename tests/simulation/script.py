@@ -8,10 +8,12 @@ import json
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from simulation.disk import Trouble
 from simulation.network import ROOM_BYTES
+
+AWAITED: Final = ("mark", "snapshot", "", "")  # promises, after whose answer a kill strikes
 
 
 class Farewell(Enum):
@@ -105,9 +107,9 @@ class Life:
     narrow: bool = False  # little waits in memory while the disk is out of reach
 
     @property
-    def at_mark(self) -> bool:
-        """Return whether the answer that a kill waits for is that to a mark."""
-        return self.seed % 4 == 0  # not drawn: each draw more changes all that come after it
+    def awaited(self) -> str:
+        """Return of which kind the promise is that a kill waits for, "" for any."""
+        return AWAITED[self.seed % len(AWAITED)]
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ class Point(NamedTuple):
     life: int  # the number of the process
     turns: int  # of it
     seconds: float  # of it
-    places: tuple[tuple[int, int], ...] = ()  # of each player: visits done, lines of the next begun
+    places: tuple[tuple[int, int], ...] = ()  # of each player: visits done, lines of the next said
     mishaps: int = 0  # that have begun
 
 

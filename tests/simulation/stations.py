@@ -40,7 +40,7 @@ class Program:
     docket: Docket
     hear: Callable[[bytes], object]  # told all that comes
     cable: Cable | None = None  # by which it comes, None for a socket
-    place: tuple[int, int] = (0, 0)  # visits that are done, lines of the next that have begun
+    place: tuple[int, int] = (0, 0)  # visits that are done, lines of the next that were said
     _end: Socket = field(init=False, repr=False)
     _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
     _aside: deque[str] = field(default_factory=deque)  # of those whose answer is found aside
@@ -86,11 +86,11 @@ class Program:
         machine = self.machine
         done, _ = self.place
         for number, act in enumerate(visit.acts, 1):
-            self.place = done, number
             if not visit.reads:
                 machine.sleep(act.after)
             elif not self._listen(act.after):
                 return False
+            self.place = done, number
             if not self._say(act):
                 return False
         self.place = done + 1, -1
