@@ -136,12 +136,12 @@ def played_on(
         watch_file(patch, disk)
         for module in (run, resume):  # it would put aside what this process collects
             patch.setattr(module, "set_garbage_aside", lambda: None)
-        made = Evaluation.__init__  # whose factory of events was bound before the seam
+        made: Any = Evaluation.__init__  # whose factory of events was bound before the seam
         patch.setattr(
             Evaluation,
             "__init__",
             lambda self, *given, **named: made(
-                self, *given, _news=Threading(machine).Event(), **named
+                self, *given, **named, _news=Threading(machine).Event()
             ),
         )
         patch.setattr(evaluation, "EvaluatorProcess", functools.partial(Evaluator, machine))
