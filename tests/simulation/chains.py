@@ -1,4 +1,4 @@
-"""Faults that need three events in a row, by which plain seeds and exploring are compared.
+"""Faults of three events in a row, by which plain seeds and exploring are compared.
 
 A chain is three milestones, which one process has to reach in this order. It is drawn by a seed
 among those that no plain seed has come through, though some came through its first two events and
@@ -77,7 +77,7 @@ def rows_of(docket: Docket) -> list[list[str]]:
 
 
 def tracked(track: Track, strike: Callable[[Session], object] = lambda _: None) -> Change:
-    """Return the change that tells a track of each milestone; a session is struck at the third."""
+    """Return the change that tells a track of milestones. A session is struck at the third."""
 
     @contextlib.contextmanager
     def change() -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""A seed draws a script: who comes, what they say, what befalls them, how each process ends.
+"""A seed draws a script: who comes, what is said, what befalls it, how it ends.
 
 Which words, scenes, mishaps and endings come how often is in ``vocabulary`` and ``weights``.
 """
@@ -71,7 +71,7 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
 
 
 def redraw(script: Script, point: Point, seed: int, longest: float) -> Script:
-    """Return a script that is the same up to a point, and drawn by another seed from there on."""
+    """Return a script that is the same up to a point, and then drawn anew."""
     dice = Random(f"{seed}/redrawn")  # noqa: S311  no secrets
     rate, done = dice.choice(ORDER_RATES_HZ), point.life - bool(point.turns)
     lives = list(script.lives[:done])

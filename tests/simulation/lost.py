@@ -1,4 +1,4 @@
-"""When a session that breaks a law was lost: the moment from which other chance helps no more.
+"""When a session was lost: the order after which other chance helps no more.
 
 A script that breaks a law is played up to one of its orders, and from there on with other chance,
 some times. The share of these that break the law too is small at its beginning and large at its
@@ -33,7 +33,7 @@ class Moment(NamedTuple):
 
 
 class Loss(NamedTuple):
-    """What was asked of a script, and the order at which it was lost; None: at no order."""
+    """The order at which a script was lost, None for none, and what shows it."""
 
     curve: tuple[Moment, ...]  # in the order of the script
     lost: Moment | None
@@ -41,7 +41,7 @@ class Loss(NamedTuple):
 
 
 def find_loss(script: Script, law: Law, *changes: Change, trials: int = TRIALS) -> Loss:
-    """Find the order of a script from which a law is broken whatever comes, by halves."""
+    """Find the order after which a law is broken whatever comes, by halves."""
     docket = play(script, *changes)
     orders = docket.log.orders
     known: dict[int, Moment] = {}
@@ -73,7 +73,7 @@ def find_loss(script: Script, law: Law, *changes: Change, trials: int = TRIALS) 
 
 
 def cut_after(script: Script, point: Point) -> Script:
-    """Return a script whose process at a point says and meets nothing that had not begun there."""
+    """Return a script without what one of its processes has not begun at a point."""
     lives, before = script.lives, point.life - 1
     life = lives[before]
     players = []

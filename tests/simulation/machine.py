@@ -74,7 +74,7 @@ class Machine:
         return self.now / SECOND_NS
 
     def boot(self, seed: int, interleaving: float, redrawn: Sequence[tuple[int, int]] = ()) -> None:
-        """Begin a process, whose turns are drawn by a seed, and after some turns by others."""
+        """Begin a process, whose turns are drawn by a seed, later perhaps by others."""
         self._redrawn = list(redrawn)
         self.dice, self.interleaving = Random(seed), interleaving  # noqa: S311
         self.tasks, self.deaths, self.spinning = [], [], []

@@ -1,4 +1,4 @@
-"""Small mistakes, put into one line of the product, which the model of a session has to see.
+"""Small mistakes of the product, which the model of a session has to see.
 
 Each is what a careless hand would make; somebody else than who wrote the model chose their kinds.
 ``mutants`` has the faults that the other laws find.

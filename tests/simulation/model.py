@@ -239,7 +239,7 @@ class Model:
 
 
 class Before(NamedTuple):
-    """What a session was before an order or a tick, as far as the model asks."""
+    """What a session was before an order or a tick, for the model."""
 
     tick: int
     branch: int

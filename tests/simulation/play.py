@@ -106,7 +106,7 @@ def has_unanswered(path: Path) -> bool:
 
 @contextlib.contextmanager
 def room_for(life: Life) -> Iterator[None]:
-    """Let a narrow process have little room for what waits while the disk is out of reach."""
+    """Let a narrow process keep little in memory while its disk is out of reach."""
     with pytest.MonkeyPatch.context() as patch:
         if life.narrow:
             patch.setattr(recordings, "MAX_WAITING_BYTES", NARROW_BYTES)

@@ -133,7 +133,7 @@ class Script:
 
 
 class Point(NamedTuple):
-    """A point in the playing of a script, up to which it can be played again exactly."""
+    """A point of a script, up to which it can be played again exactly."""
 
     life: int  # the number of the process
     turns: int  # of it

@@ -31,7 +31,7 @@ def play_seed(seed: int, longest: float) -> Played:
 
 
 def explore(first: int, scripts: int, longest: float) -> Iterator[Played]:
-    """Play scripts that go on from where others came for the first time; yield what came of each.
+    """Play scripts that go on from where others came first; yield what came of each.
 
     No process of a script that begins from nothing lives longer [s].
     """
