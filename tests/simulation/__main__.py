@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 
 from helpers.progress import Bar
 
+from simulation.chains import compare
 from simulation.lost import find_loss
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
@@ -60,6 +61,14 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
     help="Write into weights.toml how often each action is to be drawn, by what is reached.",
 )
 @click.option(
+    "--compare",
+    "compared",
+    type=click.FloatRange(0.1),
+    default=None,
+    metavar="SECONDS",
+    help="Instead compare plain seeds and exploring by chains of three events.",
+)
+@click.option(
     "--play",
     "script",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -76,6 +85,7 @@ def simulation(
     table: bool,
     explores: bool,
     weighs: bool,
+    compared: float | None,
     script: Path | None,
 ) -> None:
     """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
@@ -92,6 +102,9 @@ def simulation(
     """
     if script:
         sys.exit(play_script(script))
+    if compared:
+        click.echo("\n".join(compare(compared, first)))
+        return
     until = time.monotonic() + 60.0 * minutes if minutes else None
     totals: Counter[str] = Counter()
     reached: Counter[str] = Counter()

@@ -13,11 +13,14 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from random import Random
 from typing import Final
 
 import pytest
 
+from simulation.drawing import draw_script
+from simulation.exploring import Explorer
 from simulation.laws import Docket
 from simulation.milestones import MILESTONES, Log
 from simulation.play import Change, play
@@ -25,6 +28,10 @@ from simulation.script import Script
 from trainer.session.session import Session
 
 EVENTS: Final = 3
+CHAINS: Final = 10  # that are compared
+LONGEST_S: Final = 5.0  # that a process of a plain script lives
+MIN_ROWS: Final = 20  # processes, of whose milestones chains are drawn
+FAR_SEEDS: Final = 100_000  # from where exploring draws, so that it has no plain script's luck
 Chain = tuple[str, ...]
 
 
@@ -128,3 +135,31 @@ def hunt(
         scripts += 1
         found.update(dict.fromkeys(track.passed, time.process_time() - begun))
     return found, scripts
+
+
+def compare(seconds: float, seed: int) -> Iterator[str]:
+    """Yield a line for each of ten chains: when plain seeds and exploring came through it.
+
+    Each way has so long [s of the processor]; half of that is spent on drawing the chains.
+    """
+    scripts = map(partial(draw_script, longest=LONGEST_S), itertools.count(seed))
+    rows: list[list[str]] = []
+    begun = time.process_time()
+    while time.process_time() - begun < seconds / 2.0 or len(rows) < MIN_ROWS:
+        rows += rows_of(play(next(scripts)))
+    chains = draw_chains(rows, CHAINS, seed)
+    plain, plain_scripts = hunt(chains, partial(next, scripts), lambda *_: None, seconds)
+    explorer = Explorer(seed + FAR_SEEDS, LONGEST_S)
+
+    def learn(script: Script, docket: Docket) -> None:
+        explorer.learn(script, {n: point for n, point in docket.log.reached.items() if point})
+
+    explored, explored_scripts = hunt(chains, explorer.draw, learn, seconds)
+    for chain in chains:
+        times = (found.get(chain) for found in (plain, explored))
+        plain_s, explored_s = ("never" if each is None else f"{each:.1f} s" for each in times)
+        yield f"plain {plain_s:>8}, exploring {explored_s:>8}: {', then '.join(chain)}"
+    yield (
+        f"{len(plain)} of {CHAINS} in {plain_scripts} plain scripts, {len(explored)} in "
+        f"{explored_scripts} explored ones"
+    )

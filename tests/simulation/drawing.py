@@ -1,4 +1,4 @@
-"""A seed draws a script: who comes, what is said, what befalls it, how it ends.
+"""A seed draws a script: who comes, what is said, what befalls, how it ends.
 
 Which words, scenes, mishaps and endings come how often is in ``vocabulary`` and ``weights``.
 """

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from simulation.chains import draw_chains, plant
+from simulation.chains import compare, draw_chains, plant
 from simulation.drawing import draw_script, redraw
 from simulation.exploring import Explorer
 from simulation.milestones import MILESTONES
@@ -91,3 +91,12 @@ def test_a_chain_of_three_events_breaks_a_law_where_it_is_planted_alone() -> Non
 
     assert play(script, plant(chain)).breaches
     assert not play(script, plant(chain[::-1])).breaches
+
+
+@pytest.mark.long
+def test_two_ways_are_compared_by_the_same_chains() -> None:
+    *lines, last = compare(0.5, 1)
+
+    assert len(lines) == 10
+    assert all(line.startswith("plain ") and line.count(", then ") == 2 for line in lines)
+    assert " of 10 in " in last
