@@ -138,7 +138,7 @@ def hunt(
 
 
 def compare(seconds: float, seed: int) -> Iterator[str]:
-    """Yield a line for each of ten chains: when plain seeds and exploring came through it.
+    """Yield a line for each chain: when each way came through it.
 
     Each way has so long [s of the processor]; half of that is spent on drawing the chains.
     """
