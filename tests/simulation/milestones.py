@@ -362,7 +362,7 @@ class Log:
             self._note(f"called {call.key.partition(':')[0]}", kind == "plant")
             alert(log, kind, call, fact)
 
-        patch.setattr(dispatch, "ORDER_GATES", tuple(map(noted, ORDER_GATES)))
+        patch.setattr(dispatch, "ORDER_GATES", tuple(map(noted, dispatch.ORDER_GATES)))
         patch.setattr(dispatch, "role_refusal", refuse)
         patch.setattr(stations, "refusal", refuse)
         patch.setattr(EventLog, "alert", alert_noted)
