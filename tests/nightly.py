@@ -67,6 +67,10 @@ PARTS: Final = {
         "whole sessions by ten thousand seeds",
         ("tests.simulation", "--seeds", "10000", "--jobs", "2", "--reached"),
     ),
+    "exploring": Part(
+        "sessions that go on from where others came for the first time",
+        ("tests.simulation", "--explore", "--seeds", "2000", "--seconds", "10"),
+    ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
     "fuzz": Part(
         "bad input at every reader", ("tests.fuzz", "--seconds", FUZZING_S, "--jobs", "2")

@@ -29,6 +29,18 @@ the lines and in the file, and from beside each order, by wrapping three methods
 moment that no seed came to. ``--reached`` prints how many seeds reached each, and is red where none
 did. What an instructor says in a row (``SCENES``) leads to where single words seldom come.
 
+How often each word, scene, mishap and ending is drawn follows from that table by a program
+(``weights``, ``--weigh``). ``--explore`` plays a script again up to where one came for the first
+time, and goes on from there with other chance (``exploring``); ``chains`` has faults of three
+events in a row by which both ways are compared.
+
+**A model beside the session** (``model``) is fed by the same lines and ticks, and has tables of its
+own: a law that asks the product's tables holds where these are wrong. ``mistakes`` has small faults
+that it sees.
+
+**When it was lost** (``lost``): a script that breaks a law is played up to one of its orders and on
+with other chance, twenty times. The order at which breaking becomes certain is told.
+
 **The midst of an order** (``boundaries``): ten short scripts are killed at each turn between the
 arrival of their last order and its answer, and the session that goes on is compared as a whole.
 

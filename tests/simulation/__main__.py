@@ -16,11 +16,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 
 from helpers.progress import Bar
 
-from simulation.milestones import never_reached, reach_table
+from simulation.chains import compare
+from simulation.lost import find_loss
+from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
-from simulation.script import draw_script, read_script, write_script
-from simulation.seeds import Played, breaks_law, play_seed
+from simulation.script import read_script, write_script
+from simulation.seeds import Played, breaks_law, explore, play_seed
 from simulation.shrink import shrink
+from simulation.weights import WEIGHTS_PATH, read_weights, weigh, write_weights
 from trainer.cli.main import run_command
 
 SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
@@ -46,6 +49,26 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
     "--reached", "table", is_flag=True, help="Print how many seeds reached each milestone."
 )
 @click.option(
+    "--explore",
+    "explores",
+    is_flag=True,
+    help="Go on from where scripts come for the first time, instead of a new seed each time.",
+)
+@click.option(
+    "--weigh",
+    "weighs",
+    is_flag=True,
+    help="Write into weights.toml how often each action is to be drawn, by what is reached.",
+)
+@click.option(
+    "--compare",
+    "compared",
+    type=click.FloatRange(0.1),
+    default=None,
+    metavar="SECONDS",
+    help="Instead compare plain seeds and exploring by chains of three events.",
+)
+@click.option(
     "--play",
     "script",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -60,6 +83,9 @@ def simulation(
     seconds: float,
     jobs: int,
     table: bool,
+    explores: bool,
+    weighs: bool,
+    compared: float | None,
     script: Path | None,
 ) -> None:
     """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
@@ -69,32 +95,42 @@ def simulation(
     \b
     Example:  python -m tests.simulation --seeds 500
               python -m tests.simulation --from 31 --seeds 1
+              python -m tests.simulation --seeds 500 --explore
               python -m tests.simulation --play simulation-31.json
 
     Exit codes: 0 every law held, 1 one is broken, or with --reached a milestone was never reached.
     """
     if script:
         sys.exit(play_script(script))
+    if compared:
+        click.echo("\n".join(compare(compared, first)))
+        return
     until = time.monotonic() + 60.0 * minutes if minutes else None
     totals: Counter[str] = Counter()
     reached: Counter[str] = Counter()
-    broken = []
+    broken, samples = [], []
     with Bar("playing", seeds) as bar:
-        for played in play_seeds(range(first, first + seeds), seconds, jobs):
+        plain = play_seeds(range(first, first + seeds), seconds, jobs)
+        for played in explore(first, seeds, seconds) if explores else plain:
             totals.update(played.counts)
-            reached.update(played.reached)
+            reached.update(played.sample.reached)
+            samples.append(played.sample)
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
-                report_breach(played, seconds)
+                report_breach(played)
             if until and time.monotonic() > until:
                 break
-    counts = ", ".join(f"{count} {what}" for what, count in totals.items())
+    told = ", ".join(f"{count} {what}" for what, count in totals.items())
     seeds_broken = ", ".join(str(each.seed) for each in broken)
     verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
     if table:
         click.echo("\n".join(reach_table(reached, totals["seeds"])))
-    click.echo(f"from seed {first}: {counts}: {verdict}")
+    click.echo(f"from seed {first}: {told}: {verdict}")
+    if weighs:
+        counts = {name: reached[name] for name in (*MILESTONES, *SAID_MILESTONES)}
+        write_weights(weigh(samples, read_weights()), counts, totals["seeds"])
+        click.echo(f"{WEIGHTS_PATH.name}: written")
     lacking = never_reached(reached) if table else []
     if lacking:
         click.echo(f"NEVER REACHED: {', '.join(lacking)}")
@@ -114,13 +150,18 @@ def play_seeds(seeds: range, seconds: float, jobs: int) -> Iterator[Played]:
             yield from pool.map(play_one, seeds[begin : begin + many])
 
 
-def report_breach(played: Played, seconds: float) -> None:
-    """Print what a seed has broken, and write its script, shrunk."""
+def report_breach(played: Played) -> None:
+    """Print what a seed has broken and when it was lost; write its script, shrunk."""
     for breach in played.breaches:
         click.echo(f"seed {played.seed} breaks {breach}")
     law = played.breaches[0].law
-    script = draw_script(played.seed, seconds)
-    small = shrink(script, functools.partial(breaks_law, law=law))
+    script = played.script
+    loss = find_loss(script, law)
+    for moment in loss.curve:
+        click.echo(f"broken {moment}")
+    if loss.lost:
+        click.echo(f"lost at {loss.lost.words!r}, tick {loss.lost.tick}")
+    small = shrink(loss.cut, functools.partial(breaks_law, law=law))
     path = Path(f"simulation-{played.seed}.json")
     write_script(small, path)
     click.echo(

@@ -80,6 +80,12 @@ class Whole(NamedTuple):
         return [name for name in self._fields if getattr(self, name) != getattr(other, name)]
 
 
+# The kill itself has broken a law, and nothing goes on.
+NO_WHOLE: Final = Whole(
+    *(b"", -1, 0, "", False, "", None, None, None), alerts=(), command=None, snapshots="", marks=()
+)
+
+
 class Resumed(NamedTuple):
     """A session that was killed in the midst of an order, and what goes on."""
 
@@ -133,8 +139,8 @@ def kill_at(row: str, turns: int, *changes: Change) -> Resumed:
             stack.enter_context(change())
         stage = Boundary(script_of(row), turns=turns, last=len(row.split("|")))
         docket = stage.play()
-    assert stage.whole, docket.breaches
-    return Resumed(turns, stage.answered, stage.whole, tuple(map(str, docket.breaches)))
+    assert stage.whole or docket.breaches
+    return Resumed(turns, stage.answered, stage.whole or NO_WHOLE, tuple(map(str, docket.breaches)))
 
 
 def kill_at_each(row: str, every: int, *changes: Change) -> Iterator[Resumed]:
@@ -156,6 +162,8 @@ def faults_of(resumed: list[Resumed]) -> list[str]:
     for each in resumed:
         at = f"turn {each.turns}"
         faults += [f"{at}: {breach}" for breach in each.breaches]
+        if each.whole is NO_WHOLE:
+            continue
         if each.whole == after:
             taken = True
         elif each.whole != before:

@@ -8,7 +8,7 @@ leaves ``kept``.
 import contextlib
 import errno
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -77,6 +77,8 @@ class Disk:
     opened_at: int = 0  # [ns] when the present process began
     woken_at: int = -(2**62)  # [ns] when the machine last woke
     troubles: set[Trouble] = field(default_factory=set)  # that befall it now
+    is_amidst: Callable[[], bool] = bool  # whether an order is journalled and not yet answered
+    kept_amidst: bool = False  # what it has last kept ends so
     _refuses: bool = False
     _writer: sqlite3.Connection | None = field(default=None, repr=False)
     _reader: sqlite3.Connection | None = field(default=None, repr=False)
@@ -84,6 +86,7 @@ class Disk:
     def boot(self, path: Path, *, slow: bool) -> None:
         """Begin with the recording of a process that stands at ``path``."""
         self.path, self.slow, self._refuses = path, slow, False
+        self.kept_amidst = False
         self._writer = self._reader = None
         self.troubles.clear()
         self.opened_at = self.machine.now
@@ -104,13 +107,13 @@ class Disk:
 
     def fsync(self, _descriptor: int) -> None:
         """Put on the disk what was written before the call; OSError while it refuses."""
-        image = Image.of(self.path)
+        image, amidst = Image.of(self.path), self.is_amidst()
         self.machine.sleep(
             self.machine.dice.choice(SLOW_SYNC_TIMES_S if self.slow else SYNC_TIMES_S)
         )
         if self._refuses:
             raise OSError(errno.EIO, "Input/output error")
-        self.kept = image
+        self.kept, self.kept_amidst = image, amidst
 
     def keep(self) -> None:
         """Note that SQLite itself has put all on the disk."""

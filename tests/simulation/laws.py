@@ -7,12 +7,13 @@ on the lines is in ``stations``.
 
 import contextlib
 import hashlib
+import sqlite3
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ import pytest
 from simulation.disk import Disk, log_of
 from simulation.machine import SECOND_NS, Machine
 from simulation.milestones import Log, Stand
+from simulation.model import Before, Model
 from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
@@ -60,6 +62,7 @@ class Law(Enum):
     SOLE = "L14: a recording has one session: a second is refused"
     INSTRUMENTS = "L15: each sentence to an instrument is whole, and none is silent for long"
     AIS = "L16: each ship within reach is heard by AIS as often as is promised, and no other"
+    MODEL = "L18: a session is what its lines make of it: plans, command, pictures, instruments"
     PLANS = "L17: the orders ahead are after a kill what they were before it"
 
 
@@ -79,7 +82,8 @@ class Promise(NamedTuple):
     who: str
     what: str
     tick: int
-    kind: str  # "order", "refused" for an order that was journalled and refused, or "mark"
+    kind: str  # "order", "refused" for one that was journalled and refused, "mark" or "snapshot"
+    branch: int
 
 
 @dataclass
@@ -112,12 +116,20 @@ class Witness:
     docket: Docket
     machine: Machine
     session: Session | None = None
+    model: Model = field(init=False)
+    amidst: bool = False  # an order is journalled, and not yet answered there
     _reply: object = None  # the last that a station was given
     _who: str = ""  # gives the order that is heard, before it may take another role
     _meant: str = ""  # by the order that is heard, before it acts: belay takes back the newest
     _before: int = 0  # the last order in the journal before the one that is heard
     ahead: Plans | None = None  # when the last order was done with; None in the midst of one
     _left: Plans | None = None  # by the process before, where it was killed
+
+    def __post_init__(self) -> None:
+        self.model = Model(
+            lambda text: self.docket.enter(Law.MODEL, text),
+            lambda: self.machine.now / SECOND_NS,
+        )
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
         """Wrap what is looked at. Nothing of it is changed."""
@@ -129,6 +141,7 @@ class Witness:
             init(session, terms, introduction)
             self.session = session
             self.docket.log.see_start(session)
+            self.model.begin(session)
 
         def answer_left_orders(dispatch: Dispatch) -> None:
             answer_left(dispatch)
@@ -146,8 +159,9 @@ class Witness:
             if session.conduct.ending.over and not session.history.flown.replaying:
                 self.docket.enter(Law.ENDED, f"a tick follows tick {session.history.tick}, the end")
             self.docket.ticks += 1
-            self.ahead, stand = None, Stand.of(session)
+            self.ahead, stand, before = None, Stand.of(session), Before.of(session)
             tick(session)
+            self.model.tick(session, before)
             self.ahead = session.agenda.plans
             self.docket.log.see_tick(session, stand)
 
@@ -157,6 +171,8 @@ class Witness:
                 self.docket.log.see_guest(self.session)
 
         self.docket.log.watch(patch)
+        self._watch_journal(patch)
+        self.model.watch(patch)
         patch.setattr(Session, "__post_init__", begin)
         patch.setattr(Session, "tick", take_tick)
         patch.setattr(Dispatch, "answer_left_orders", answer_left_orders)
@@ -164,15 +180,32 @@ class Witness:
         patch.setattr(Station, "answer", answer_order)
         patch.setattr(Attendance, "greet", greet_guest)
 
+    def _watch_journal(self, patch: pytest.MonkeyPatch) -> None:
+        """Know when an order is in the journal without its answer."""
+        write_order, write_answer = Recording.order, Recording.answered
+
+        def journal_order(recording: Recording, *given: Any) -> int:
+            number = write_order(recording, *given)
+            self.amidst = True
+            return number
+
+        def journal_answer(recording: Recording, *given: Any) -> None:
+            self.amidst = False
+            write_answer(recording, *given)
+
+        patch.setattr(Recording, "order", journal_order)
+        patch.setattr(Recording, "answered", journal_answer)
+
     @contextlib.contextmanager
     def _beside(self, asked: Request) -> Iterator[None]:
         """Look at a session before and after an order."""
         session = self.session
         assert session
-        before, stand = Posture.of(session), Stand.of(session)
+        before, stand, said = Posture.of(session), Stand.of(session), Before.of(session)
         elsewhere = is_elsewhere(session, asked.station)
         self._reply, self._before, self.ahead = None, session.history.after, None
         self.docket.orders += 1
+        self.docket.log.see_arrival(session, f"{asked.station.who}: {asked.order.text}")
         self._who = asked.station.who
         self._meant = session.crew.meant(asked.order).text
         yield
@@ -180,6 +213,7 @@ class Witness:
         after, name = Posture.of(session), asked.order.name
         station = asked.station
         self.docket.log.see_order(session, name, station.role.name, station, stand, self._reply)
+        self.model.hear(session, asked.order, station, self._reply, said)
         text = f"{asked.order.text!r} at tick {before.tick}"
         if isinstance(self._reply, Refused):
             if changed := before.changed(after):
@@ -215,12 +249,15 @@ class Witness:
         journalled = ORDER_WORDS[name].journalled and session.history.after != self._before
         if (refused and not journalled) or session.history.recording.trouble:
             return  # "(not recorded)"
-        tick = session.history.tick
+        tick, branch = session.history.tick, session.history.recording.branch
         if ORDER_WORDS[name].journalled:
             kind = "refused" if refused else "order"
-            promise = Promise(self._who, self._meant, tick, kind)
+            promise = Promise(self._who, self._meant, tick, kind, branch)
         elif name == "mark":
-            promise = Promise(self._who, asked.order.subject or "marked", tick, "mark")
+            text = asked.order.subject or "marked"
+            promise = Promise(self._who, text, tick, "mark", branch)
+        elif name == "snapshot":
+            promise = snapshot_promise(asked.order.subject, tick, session.boat.plain.tobytes())
         else:
             return
         self.docket.promises.append((promise, self.machine.now))
@@ -312,12 +349,15 @@ def check_kept(docket: Docket, path: Path, *, until: int, since: int = 0) -> Non
     """
     with contextlib.closing(Recording.look(path)) as recording:
         kept = promises_in(recording)
+    with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as reader:
+        for name, tick, state in reader.execute("SELECT name, tick, state FROM snapshots"):
+            kept[snapshot_promise(name, tick, state)] += 1
     due = Counter(promise for promise, at in docket.promises if max(at, since) <= until)
     for promise, count in due.items():
         if kept[promise] < count:
             docket.enter(
                 Law.KEPT,
-                f"{promise.kind} {promise.what!r} of {promise.who}, tick "
+                f"{promise.kind} {promise.what!r} of {promise.who}, branch {promise.branch}, tick "
                 f"{promise.tick}: {count} answered, {kept[promise]} in the file",
             )
     remaining = []
@@ -328,6 +368,12 @@ def check_kept(docket: Docket, path: Path, *, until: int, since: int = 0) -> Non
     docket.promises = remaining
 
 
+def snapshot_promise(name: str, tick: int, state: bytes) -> Promise:
+    """Return what is promised where a snapshot is answered."""
+    digest = hashlib.sha256(state).hexdigest()[:12]
+    return Promise(digest, name, tick, "snapshot", 0)
+
+
 def promises_in(recording: Recording) -> Counter[Promise]:
     """Return the orders and marks in a recording, and how often each is there."""
     kept: Counter[Promise] = Counter()
@@ -335,10 +381,10 @@ def promises_in(recording: Recording) -> Counter[Promise]:
         for order in recording.orders(branch.id):
             if order.branch == branch.id and order.accepted is not None:
                 kind = "order" if order.accepted else "refused"
-                kept[Promise(order.who, order.text, order.tick, kind)] += 1
+                kept[Promise(order.who, order.text, order.tick, kind, branch.id)] += 1
     for event in recording.events():
         if event.kind == MARK_KIND:
-            kept[Promise(event.who, event.text, event.tick, "mark")] += 1
+            kept[Promise(event.who, event.text, event.tick, "mark", event.branch)] += 1
     return kept
 
 

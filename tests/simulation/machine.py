@@ -6,7 +6,7 @@ runs at a time. It gives its turn back in ``wait`` and ``offer_turn``; the machi
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from random import Random
 from typing import Final
 
@@ -58,8 +58,10 @@ class Machine:
         self.turns = 0
         self.tasks: list[Task] = []
         self.running: Task | None = None
+        self.held: Task | None = None  # who does not go on, whatever comes
         self.deaths: list[tuple[str, BaseException]] = []
         self.spinning: list[tuple[str, int]] = []  # the threads that spun, and when [ns]
+        self._redrawn: list[tuple[int, int]] = []  # after so many turns, by which seed
         self._scheduler = greenlet.getcurrent()
         self._dead = False
         self._window = self.now  # [ns] when the present one began
@@ -71,11 +73,12 @@ class Machine:
         self.now += LOOK_NS
         return self.now / SECOND_NS
 
-    def boot(self, seed: int, interleaving: float) -> None:
-        """Begin a process, whose turns are drawn by a seed."""
+    def boot(self, seed: int, interleaving: float, redrawn: Sequence[tuple[int, int]] = ()) -> None:
+        """Begin a process, whose turns are drawn by a seed, later perhaps by others."""
+        self._redrawn = list(redrawn)
         self.dice, self.interleaving = Random(seed), interleaving  # noqa: S311
         self.tasks, self.deaths, self.spinning = [], [], []
-        self.turns, self._dead = 0, False
+        self.turns, self._dead, self.held = 0, False, None
         self._window, self._turns_of = self.now, Counter()
 
     def begin(self, call: Callable[[], object], name: str) -> Task:
@@ -137,6 +140,8 @@ class Machine:
         """Return the tasks that can go on, and the next deadline [ns] of the others."""
         ready, soonest, now = [], until, self.now
         for task in self.tasks:
+            if task is self.held:
+                continue
             if task.is_ready is None or task.is_ready():
                 ready.append(task)
             elif task.deadline is not None:
@@ -148,6 +153,8 @@ class Machine:
 
     def _take_turn(self, task: Task) -> None:
         self.turns += 1
+        if self._redrawn and self.turns > self._redrawn[0][0]:
+            self.dice.seed(self._redrawn.pop(0)[1])
         self.now += TURN_NS
         if self.now - self._window > SPIN_WINDOW_NS:
             self._window, self._turns_of = self.now, Counter()

@@ -35,7 +35,10 @@ from trainer.session.stations.roles import refusal as role_refusal
 from trainer.session.stations.station import Fact, Station
 
 if TYPE_CHECKING:
-    from simulation.script import Life  # whose words are drawn among ships, and those know laws
+    from simulation.script import (  # whose words are drawn among ships, and those know laws
+        Life,
+        Point,
+    )
 
 
 class Stand(NamedTuple):
@@ -82,11 +85,18 @@ class Glance(NamedTuple):
     troubles: frozenset[Trouble]  # that befall the disk now
     life: int
     first_branch: int  # of this process
+    marked_branches: frozenset[int]  # where somebody has marked something
 
     @property
     def jumped(self) -> bool:
         """Return whether time jumped to another moment."""
         return self.accepted and self.after.branch != self.before.branch
+
+    @property
+    def is_due(self) -> bool:
+        """Return whether a plan is due in the next tick."""
+        boat, plans = self.session.boat, self.session.agenda.planned.values()
+        return any(boat.ticks_in(p.seconds) <= boat.ticks for p in plans if p.condition is None)
 
 
 # What an order may reach, by the law that it tempts.
@@ -104,7 +114,12 @@ ORDER_MILESTONES: Final[Mapping[str, Callable[[Glance], bool]]] = {
     "L2: an order is refused in a replay": lambda g: not g.accepted and g.before.replaying,
     "L3: a jump while the disk is full": lambda g: g.jumped and Trouble.FULL in g.troubles,
     "L3: a jump while another program writes": lambda g: g.jumped and Trouble.LOCKED in g.troubles,
-    "L3: a jump while nothing can be read": lambda g: g.jumped and Trouble.UNREADABLE in g.troubles,
+    "L2: a jump is refused where nothing can be read": lambda g: (
+        not g.accepted and ORDER_WORDS[g.word].jumps and Trouble.UNREADABLE in g.troubles
+    ),
+    "L2: a take-over is refused where nothing can be read": lambda g: (
+        g.word == "take" and g.before.replaying and Trouble.UNREADABLE in g.troubles
+    ),
     "L3: a jump in a freeze": lambda g: g.jumped and g.before.frozen,
     "L3: a jump while time runs": lambda g: g.jumped and not g.before.frozen,
     "L3: a jump out of a replay": lambda g: g.jumped and g.before.replaying and g.word != "take",
@@ -145,6 +160,10 @@ ORDER_MILESTONES: Final[Mapping[str, Callable[[Glance], bool]]] = {
     ),
     "L17: a jump takes plans away": lambda g: g.jumped and g.after.plans < g.before.plans,
     "L17: a jump brings plans back": lambda g: g.jumped and g.after.plans > g.before.plans,
+    "L1: a mark on a branch that is left": lambda g: (
+        g.jumped and g.before.branch in g.marked_branches
+    ),
+    "L17: a plan is due in the tick of a jump": lambda g: g.jumped and g.is_due,
     "L17: a plan is cancelled": lambda g: g.accepted and g.word == "cancel",
     "L17: a plan is made in a freeze": lambda g: (
         g.accepted and g.word == "plan" and g.before.frozen
@@ -182,6 +201,7 @@ OTHER_MILESTONES: Final = (
     "L5: two instructors within one tick",
     "L6: a kill after the end",
     "L6: a kill while marks are made",
+    "L8: a signal while a debrief is written",
     "L8: the time of day is set",
     "L8: the machine sleeps",
     "L11: a page comes in a replay",
@@ -216,10 +236,14 @@ MILESTONES: Final = (*ORDER_MILESTONES, *TICK_MILESTONES, *OTHER_MILESTONES)
 class Log:
     """The milestones that one script has reached."""
 
-    reached: set[str] = field(default_factory=set)
+    reached: dict[str, "Point | None"] = field(default_factory=dict)  # and where first
+    where: Callable[[], "Point | None"] = lambda: None
+    orders: list[tuple[int, str, "Point"]] = field(default_factory=list)  # tick, words, where
+    note: Callable[[str], object] = lambda _: None  # told each time
     disk: Disk | None = None
     life: int = 1
     first_branch: int = 1
+    _marked: set[int] = field(default_factory=set)  # the branches that have a mark
     _ordered: tuple[int, object] = (-1, None)  # the last tick of an instructor's order, and who
 
     def begin(self, life: "Life", number: int, disk: Disk, before: "Life | None") -> None:
@@ -238,6 +262,11 @@ class Log:
         self.first_branch = session.history.recording.branch
         self._note("L1: a kill between journal and answer", bool(session.history.unanswered))
 
+    def see_arrival(self, session: Session, words: str) -> None:
+        """Note where an order comes."""
+        if point := self.where():
+            self.orders.append((session.history.tick, words, point))
+
     def see_order(
         self, session: Session, word: str, role: str, who: object, before: Stand, reply: object
     ) -> None:
@@ -246,10 +275,14 @@ class Log:
         after = Stand.of(session)
         troubles = frozenset(self.disk.troubles if self.disk else ())
         glance = Glance(
-            word, accepted, role, before, after, session, troubles, self.life, self.first_branch
+            *(word, accepted, role, before, after, session, troubles, self.life),
+            *(self.first_branch, frozenset(self._marked)),
         )
-        self.reached |= {name for name, is_so in ORDER_MILESTONES.items() if is_so(glance)}
+        for name, is_so in ORDER_MILESTONES.items():
+            self._note(name, is_so(glance))
         self._note(f"word {word}", accepted)
+        if word == "mark" and accepted:
+            self._marked.add(before.branch)
         if role == "instructor":
             tick, other = self._ordered
             self._note(
@@ -260,9 +293,8 @@ class Log:
     def see_tick(self, session: Session, before: Stand) -> None:
         """Note what a tick has reached."""
         after = Stand.of(session)
-        self.reached |= {
-            name for name, is_so in TICK_MILESTONES.items() if is_so(before, after, session)
-        }
+        for name, is_so in TICK_MILESTONES.items():
+            self._note(name, bool(is_so(before, after, session)))
 
     def see_guest(self, session: Session) -> None:
         """Note when somebody comes to a session."""
@@ -286,6 +318,10 @@ class Log:
         self._note("L17: a kill with plans ahead", killed and bool(stand.plans))
         self._note("L3: a gap in the recording", bool(recording.missing))
 
+    def see_signal(self, session: Session) -> None:
+        """Note how a session stands that a signal asks to end."""
+        self._note("L8: a signal while a debrief is written", Stand.of(session).busy)
+
     def see_mishap(self, trouble: Trouble) -> None:
         """Note what befalls the machine."""
         self._note("L8: the time of day is set", trouble is Trouble.SET)
@@ -293,14 +329,14 @@ class Log:
 
     def see_rival(self) -> None:
         """Note that another session was refused the recording."""
-        self.reached.add("L14: a second session is refused")
+        self._see("L14: a second session is refused")
 
     def see_shown(self, kind: str, fields: Sequence[str]) -> None:
         """Note what a line is shown: a channel's values, or an event of a kind."""
         if kind == "TRE":
-            self.reached.add(f"heard {fields[2]}")
+            self._see(f"heard {fields[2]}")
         elif kind == "TRS":
-            self.reached.add(f"shown {fields[0]}")
+            self._see(f"shown {fields[0]}")
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
         """Note which gates are shut, and what the plant calls. Nothing of it is changed."""
@@ -326,14 +362,20 @@ class Log:
             self._note(f"called {call.key.partition(':')[0]}", kind == "plant")
             alert(log, kind, call, fact)
 
-        patch.setattr(dispatch, "ORDER_GATES", tuple(map(noted, ORDER_GATES)))
+        patch.setattr(dispatch, "ORDER_GATES", tuple(map(noted, dispatch.ORDER_GATES)))
         patch.setattr(dispatch, "role_refusal", refuse)
         patch.setattr(stations, "refusal", refuse)
         patch.setattr(EventLog, "alert", alert_noted)
 
-    def _note(self, name: str, is_so: bool) -> None:  # noqa: FBT001
+    def _note(self, name: str, is_so: object) -> None:
         if is_so:
-            self.reached.add(name)
+            self._see(name)
+
+    def _see(self, name: str) -> None:
+        """Note that a milestone is reached."""
+        self.note(name)
+        if name not in self.reached:
+            self.reached[name] = self.where()
 
 
 def is_killed(life: "Life") -> bool:

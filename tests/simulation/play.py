@@ -12,6 +12,8 @@ from pathlib import Path
 from threading import Event
 from typing import Final
 
+import pytest
+
 from simulation.disk import Disk, Image, Trouble
 from simulation.instruments import NMEA_OPTIONS, Plotter
 from simulation.laws import (
@@ -26,13 +28,14 @@ from simulation.laws import (
 )
 from simulation.machine import SECOND_NS, Machine, Task
 from simulation.network import Network
-from simulation.script import Ending, Life, Script, Way
+from simulation.script import Ending, Life, Point, Script, Way
 from simulation.seam import played_on
 from simulation.stations import Program
 from simulation.traffic import Air, fleet_text
 from simulation.wires import Wires
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.config.outcome import Outcome
+from trainer.io.recording import recording as recordings
 from trainer.io.recording.recording import Recording
 from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
 from trainer.session.past.options import RunOptions
@@ -44,10 +47,13 @@ KILL_TIMEOUT_NS: Final = 10 * SECOND_NS  # for the turns until a kill
 MAX_AWAKE_NS: Final = 3 * SECOND_NS // 2  # after which a machine that slept has asked its disk
 DEBRIEFED_EVERY: Final = 8  # scripts, by their first seed: a debrief takes as long as a play does
 JUDGE_TIMES_S: Final = (0.0, 0.1, 1.0, 3.0)  # that marks take
+EVALUATOR_WORDS: Final = ("evaluator",)  # what is begun by it is ``seam``'s
 WRITE_TIME_S: Final = 0.5  # that a debrief takes
 RAM_FOLDER: Final = Path("/dev/shm")  # noqa: S108  where there is one: files that no disk waits for
+AIDS: Final = 'aids = ["ghost", "predictor"]'  # that an exercise with a duration of ours allows
 RECORDING: Final = "it.trainer"
 LOCAL_SOCKET: Final = "here.sock"
+NARROW_BYTES: Final = 100_000  # that wait at most on a narrow machine: some seconds of ticks
 NOTHING_LEFT: Final = Image(b"", b"")
 
 Change = Callable[[], contextlib.AbstractContextManager[object]]  # of the product
@@ -86,7 +92,8 @@ def exercise_of(script: Script) -> str:
         return script.exercise
     text = read_text(shipped_path("exercises", script.exercise))
     path = Path(f"{script.exercise}.toml")
-    path.write_text(re.sub(r"(?m)^duration_s = .*$", f"duration_s = {script.duration}", text))
+    lines = f"duration_s = {script.duration}\n{AIDS}"
+    path.write_text(re.sub(r"(?m)^duration_s = .*$", lines, text))
     return str(path)
 
 
@@ -95,6 +102,15 @@ def has_unanswered(path: Path) -> bool:
     with contextlib.closing(Recording.look(path)) as recording:
         orders = recording.orders(recording.last_branch())
     return any(order.accepted is None for order in orders)
+
+
+@contextlib.contextmanager
+def room_for(life: Life) -> Iterator[None]:
+    """Let a narrow process keep little in memory while its disk is out of reach."""
+    with pytest.MonkeyPatch.context() as patch:
+        if life.narrow:
+            patch.setattr(recordings, "MAX_WAITING_BYTES", NARROW_BYTES)
+        yield
 
 
 def cable_of(number: int) -> str:
@@ -114,6 +130,10 @@ class Stage:
     docket: Docket = field(init=False)
     witness: Witness = field(init=False)
     air: Air = field(default_factory=Air)
+    _programs: list[Program] = field(default_factory=list)
+    _mishaps: int = 0  # that have begun
+    _booted: int = 0  # [ns] the present process
+    _ended: bool = False  # the present process
     _left: Image = NOTHING_LEFT  # of the recording, by the process before
 
     def __post_init__(self) -> None:
@@ -121,6 +141,8 @@ class Stage:
         self.wires = Wires(self.network)
         self.docket = Docket(self.machine)
         self.witness = Witness(self.docket, self.machine)
+        self.docket.log.where = self.where
+        self.disk.is_amidst = lambda: self.witness.amidst
 
     def play(self) -> Docket:
         """Play all processes, then look at the file.
@@ -132,7 +154,9 @@ class Stage:
             self.air.watch(patch)
             for number, life in enumerate(self.script.lives, 1):
                 self.docket.life = number
-                if not self._live(life) or self.docket.breaches:
+                with room_for(life):
+                    goes_on = self._live(life)
+                if not goes_on or self.docket.breaches:
                     break
         if self.script.recorded and not self.docket.breaches:
             check_kept(self.docket, self.disk.path, until=FOREVER_NS)
@@ -141,10 +165,20 @@ class Stage:
                 check_debriefs(self.docket, self.disk.path)
         return self.docket
 
+    def where(self) -> Point:
+        """Return the present point; the beginning of the next process where this one has ended."""
+        life, machine = self.docket.life, self.machine
+        if self._ended:
+            return Point(life + 1, 0, 0.0)
+        places = tuple(program.place for program in self._programs)
+        seconds = (machine.now - self._booted) / SECOND_NS
+        return Point(life, machine.turns, seconds, places, self._mishaps)
+
     def _live(self, life: Life) -> bool:
         """Play a process to its end; return whether another goes on with its recording."""
         machine, first = self.machine, self.docket.life == 1
-        machine.boot(life.seed, life.interleaving)
+        machine.boot(life.seed, life.interleaving, life.redrawn)
+        self._programs, self._mishaps, self._booted, self._ended = [], 0, machine.now, False
         self.network.boot()
         self.wires.boot()
         self.air.boot()
@@ -158,7 +192,7 @@ class Stage:
         lives, number = self.script.lives, self.docket.life
         before = lives[number - 2] if number > 1 else None
         self.docket.log.begin(life, number, self.disk, before)
-        self.witness.session = None
+        self.witness.session, self.witness.amidst = None, False
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
             session = machine.begin(lambda: self._serve(life), "session")
             others = self._begin_others(life)
@@ -175,6 +209,7 @@ class Stage:
             hear = self._hearing(number)
             cable = self.wires.cable(cable_of(number)) if player.way is Way.CABLE else None
             program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
+            self._programs.append(program)
             self.machine.begin(program.run, f"{player.role} {number}")
         if life.instruments:
             plotter = Plotter(self.machine, self.wires, self.docket, self.air)
@@ -195,6 +230,9 @@ class Stage:
             lambda: session.done or machine.deaths or self.docket.breaches,
         )
         if life.ending is not Ending.SIGNAL:  # the very turn is drawn, too
+            if life.amidst:
+                self._strike_amidst(life, session)
+                return
             last, promises, answered = machine.turns + life.turns, self.docket.promises, 0
 
             def strikes() -> bool:
@@ -202,15 +240,31 @@ class Stage:
                 if machine.turns < last:
                     answered = len(promises)
                     return False
-                awaited = (
-                    not life.at_mark or each.kind == "mark" for each, _ in promises[answered:]
-                )
+                awaited = (life.awaited in ("", each.kind) for each, _ in promises[answered:])
                 return not life.at_answer or any(awaited)
 
             machine.run(
                 machine.now + KILL_TIMEOUT_NS,
                 lambda: session.done or machine.deaths or strikes(),
             )
+
+    def _strike_amidst(self, life: Life, session: Task) -> None:
+        """Let a process live until an order is journalled, and has no answer yet.
+
+        Where the power goes, its thread stands still there until the disk has what it wrote.
+        """
+        machine, disk, witness = self.machine, self.disk, self.witness
+
+        def strikes() -> bool:
+            if life.ending is Ending.KILLED:
+                return witness.amidst
+            machine.held = session if witness.amidst else None
+            return disk.kept_amidst
+
+        machine.run(
+            machine.now + KILL_TIMEOUT_NS,
+            lambda: session.done or machine.deaths or strikes(),
+        )
 
     def _look(self, session: Task, others: int) -> None:
         """Look at what a process has done, L8 to L10."""
@@ -224,6 +278,7 @@ class Stage:
     def _end(self, life: Life, session: Task) -> bool:
         """End a process as the script says; return whether another is to go on."""
         machine = self.machine
+        self._ended = True
         goes_on = not (session.done or machine.deaths or self.docket.breaches)
         if goes_on and life.ending is not Ending.SIGNAL and not self.script.recorded:
             goes_on = False
@@ -232,6 +287,7 @@ class Stage:
         elif goes_on:
             goes_on = False
             if self.witness.session:
+                self.docket.log.see_signal(self.witness.session)
                 self.witness.session.stop()
             machine.run(machine.now + END_TIMEOUT_NS, lambda: session.done)
             if self.witness.session and not session.done:
@@ -263,6 +319,7 @@ class Stage:
 
     def _befall(self, life: Life) -> None:
         for mishap in life.mishaps:
+            self._mishaps += 1
             self.machine.sleep(mishap.after)
             self.docket.log.see_mishap(mishap.trouble)
             if mishap.trouble is Trouble.RIVAL:
@@ -301,7 +358,7 @@ class Stage:
             ),
             **(NMEA_OPTIONS if life.instruments else {}),
         }
-        source = DebriefSource(self._judge, self._write)
+        source = DebriefSource(self._judge, self._write, EVALUATOR_WORDS)
         if self.docket.life > 1:
             resume_boat(self.disk.path, RunOptions(**options), source, anyway=False)  # type: ignore[arg-type]
             return

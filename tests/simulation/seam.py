@@ -13,7 +13,7 @@ import socket
 import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, tzinfo
 from types import FunctionType, ModuleType, SimpleNamespace
@@ -30,10 +30,14 @@ from trainer.io import serial_line, server
 from trainer.io.recording import durability, file
 from trainer.io.recording.durability import Syncer
 from trainer.session import resume, run
+from trainer.session.exercise import evaluation
+from trainer.session.exercise.evaluation import Evaluation, Question
 from trainer.session.nmea import outlets
 from trainer.session.time.pacer import MonotonicClock
 
 PACKAGES: Final = ("trainer.session", "trainer.io")
+EVALUATOR_TIMES_S: Final = (0.05, 0.5, 4.0)  # that an answer of the evaluator takes
+DEAD_SHARE: Final = 0.05  # [-] of its answers never come; of as many moments none has marks
 BIRTHDAY: Final = datetime(2026, 1, 1, tzinfo=UTC)  # the machine's time of day, when it came up
 # What of a module the machine has. A module of the product that uses more of it goes past the seam.
 NAMES: Final[Mapping[str, frozenset[str]]] = {
@@ -67,6 +71,29 @@ class MachineClock:
         if machine.now < deadline:
             machine.wait(wake.is_set, (deadline - machine.now) / 1e9)
         return machine.now if machine.now >= deadline else 0
+
+
+@dataclass
+class Evaluator:
+    """What stands for the evaluator's process: it finds some marks, refuses, or dies."""
+
+    machine: Machine
+    words: Sequence[str]
+
+    def ask(self, question: Question) -> Mapping[str, Any] | None:
+        """Return an answer after a time, None where the process has died."""
+        dice = self.machine.dice
+        self.machine.sleep(dice.choice(EVALUATOR_TIMES_S))
+        if dice.random() < DEAD_SHARE:
+            return None
+        if dice.random() < DEAD_SHARE:
+            return {"free": "the crew sails freely"}
+        marks = {"marks": dice.uniform(0.0, 100.0), "so_far": 0.0, "lost": False, "won": False}
+        return {**marks, "with": 50.0} if question.order else marks
+
+    def end(self) -> int:
+        """Return the exit code of a process that was killed."""
+        return -9
 
 
 def day_of(machine: Machine) -> type[datetime]:
@@ -109,6 +136,15 @@ def played_on(
         watch_file(patch, disk)
         for module in (run, resume):  # it would put aside what this process collects
             patch.setattr(module, "set_garbage_aside", lambda: None)
+        made: Any = Evaluation.__init__  # whose factory of events was bound before the seam
+        patch.setattr(
+            Evaluation,
+            "__init__",
+            lambda self, *given, **named: made(
+                self, *given, **named, _news=Threading(machine).Event()
+            ),
+        )
+        patch.setattr(evaluation, "EvaluatorProcess", functools.partial(Evaluator, machine))
         patch.setattr(tomllib, "loads", read_once(tomllib.loads))
         yield patch
 

@@ -62,8 +62,9 @@ def _smaller_lives(life: Life) -> Iterator[Life]:
             yield replace(
                 life, players=(*players[:i], Player(player.role, visits), *players[i + 1 :])
             )
-    plain = {"interleaving": 0.0, "slow_disk": False, "rest": 0.0, "turns": 1}
+    plain: dict[str, object] = {"interleaving": 0.0, "slow_disk": False, "rest": 0.0, "turns": 1}
     plain |= {"at_answer": False, "instruments": False, "aged": False}
+    plain |= {"amidst": False, "narrow": False, "redrawn": ()}
     for name, value in plain.items():
         if getattr(life, name) != value:
             yield replace(life, **{name: value})  # type: ignore[arg-type]

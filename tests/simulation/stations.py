@@ -11,6 +11,7 @@ from typing import Final
 
 from simulation.laws import Docket, Law
 from simulation.machine import Machine
+from simulation.model import INSTRUCTORS_FACTS
 from simulation.network import Network, Socket
 from simulation.script import Act, Farewell, Player, Visit, Way
 from simulation.wires import Cable
@@ -39,6 +40,7 @@ class Program:
     docket: Docket
     hear: Callable[[bytes], object]  # told all that comes
     cable: Cable | None = None  # by which it comes, None for a socket
+    place: tuple[int, int] = (0, 0)  # visits that are done, lines of the next that were said
     _end: Socket = field(init=False, repr=False)
     _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
     _aside: deque[str] = field(default_factory=deque)  # of those whose answer is found aside
@@ -51,7 +53,8 @@ class Program:
 
     def run(self) -> None:
         """Make all visits."""
-        for visit in self.player.visits:
+        for number, visit in enumerate(self.player.visits):
+            self.place = number, 0
             self.machine.sleep(visit.after)
             while (end := self._call(visit.room)) is None:
                 self.machine.sleep(REDIAL_S)
@@ -62,6 +65,7 @@ class Program:
                 self._send(f"{carried_for(BROWSER)}\n".encode())
             if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
                 self._leave(visit.farewell)
+            self.place = number + 1, -1
             if self.cable is None:
                 end.close()
 
@@ -80,13 +84,16 @@ class Program:
     def _act(self, visit: Visit) -> bool:
         """Say all that is to be said; return whether the line is still there."""
         machine = self.machine
-        for act in visit.acts:
+        done, _ = self.place
+        for number, act in enumerate(visit.acts, 1):
             if not visit.reads:
                 machine.sleep(act.after)
             elif not self._listen(act.after):
                 return False
+            self.place = done, number
             if not self._say(act):
                 return False
+        self.place = done + 1, -1
         hears_out = visit.reads and visit.farewell is Farewell.HANGS_UP
         return not hears_out or self._listen(HEAR_OUT_S)
 
@@ -204,6 +211,8 @@ class Program:
             allowed = shown[0] in role.channels
         else:
             allowed = sentence.kind != "TRE" or hears_kind(role, shown[2])
+        if sentence.kind == "TRF" and shown[2] in INSTRUCTORS_FACTS:
+            allowed = allowed and self.player.role == "instructor"
         self.docket.log.see_shown(sentence.kind, sentence.fields)
         if not allowed:
             self.docket.enter(Law.SECRETS, f"{self._name} may not see {line!r}")

@@ -6,10 +6,11 @@ from typing import Final
 import pytest
 from helpers.places import TESTS
 
+from simulation.drawing import draw_script
 from simulation.laws import Law
 from simulation.mutants import FAULTS, FOUND, Fault, with_fault
 from simulation.play import play
-from simulation.script import Act, draw_script, read_script
+from simulation.script import Act, read_script
 from simulation.seeds import breaks_law
 from simulation.shrink import shrink
 

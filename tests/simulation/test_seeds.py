@@ -10,24 +10,21 @@ from typing import Final
 import pytest
 from helpers import places
 
+from simulation.drawing import draw_script
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
 from simulation.script import (
-    CHOICES,
-    DEALT,
-    FOREIGN,
-    SCENES,
     Act,
     Ending,
     Life,
     Player,
     Script,
     Visit,
-    draw_script,
     read_script,
     write_script,
 )
 from simulation.seeds import play_seed
+from simulation.vocabulary import CHOICES, DEALT, FOREIGN, SCENES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import ORDER_WORDS
 
@@ -46,7 +43,7 @@ def test_sessions_of_many_seeds_hold_every_law_and_say_all_that_can_be_said() ->
     assert not [(each.seed, *map(str, each.breaches)) for each in played if each.breaches]
     assert sum(each.counts["kills"] for each in played)
     assert sum(each.counts["power cuts"] for each in played)
-    reached = frozenset[str]().union(*(each.reached for each in played))
+    reached = frozenset[str]().union(*(each.sample.reached for each in played))
     assert set(SAID_MILESTONES) - reached <= SELDOM_SAID
 
 
@@ -68,6 +65,7 @@ def test_a_script_is_read_back_from_its_file(tmp_path: Path) -> None:
 PLAY: Final = """
 import sys
 from simulation.seeds import play_seed
+from simulation.vocabulary import CHOICES, DEALT, FOREIGN, SCENES
 print(*(play_seed(seed, 5.0).trace for seed in (3, 7, 10)))
 """
 
@@ -124,12 +122,12 @@ def test_a_seed_tells_what_it_has_reached() -> None:
     )
     docket = play(lone(*scene, seconds=12.0))
     assert not docket.breaches
-    assert docket.log.reached >= {
+    assert docket.log.reached.keys() >= {
         *(f"word {name}" for name in ("freeze", "snapshot", "plan", "restore", "run", "mark")),
         "L17: a jump takes plans away",
         "L3: a jump in a freeze",
     }
-    assert not docket.log.reached & {"word casualty", "L3: a take-over in a freeze"}
+    assert not docket.log.reached.keys() & {"word casualty", "L3: a take-over in a freeze"}
 
 
 def test_the_table_has_every_milestone_and_names_those_that_are_lacking() -> None:

@@ -1,0 +1,265 @@
+"""What a session should be, told by its lines alone.
+
+The laws ask the product's own tables: which plans are due, who has command, which moment a jump
+comes to. This model has tables of its own. It is fed by each order, its answer and each tick, and
+says where the session is another. What it knows stands in the documents: docs/instructor.md of
+command, docs/exercise-files.md of plans, docs/stations.md of pictures.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import pytest
+
+from trainer.io.orders.grammar import Order, Refused
+from trainer.session.nmea.sentences import InstrumentSet
+from trainer.session.session import Session
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Publisher
+from trainer.session.stations.view import Frame, Pace
+
+KEEP_COMMAND_S: Final = 10.0  # that who has command may answer one who asks for it
+JUMP_WORDS: Final = ("restore", "reset", "backtrack", "branch", "again", "restart")
+FROZEN_JUMPS: Final = ("restore", "reset", "backtrack", "branch", "again")
+# What instructors alone are told, since it gives away what a crew will meet.
+INSTRUCTORS_FACTS: Final = ("plans", "planned", "attainable", "no-attainable")
+PLAN_WORDS: Final = {"in", "at", "when"}
+HEADING_SENTENCE: Final = "$INHDT,"
+
+
+NamedPlan = tuple[int, str, float]  # its number, its words, and when [s] it is due
+
+
+class ModelPlan(NamedTuple):
+    """An order that an instructor has planned."""
+
+    number: int
+    text: str
+    seconds: float  # [s] when it is due, infinite for a condition
+    made: int  # the tick in which it was planned
+
+
+class Kept(NamedTuple):
+    """What stood when a snapshot was kept."""
+
+    tick: int
+    plans: frozenset[NamedPlan]
+
+
+@dataclass
+class Model:
+    """What one process should be."""
+
+    tell: Callable[[str], object]  # told what is another
+    clock: Callable[[], float]  # [s]
+    plans: dict[int, ModelPlan] = field(default_factory=dict)
+    made: dict[tuple[int, str], set[int]] = field(default_factory=dict)  # ticks, by every branch
+    kept: dict[tuple[str, int], Kept] = field(default_factory=dict)  # by name and tick
+    holder: Station | None = None
+    asked: dict[int, float] = field(default_factory=dict)  # [s] who asked for command, and when
+    offered: tuple[int, bytes, Pace] | None = None  # the picture that was last handed over
+
+    def begin(self, session: Session) -> None:
+        """Begin with a process; what stood before it is believed."""
+        self.plans.clear()
+        self.made.clear()
+        self.kept.clear()
+        self.asked.clear()
+        self.holder = self.offered = None
+        self._believe(session)
+
+    def watch(self, patch: pytest.MonkeyPatch) -> None:
+        """Note what is shown. Nothing of it is changed."""
+        offer, lines = Publisher.offer, InstrumentSet.lines
+
+        def offer_noted(publisher: Publisher, tick: int, state: bytes, pace: Pace) -> None:
+            self.offered = tick, state, pace
+            offer(publisher, tick, state, pace)
+
+        def lines_noted(instruments: InstrumentSet, frame: Frame) -> list[str]:
+            said = lines(instruments, frame)
+            self._check_instruments(said, frame)
+            return said
+
+        patch.setattr(Publisher, "offer", offer_noted)
+        patch.setattr(InstrumentSet, "lines", lines_noted)
+
+    def hear(
+        self, session: Session, order: Order, station: Station, reply: object, before: "Before"
+    ) -> None:
+        """Take an order and its answer, which may come later; compare the session with it."""
+        accepted = not isinstance(reply, Refused)
+        jumped = accepted and order.name in JUMP_WORDS
+        if accepted and not before.replaying:
+            self._plan(session, order, before)
+        self._command(session, order, station, before, accepted=accepted)
+        if jumped:
+            self._check_jump(session, order, before)
+        if session.history.flown.replaying or before.replaying or order.name == "demonstrate":
+            self._believe(session)
+        elif not session.history.recording.trouble:
+            self._check_plans(session, f"after {order.text!r}")
+        self._check_moment(session, f"after {order.text!r}")
+
+    def tick(self, session: Session, before: "Before") -> None:
+        """Take a tick."""
+        flown = session.history.flown
+        if before.replaying or flown.replaying or flown.shows_way:
+            self._believe(session)
+            return
+        due = [p for p in self.plans.values() if self._due(session, p.seconds) <= before.tick]
+        for plan in due:
+            if session.agenda.planned.get(plan.number):
+                self.tell(f"tick {before.tick}: plan {plan.number} is due, and still ahead")
+            self.plans.pop(plan.number, None)
+        self._spend_conditions(session)
+        if session.history.tick > before.tick:
+            late = [
+                entry.order.text
+                for entry in session.agenda.schedule[session.history.entry :]
+                if self._due(session, entry.seconds) <= before.tick
+            ]
+            if late:
+                self.tell(f"tick {before.tick}: {late} of the exercise are due, and not given")
+        self._check_plans(session, f"after tick {before.tick}")
+        self._check_moment(session, f"after tick {before.tick}")
+
+    def _due(self, session: Session, seconds: float) -> float:
+        step = session.boat.method.step
+        return math.ceil(seconds / step - 1e-9) if math.isfinite(seconds) else math.inf
+
+    def _plan(self, session: Session, order: Order, before: "Before") -> None:
+        """Take an order about plans that was accepted."""
+        if order.name == "plan":
+            number = before.last_plan + 1
+            now = before.tick * session.boat.method.step
+            seconds = math.inf if order.word == "when" else order.value
+            seconds += now if order.word == "in" else 0.0
+            self.plans[number] = ModelPlan(number, order.subject, seconds, before.tick)
+            self.made.setdefault((number, order.subject), set()).add(before.tick)
+        elif order.name == "cancel":
+            for number in list(self.plans) if order.word == "all" else [int(order.value)]:
+                self.plans.pop(number, None)
+        elif order.name == "snapshot":
+            kept = Kept(before.tick, self._named())
+            self.kept[order.subject, session.history.tick] = kept
+
+    def _named(self) -> frozenset[NamedPlan]:
+        return frozenset((p.number, p.text, round(p.seconds, 6)) for p in self.plans.values())
+
+    def _spend_conditions(self, session: Session) -> None:
+        """Believe that a plan with a condition that is gone was due."""
+        for plan in [p for p in self.plans.values() if math.isinf(p.seconds)]:
+            if plan.number not in session.agenda.planned:
+                del self.plans[plan.number]
+
+    def _command(
+        self, session: Session, order: Order, station: Station, before: "Before", *, accepted: bool
+    ) -> None:
+        """Look whether command is with whom it should be."""
+        holder = session.conduct.command.holder
+        was = before.holder
+        if order.name == "command" and accepted:
+            self.asked.setdefault(id(station), self.clock())
+        if order.name == "keep" and accepted:
+            self.asked.clear()
+        passed = was is not None and holder is not was
+        there = was in session.event_log.stations and not was.line.ended and not was.leaving
+        if passed and there and was.role.name == "instructor" and order.name != "give":
+            since = self.asked.get(id(holder), math.inf)
+            if self.clock() - since < KEEP_COMMAND_S:
+                self.tell(f"after {order.text!r}: command is taken from one who may keep it")
+        if passed:
+            self.asked.clear()
+
+    def _check_jump(self, session: Session, order: Order, before: "Before") -> None:
+        """Look whether a jump has come to its moment, and the plans with it."""
+        tick, text = session.history.tick, repr(order.text)
+        if order.name in FROZEN_JUMPS and not session.time.frozen:
+            self.tell(f"after {text}: time runs")
+        if session.history.recording.branch == before.branch:
+            self.tell(f"after {text}: no branch begins")
+        whole = not session.history.recording.trouble and not session.history.recording.missing
+        if order.name == "backtrack" and whole and not before.replaying:
+            wanted = max(before.tick - self._due(session, order.value), 0)
+            if tick != wanted:
+                self.tell(f"after {text}: tick {tick} in place of {wanted}")
+        for number, plan in session.agenda.planned.items():
+            made = self.made.get((number, plan.order.text))
+            if made and min(made) > tick:
+                self.tell(f"after {text}: plan {number} of tick {min(made)} is ahead at {tick}")
+        named = plans_of(session)
+        kept = self.kept.get((order.subject, tick)) if order.name == "restore" else None
+        if kept and whole and named != kept.plans:
+            self.tell(f"after {text}: the plans are {sorted(named)}, not {sorted(kept.plans)}")
+        self._believe(session)
+
+    def _believe(self, session: Session) -> None:
+        """Take over the plans of a session as they are, where lines do not tell them."""
+        now = session.history.tick
+        self.plans = {
+            number: ModelPlan(number, plan.order.text, plan.seconds, now)
+            for number, plan in session.agenda.planned.items()
+        }
+
+    def _check_plans(self, session: Session, when: str) -> None:
+        """Compare the orders ahead."""
+        there = plans_of(session)
+        if there != self._named():
+            self.tell(f"{when}: the plans are {sorted(there)}, not {sorted(self._named())}")
+            self._believe(session)
+
+    def _check_moment(self, session: Session, when: str) -> None:
+        """Look whether what is shown and what is open is of the present moment."""
+        tick = session.history.tick
+        late = [a.text for a in session.event_log.alerts.open.values() if a.raised.tick > tick]
+        if late:
+            self.tell(f"{when}, tick {tick}: alerts of later ticks are open: {late}")
+        if self.offered is None:
+            return
+        shown, _, pace = self.offered
+        if shown != tick:
+            self.tell(f"{when}: tick {shown} is shown, at tick {tick}")
+        elif pace.branch != session.history.recording.branch:
+            self.tell(f"{when}: branch {pace.branch} is shown")
+        elif pace.frozen != session.time.frozen and session.time.frozen:
+            self.tell(f"{when}: time is shown to run, and stands still")
+
+    def _check_instruments(self, said: list[str], frame: Frame) -> None:
+        """Look whether the compass is that of the frame."""
+        heading = math.degrees(frame.readings.heading) % 360.0
+        for line in said:
+            if line.startswith(HEADING_SENTENCE):
+                told = float(line.split(",")[1])
+                apart = abs((told - heading + 180.0) % 360.0 - 180.0)
+                if apart > 0.06:
+                    self.tell(f"tick {frame.tick}: {line!r}, where the gyro reads {heading:.2f}")
+
+
+class Before(NamedTuple):
+    """What a session was before an order or a tick, for the model."""
+
+    tick: int
+    branch: int
+    replaying: bool
+    last_plan: int
+    holder: Any
+
+    @classmethod
+    def of(cls, session: Session) -> "Before":
+        """Return what a session is."""
+        return cls(
+            session.history.tick,
+            session.history.recording.branch,
+            session.history.flown.replaying,
+            session.agenda.plans.last,
+            session.conduct.command.holder,
+        )
+
+
+def plans_of(session: Session) -> frozenset[NamedPlan]:
+    """Return the plans of a session."""
+    planned = session.agenda.planned.items()
+    return frozenset((n, plan.order.text, round(plan.seconds, 6)) for n, plan in planned)
