@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -12,7 +13,7 @@ from helpers.installation import do_without
 from helpers.places import ROOT
 
 LISTED: Final = ("package.json", "package-lock.json")
-NAMES: Final = "typescript, eslint, axe-core, a parser of NMEA"
+NAMES: Final = "typescript, eslint, axe-core, a screen reader"
 INSTALLING_S: Final = 600.0  # [s] a network that is away for two minutes is waited for
 # What axe-core finds on a page, and where.
 BARRIERS: Final = """async () =>
@@ -37,6 +38,16 @@ def modules() -> Path:
 def axe() -> str:
     """Return the script of axe-core, which finds barriers."""
     return (modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
+
+
+def screen_reader() -> str:
+    """Return a script that makes ``screenReader``, which says aloud what it reads."""
+    folder = modules() / "@guidepup" / "virtual-screen-reader" / "lib" / "esm"
+    module = (folder / "index.browser.js").read_text(encoding="utf-8")
+    names = re.search(r"export\{.*?(\S+) as virtual\};", module)
+    assert names, "the screen reader names its parts otherwise"
+    own = module.replace(names[0], "")
+    return f"(() => {{ {own}\nglobalThis.screenReader = {names[1].rpartition(',')[2]}; }})()"
 
 
 def install(given: list[Path], folder: Path) -> None:

@@ -43,14 +43,15 @@ export class AlertBar extends HTMLElement {
       this.count,
     );
     this.hush = html("button", { type: "button", class: "hush", click: () => this.silence() }, ...said(STRUCK_BELL, say("Silence")));
-    this.worst = html("p", { class: "worst", role: "log" });
+    this.worst = html("p", { class: "worst" });
+    this.aloud = html("span", { class: "unseen", role: "log" }); // its words alone, without key and time
     this.list = html("ul", { class: "all", "aria-label": say("All alerts"), hidden: true });
   }
 
   connectedCallback() {
     this.setAttribute("role", "region");
     this.setAttribute("aria-label", say("Alerts"));
-    this.replaceChildren(this.bell, this.hush, this.worst, this.list);
+    this.replaceChildren(this.bell, this.hush, this.worst, this.aloud, this.list);
     addEventListener("keydown", (event) => event.key === "Escape" && this.open(false));
     addEventListener("pointerdown", (event) => {
       if (!this.contains(/** @type {Node} */ (event.target))) this.open(false);
@@ -94,7 +95,8 @@ export class AlertBar extends HTMLElement {
     bell.toggleAttribute("data-new", owed.length > 0);
     hush.toggleAttribute("disabled", !sounding.length);
     const urgent = sounding.some((each) => RANKS.indexOf(each.rank) < URGENT);
-    worst.setAttribute("aria-live", urgent ? "assertive" : "polite");
+    this.aloud.setAttribute("aria-live", urgent ? "assertive" : "polite");
+    write(this.aloud, sounding.length ? say("{0}: {1}", RANK_WORDS[sounding[0].rank], sounding[0].words) : "");
     this.fill(worst, this.isOpen ? [] : [...sounding, ...shown].slice(0, 1), "span");
     this.fill(list, this.isOpen ? shown : [], "li");
     if (this.isOpen && !shown.length) list.replaceChildren(html("li", { class: "none" }, say("No alerts.")));

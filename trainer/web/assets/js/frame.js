@@ -135,8 +135,9 @@ export function isTyping(event) {
 export function showState(session) {
   const { state } = session;
   const pill = one("#state");
-  document.body.dataset.state = state;
-  pill.dataset.state = state;
+  for (const part of [document.body, pill]) {
+    if (part.dataset.state !== state) part.dataset.state = state; // told aloud whenever it is set
+  }
   write(pill, STATES[state]);
   const left = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
   write(one("#time"), `${clock(session.seconds)}${left}`);

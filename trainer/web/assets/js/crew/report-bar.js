@@ -1,5 +1,5 @@
 // What a station says to the instructor: a report in its own words, or one of the usual ones.
-import { html } from "../draw.js";
+import { html, write } from "../draw.js";
 import { say } from "../words.js";
 
 /** What is reported most, as the session takes it, and in words. @type {[string, string][]} */
@@ -19,13 +19,14 @@ class ReportBar extends HTMLElement {
   bind(session) {
     if (session.alone) return; // nobody would hear it
     const close = html("button", { type: "button", click: () => dialog.close() }, say("Close"));
-    const give = (/** @type {string} */ words) => {
+    const aloud = html("span", { class: "unseen", role: "status" });
+    const give = async (/** @type {string} */ words) => {
       if (!words) return;
-      void session.order(`report ${words}`);
       dialog.close();
+      write(aloud, (await session.order(`report ${words}`)).text);
     };
     const usual = USUAL.map(([report, words]) =>
-      html("button", { type: "button", click: () => give(report) }, words),
+      html("button", { type: "button", click: () => void give(report) }, words),
     );
     const says = { class: "reports", "aria-label": say("Reports to the instructor") };
     const dialog = /** @type {HTMLDialogElement} */ (html("dialog", says, ...usual, close));
@@ -37,11 +38,11 @@ class ReportBar extends HTMLElement {
     dialog.onclose = () => dialog.open || dialog.before(form); // it comes late: it may be open anew
     session.on("state", () => session.live || dialog.close());
     const key = html("button", { type: "button", class: "open", click: open }, say("Report"));
-    this.replaceChildren(key, form, dialog);
+    this.replaceChildren(key, form, dialog, aloud);
   }
 }
 
-/** Returns a field for a report, and its key. @param {(words: string) => void} give */
+/** Returns a field for a report, and its key. @param {(words: string) => Promise<void>} give */
 function reportForm(give) {
   const says = { list: "reports", placeholder: say("report"), "aria-label": say("Report"), maxlength: 60 };
   const field = /** @type {HTMLInputElement} */ (html("input", says));
@@ -50,7 +51,7 @@ function reportForm(give) {
   const form = html("form", { class: "row" }, field, list, html("button", {}, say("Report")));
   form.onsubmit = (event) => {
     event.preventDefault();
-    give(field.value.trim());
+    void give(field.value.trim());
     field.value = "";
   };
   return form;

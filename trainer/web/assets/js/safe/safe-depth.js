@@ -37,7 +37,9 @@ export function furnishSafeDepth(session) {
       flooding === null ? "" : say("flooding to {0}", lengthOf(flooding, 0)),
     ];
     const words = told.filter(Boolean).join(" · ");
-    write(opener, isUnsafe ? `! ${words}` : words);
+    const shown = isUnsafe ? `! ${words}` : words;
+    if (opener.textContent !== shown) opener.setAttribute("aria-label", say("Safe depth: {0}", shown));
+    write(opener, shown);
     if (!panel.matches(":popover-open")) return;
     if (packed !== session.word("safe.limits")) limits = unpack((packed = session.word("safe.limits")));
     const now = { speed: number("gauges.speed") ?? 0, depth };
