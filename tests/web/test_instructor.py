@@ -440,8 +440,8 @@ def test_the_start_tells_who_is_aboard_and_ready(shared: Served, look: Look) -> 
     expect(page.locator("#exercise-body")).to_contain_text("not ready yet")
     assert helm.ask("ready")[0]
     # a page of the test before may still be leaving
-    ready = page.locator("#exercise-body li").filter(has_text=re.compile("^helm at local .*: ready$"))
-    expect(ready).to_have_count(1)
+    ready = re.compile("^helm at local .*: ready$")
+    expect(page.locator("#exercise-body li").filter(has_text=ready)).to_have_count(1)
     expect(page.locator("#aboard")).to_contain_text("helm")
     helm.hang_up()
     expect(page.locator("#exercise-body")).to_contain_text("No station")
