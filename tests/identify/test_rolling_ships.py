@@ -315,6 +315,7 @@ def test_a_ship_of_small_gm_without_her_moments_is_refused() -> None:
         IdentifiedShip(replace(known(), roll=None))
 
 
+@pytest.mark.long
 def test_a_trial_says_what_it_would_tell_of_roll(tmp_path: Path) -> None:
     path = tmp_path / "known.toml"
     path.write_text(ship_text(known(), ""), encoding="utf-8")
