@@ -87,7 +87,7 @@ def everything_stations_get(frame: Frame) -> list[str]:
 
 
 def seen(look: StateReader, boat: Boat) -> list[str]:
-    """Return what stations get of a boat from one reader, which fits out what it flies ahead once."""
+    """Return what stations get of a boat from one reader, which flies ahead by one boat."""
     return everything_stations_get(
         look.frame(Picture(boat.ticks, boat.records.state.tobytes(), Pace()))
     )
@@ -187,7 +187,11 @@ def stuck() -> tuple[Boat, StateReader, list[str]]:
 
 @given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
 def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
-    stuck: tuple[Boat, StateReader, list[str]], deeper: float, round_: float, faster: float, elsewhere: float
+    stuck: tuple[Boat, StateReader, list[str]],
+    deeper: float,
+    round_: float,
+    faster: float,
+    elsewhere: float,
 ) -> None:
     boat, look, before = stuck
     untouched, s = boat.records.state.copy(), boat.state
