@@ -22,7 +22,8 @@ from trainer.web.words import read_catalogue
 
 ROOMS = [*(SIZES[name] for name in ("desk", "tablet", "phone", "phone-side")), (1080, 1920)]
 STEP = 5  # [deg] of a tap on the groove
-FAST = 10.0  # times faster than the clock
+FAST = 7.0  # times faster than the clock: what is late on a busy machine is not late for the boat
+FASTER = 10.0  # where nobody steers
 TARGET = 60  # [m] as the page says
 ORDERED_BOW = 8  # place of ordered_bow in the channel diving
 SEEN = """() => {
@@ -165,7 +166,7 @@ def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
     kiosk: Kiosk, look: Look
 ) -> None:
     page = look(kiosk.session, "kiosk", size="tablet", has_touch=True)
-    kiosk.order(f"time x{FAST:g}")
+    kiosk.order(f"time x{FASTER:g}")
     page.locator("#start").click()
     scene(page, "dive")
     slider(page).press("Home")
