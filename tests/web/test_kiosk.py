@@ -22,7 +22,7 @@ from trainer.web.words import read_catalogue
 
 ROOMS = [*(SIZES[name] for name in ("desk", "tablet", "phone", "phone-side")), (1080, 1920)]
 STEP = 5  # [deg] of a tap on the groove
-FAST = 7.0  # times faster than the clock: what is late on a busy machine is not late for the boat
+FAST = 5.0  # times faster than the clock: what is late on a busy machine is not late for the boat
 FASTER = 10.0  # where nobody steers
 TARGET = 60  # [m] as the page says
 ORDERED_BOW = 8  # place of ordered_bow in the channel diving
