@@ -109,7 +109,7 @@ def test_a_process_is_waited_for_as_long_as_it_works(
     program: str, wrong: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(waiting, "PATIENCE", 1.0)
-    monkeypatch.setattr(waiting, "MAX_WORK_S", 3.0)
+    monkeypatch.setattr(waiting, "MAX_WORK_S", 1.0)
     with subprocess.Popen([sys.executable, "-c", program]) as process:
         try:
             with pytest.raises(AssertionError, match=wrong):

@@ -43,6 +43,7 @@ def test_holes_and_jams_are_urgent() -> None:
     assert tuple(name for name in sorted(NAMES) if is_urgent(plan_exercise(name))) == URGENT
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", URGENT)
 def test_forty_seconds_late_is_not_won_where_a_hole_or_a_jam_is_open(name: str) -> None:
     for ladder in ladders_of(name):

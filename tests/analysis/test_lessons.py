@@ -193,7 +193,8 @@ def led(crewed: Begin, name: str, reading: int) -> tuple[Crewed, Line]:
     return ship, trainee
 
 
-@pytest.mark.parametrize("reading", [3, 12, 16])  # [ticks] at most before he does what is said
+# [ticks] at most before he does what is said
+@pytest.mark.parametrize("reading", [3, pytest.param(12, marks=pytest.mark.slow), 16])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
     crewed: Begin, name: str, reading: int
@@ -209,7 +210,7 @@ def test_a_newcomer_at_a_station_is_led_to_the_end_by_the_texts_that_he_gets(
     assert not [text for text in ship.events(trainee, "lesson") if "not done" in text]
 
 
-@pytest.mark.parametrize("reading", [40, 56])
+@pytest.mark.parametrize("reading", [pytest.param(40, marks=pytest.mark.slow), 56])
 @pytest.mark.parametrize("name", NAMES)
 def test_who_reads_for_half_a_minute_has_each_step_before_him_and_is_told_what_is_not_done(
     crewed: Begin, name: str, reading: int

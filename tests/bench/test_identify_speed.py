@@ -64,6 +64,7 @@ def test_every_goal_has_its_figure() -> None:
     assert figures["gradient and information, likelihoods"]["figure"] > 1.0
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("quick")
 def test_what_is_not_here_is_left_out_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     def none() -> None:

@@ -404,6 +404,7 @@ def test_a_compact_set_is_searched_for_quickly_in_the_file_that_is_written(
 # How far it is
 
 
+@pytest.mark.long
 def test_the_bar_moves_with_each_boat_that_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hull of 36 surfaces took four times as long to make its boats as to fly them all."""
     written = write_boat(open_hull("small-boat"), Path("boat.toml"))
@@ -432,6 +433,7 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stderr", [Terminal, io.StringIO])
 def test_how_far_it_is_is_shown_on_a_terminal_alone(
     stderr: type[io.StringIO], monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -315,6 +315,7 @@ def test_what_a_command_has_written_it_may_write_again(typed: Typed, tmp_path: P
     assert typed("schema", "sea", "-o", os.devnull) == (0, "")
 
 
+@pytest.mark.long
 def test_a_boat_of_one_s_own_is_not_written_over_but_an_estimate_is(
     typed: Typed, tmp_path: Path
 ) -> None:

@@ -104,6 +104,7 @@ def test_a_corner_between_two_readings_is_where_the_lines_meet() -> None:
     assert not none.any()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rate", [2.5, None], ids=["moving", "at once"])
 def test_the_ship_is_found_whether_her_rudder_moves_or_jumps(
     tmp_path: Path, rate: float | None

@@ -108,12 +108,14 @@ def test_a_boat_sails_as_an_independent_program_has_it() -> None:
     assert states[-1, :MOTION_COUNT] == pytest.approx(LAST_STATE, rel=1e-9)
 
 
+@pytest.mark.long
 def test_the_likelihood_is_that_of_the_statement() -> None:
     found = run_fixed(BB2.values, 0)
     assert found.cost == pytest.approx(MINUS_LOG_LIKELIHOOD, abs=1e-3)
     assert int(np.isfinite(found.innovations).sum()) == 871
 
 
+@pytest.mark.long
 def test_slopes_and_information_are_those_of_the_statement() -> None:
     found = run_fixed(BB2.values, len(PARAMETER_NAMES))
     for name, (gradient, information) in SUMS.items():
@@ -123,10 +125,12 @@ def test_slopes_and_information_are_those_of_the_statement() -> None:
     assert (found.information == found.information.T).all()
 
 
+@pytest.mark.long
 def test_slopes_cost_no_digit_of_the_likelihood() -> None:
     assert run_fixed(BB2.values, 0).cost == run_fixed(BB2.values, len(PARAMETER_NAMES)).cost
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["N_v", "Z_w", "N_dr", "M_qdot", "b1", "z_b"])
 def test_slopes_are_those_of_innovations_where_the_gain_hardly_moves(name: str) -> None:
     j = PARAMETER_NAMES.index(name)
@@ -187,6 +191,7 @@ def test_the_slopes_of_a_reading_are_its_differences(channel: int) -> None:
         )
 
 
+@pytest.mark.long
 def test_a_boat_that_is_lost_has_no_likelihood() -> None:
     values = BB2.values.copy()
     values[PARAMETER_NAMES.index("a1")] = 1.0  # drag that drives it

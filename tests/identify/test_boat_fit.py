@@ -122,6 +122,7 @@ def test_a_fit_settles_near_the_truth(own: Path) -> None:
         assert 0.9 < chi < 1.1
 
 
+@pytest.mark.long
 def test_a_fit_has_the_same_bits_again(own: Path) -> None:
     prior = prior_of(own)
     trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=120)
@@ -131,6 +132,7 @@ def test_a_fit_has_the_same_bits_again(own: Path) -> None:
     assert (first.posterior.root == second.posterior.root).all()
 
 
+@pytest.mark.long
 def test_a_search_that_is_stopped_keeps_its_best(own: Path) -> None:
     prior = prior_of(own)
     trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=120)
@@ -341,6 +343,7 @@ def test_a_turn_keeps_what_its_planes_tell(own: Path) -> None:
     assert without_unflown(replace(made, inputs=inputs)).has("depth")
 
 
+@pytest.mark.long
 def test_a_boat_that_cannot_fly_the_record_is_told(own: Path) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)

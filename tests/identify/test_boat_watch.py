@@ -141,6 +141,7 @@ def test_several_records_are_one_after_the_other(own: Path) -> None:
     assert (np.diff(report.t) > 0.0).all()
 
 
+@pytest.mark.long
 def test_slopes_by_windows_are_those_of_one_pass(own: Path) -> None:
     """What a change does to later windows is carried by the state, weight and gauges with it."""
     prior = prior_of(own, 1e-9)

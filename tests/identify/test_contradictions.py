@@ -34,6 +34,7 @@ def test_a_heading_that_leaves_the_circle_of_the_possible_is_missing_by_row(
     assert any(f"{count} missing, rows {told}" in str(one) for one in record.findings)
 
 
+@pytest.mark.long
 def test_at_most_one_of_100_clean_records_has_a_false_find(tmp_path: Path) -> None:
     false = 0
     for seed in range(100):

@@ -114,6 +114,7 @@ def found() -> ShipFit:
     return fit_ship(problem, begin)
 
 
+@pytest.mark.long
 def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     free = found.problem.model.free
     truth = np.array([HEELED[name] for name in free])
@@ -130,6 +131,7 @@ def test_a_fit_finds_the_ship_and_her_roll(found: ShipFit) -> None:
     assert share["Y_phi"] > 0.5  # a roll that follows the turning tells little of its own
 
 
+@pytest.mark.long
 def test_a_fit_predicts_the_roll_of_runs_that_it_has_not_seen(found: ShipFit) -> None:
     for angle in (-10.0, -20.0):
         other, _ = rolled_zigzag(angle, seed=7)
@@ -313,6 +315,7 @@ def test_a_ship_of_small_gm_without_her_moments_is_refused() -> None:
         IdentifiedShip(replace(known(), roll=None))
 
 
+@pytest.mark.long
 def test_a_trial_says_what_it_would_tell_of_roll(tmp_path: Path) -> None:
     path = tmp_path / "known.toml"
     path.write_text(ship_text(known(), ""), encoding="utf-8")
@@ -323,6 +326,7 @@ def test_a_trial_says_what_it_would_tell_of_roll(tmp_path: Path) -> None:
     assert 0.0 < told["K_F"]["deviation"] < 3.0
 
 
+@pytest.mark.long
 def test_a_search_from_the_truth_stays_there() -> None:
     trial, first = rolled_zigzag(20.0, seed=3)
     model = model_for(ROLLING, "mmg", wind=False)

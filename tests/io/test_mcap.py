@@ -1,6 +1,7 @@
 """A recording as MCAP: read back by the format's own reader, each message by its schema."""
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,15 @@ def drill(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(tmp_path_factory.mktemp("drill") / "drill.trainer", "stern-plane-jam", crew)
 
 
+@cache
+def validator(schema: bytes) -> Any:
+    """Return what judges messages by a schema, which is sound itself: made once, asked by all."""
+    rules = json.loads(schema)
+    kind = jsonschema.validators.validator_for(rules)
+    kind.check_schema(rules)
+    return kind(rules)
+
+
 @pytest.fixture(scope="module")
 def told(drill: Path) -> dict[str, list[tuple[int, Any]]]:
     """Return times [ns] and messages of each topic, all of them as their schemas have it."""
@@ -33,9 +43,9 @@ def told(drill: Path) -> dict[str, list[tuple[int, Any]]]:
     with out.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
             assert schema
-            words = json.loads(message.data)
-            jsonschema.validate(words, json.loads(schema.data))
-            assert set(words) == set(json.loads(schema.data)["properties"])
+            words, rules = json.loads(message.data), validator(schema.data)
+            rules.validate(words)
+            assert set(words) == set(rules.schema["properties"])
             stamp = words["timestamp"]
             assert stamp["sec"] * 1_000_000_000 + stamp["nsec"] == message.log_time
             found.setdefault(channel.topic, []).append((message.log_time, words))

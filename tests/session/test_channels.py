@@ -86,6 +86,13 @@ def everything_stations_get(frame: Frame) -> list[str]:
     ]
 
 
+def seen(look: StateReader, boat: Boat) -> list[str]:
+    """Return what stations get of a boat from one reader, which flies ahead by one boat."""
+    return everything_stations_get(
+        look.frame(Picture(boat.ticks, boat.records.state.tobytes(), Pace()))
+    )
+
+
 def stick_gauges(boat: Boat) -> None:
     for gauge in ("depth-gauge", "gyro", "log"):
         assert isinstance(casualties.insert_casualty(boat, f"{gauge}-stuck"), str)
@@ -144,7 +151,8 @@ def test_the_teletype_of_a_station_shows_the_gauges_and_the_instructors_the_trut
 @pytest.mark.long
 def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat: Boat) -> None:
     stick_gauges(boat)
-    before = everything_stations_get(frame_of(boat))
+    look = state_reader(boat)
+    before = seen(look, boat)
     whole = boat.records.state["whole"][0]
     untouched = whole.copy()
     spared = {i for name in (*SHOWN, *GAUGES) for i in places(boat, name)}
@@ -156,7 +164,7 @@ def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(boat:
         for i in range(first, first + boat.records.state[place].size):
             if i not in spared:
                 whole[i] += 0.77
-        if everything_stations_get(frame_of(boat)) != before:
+        if seen(look, boat) != before:
             showing.append(place)
         whole[:] = untouched
 
@@ -169,25 +177,30 @@ def places(boat: Boat, name: str) -> range:
 
 
 @pytest.fixture(scope="module")
-def stuck() -> tuple[Boat, list[str]]:
-    """Return a BB2 of which all gauges are stuck, and what stations get of it."""
+def stuck() -> tuple[Boat, StateReader, list[str]]:
+    """Return a BB2 of which all gauges are stuck, its reader, and what stations get of it."""
     boat = start_boat(10.0 * KNOT, 60.0, 1.0)
     stick_gauges(boat)
-    return boat, everything_stations_get(frame_of(boat))
+    look = state_reader(boat)
+    return boat, look, seen(look, boat)
 
 
 @given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
 def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
-    stuck: tuple[Boat, list[str]], deeper: float, round_: float, faster: float, elsewhere: float
+    stuck: tuple[Boat, StateReader, list[str]],
+    deeper: float,
+    round_: float,
+    faster: float,
+    elsewhere: float,
 ) -> None:
-    boat, before = stuck
+    boat, look, before = stuck
     untouched, s = boat.records.state.copy(), boat.state
 
     s.z, s.psi, s.u = s.z + deeper, s.psi + round_, s.u + faster
     s.zdot, s.psidot, s.udot = deeper / 10.0, round_ / 10.0, faster / 10.0
     s.x, s.y, s.weight = elsewhere, -elsewhere, s.weight + 100.0 * elsewhere
 
-    after = everything_stations_get(frame_of(boat))
+    after = seen(look, boat)
     boat.records.state[:] = untouched
     assert after == before
 
