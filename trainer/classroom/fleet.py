@@ -14,12 +14,12 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
 from pathlib import Path
 from typing import Final
 
-from trainer.config.class_file import BoatRow, ClassFile
+from trainer.config.class_file import CLASS_FILE_NAME, BoatRow, ClassFile
 from trainer.io.paths import LISTENING_TEXT, RECORDING_SUFFIX
 
 FIRST_RESTART_S: Final = 0.25  # until a dead session is begun again, twice as long each time after
@@ -52,6 +52,8 @@ class ClassBoat:
     exercise: str
     tokens: Sequence[str]
     tell: Tell
+    _: KW_ONLY
+    follows_course: bool = False  # that of the class's file
     state: BoatState = BoatState.STARTING
     resumed: int = 0  # how often its process has died and was begun again
     _process: subprocess.Popen[bytes] | None = None
@@ -126,6 +128,8 @@ class ClassBoat:
         row = self.row
         common = ["--owned", "--listen", "none", "--socket", str(self.socket)]
         common += [f"--token={word}" for word in self.tokens]
+        if self.follows_course:
+            common += ["--course", str(self.folder / CLASS_FILE_NAME)]
         if kept := self.latest_recording():
             return ["resume", str(kept), "--serve", *common]
         names = [f"--trainee={name}" for name in row.trainees]
@@ -199,9 +203,10 @@ class Fleet:
                 self.planned.row_of(number),
                 self.folder,
                 self.sockets / f"boat-{number}.sock",
-                self.planned.exercise,
+                self.planned.exercises[0],
                 self.tokens,
                 self.tell,
+                follows_course=bool(self.planned.course),
             )
 
     def begin(self) -> None:

@@ -16,7 +16,14 @@ import click
 
 from trainer.classroom.entrance import class_pages
 from trainer.classroom.fleet import BoatState, Fleet
-from trainer.config.class_file import CLASS_FILE_NAME, ClassFile, class_text, kept_class, load_class
+from trainer.config.class_file import (
+    CLASS_FILE_NAME,
+    ClassFile,
+    class_text,
+    kept_class,
+    load_class,
+    with_exercises,
+)
 from trainer.config.files import ConfigError, is_path, write_once
 from trainer.io.paths import dated_name, made_folder, recordings_folder
 from trainer.web.address import Address, announce_address
@@ -29,17 +36,20 @@ END_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 def new_folder(asked: Path | None, planned: ClassFile) -> Path:
     """Make the folder of a new class and return it; ConfigError if it has one."""
-    usual = recordings_folder() / f"class-{dated_name(planned.exercise)}"
+    usual = recordings_folder() / f"class-{dated_name(planned.exercises[0])}"
     folder = made_folder((asked or usual).absolute())
     if (folder / CLASS_FILE_NAME).exists():
         raise ConfigError(
             f"--folder {folder}: there is a class already: trainer class --resume {folder}"
         )
-    exercise = planned.exercise
-    whole = str(Path(exercise).absolute()) if is_path(exercise) else exercise
-    write_once(folder / CLASS_FILE_NAME, class_text(replace(planned, exercise=whole)))
+    write_once(folder / CLASS_FILE_NAME, class_text(with_exercises(planned, whole_path)))
     folder.chmod(0o700)
     return folder
+
+
+def whole_path(exercise: str) -> str:
+    """Return an exercise so that it is found from any folder."""
+    return str(Path(exercise).absolute()) if is_path(exercise) else exercise
 
 
 @dataclass(frozen=True)

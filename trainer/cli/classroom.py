@@ -130,7 +130,8 @@ def plan_class(
         refuse_many(boats)
         seeds = OWN_SEEDS if own_seeds else SAME_SEEDS
         planned = ClassFile(exercise=name, boats=boats, seed=seed, seeds=seeds)
-    refuse_exercise(planned.exercise)
+    for exercise in planned.exercises:
+        refuse_exercise(exercise)
     return planned
 
 
@@ -175,8 +176,12 @@ def check(file: Path) -> None:
     from trainer.config.class_file import load_class
 
     planned = load_class(file)
-    refuse_exercise(planned.exercise)
-    click.echo(f"{planned.exercise}, boats: {planned.boats}")
+    for exercise in planned.exercises:
+        refuse_exercise(exercise)
+    course = f"course of {len(planned.course)}"
+    click.echo(f"{planned.exercise or course}, boats: {planned.boats}")
+    for place, each in enumerate(planned.course, 1):
+        click.echo(f"{place:3}. {each.told}")
     for number in planned.numbers:
         row = planned.row_of(number)
         who = ", ".join(row.trainees) or "no names"

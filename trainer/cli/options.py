@@ -46,6 +46,11 @@ EXERCISE_NAME: Final = Name("lessons", "exercises")
 STUDY_NAME: Final = Name("studies")
 # A program that begins a session, and is to outlive none of it, holds its standard input open.
 owned_option = click.option("--owned", is_flag=True, hidden=True)
+course_option = click.option(
+    "--course",
+    type=TOML_FILE,
+    help="Class file by whose course `next` goes on, once the marks of its row are reached.",
+)
 cores_option = click.option(
     "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
 )
