@@ -38,6 +38,7 @@ export class Tile {
       { class: "panel tile", "data-boat": number, "aria-label": name },
       html("header", {}, this.box, html("h2", {}, this.way), html("span", { class: "state" }), html("span", { class: "time" })),
       html("p", { class: "crew quiet" }),
+      html("p", { class: "place quiet" }),
       ...this.curves.map(({ node }) => node),
       html("p", { class: "marks" }, html("meter", { min: 0, max: 100, "aria-label": say("Could still earn") }), html("span")),
       html("p", { class: "need", role: "status" }),
@@ -59,6 +60,7 @@ export class Tile {
     const whole = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
     write(one(".time", node), `${clock(session.seconds)}${whole}`);
     write(one(".crew", node), boat.crew.join(", ") || say("nobody aboard"));
+    write(one(".place", node), placeOf(session));
     for (const { of, node: curve } of this.curves) drawCurve(boat, of, curve);
     this.drawMarks();
     node.dataset.need = String(need?.rank ?? 0);
@@ -80,6 +82,16 @@ export class Tile {
     place.toggleAttribute("data-refused", !ok);
     write(place, ok ? text || say("done") : say("no: {0}", text));
   }
+}
+
+/** Returns where a boat is in the course of its class, "" without one. @param {import("../model/session.js").Session} session */
+function placeOf({ exercise, judgement }) {
+  if (!exercise.course) return "";
+  const [place, of, reach] = exercise.course.split(",");
+  const at = say("{0} of {1}: {2}", place, of, exercise.name);
+  if (!reach) return at;
+  const had = judgement.total ? say("{0} of {1}", Math.floor(Number(judgement.total)), reach) : say("{0} marks to go on", reach);
+  return `${at}, ${had}`;
 }
 
 /** @param {string} of */

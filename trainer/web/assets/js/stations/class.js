@@ -55,6 +55,7 @@ function begin(rows) {
 
 function draw() {
   for (const tile of tiles) tile.draw();
+  one("#next").hidden = !tiles.some(({ boat }) => boat.session.exercise.course);
   const now = performance.now();
   if (now - sorted < SORTED || !tiles.length) return;
   sorted = now;
