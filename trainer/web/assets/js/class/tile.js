@@ -1,6 +1,7 @@
 // A tile: one boat at a glance, with the way to its own page.
 import { points } from "../charts/plots.js";
 import { bearing, clock, html, one, svg, write } from "../draw.js";
+import { STATES } from "../frame.js";
 import { PLACES } from "../instructor/moment.js";
 import { lengthDigits, unit } from "../units.js";
 import { decimals, say } from "../words.js";
@@ -11,8 +12,6 @@ const SPAN = 300; // [s] of a curve
 const [WIDE, HIGH] = [100, 30]; // of its picture
 /** The least height of each curve, so that a steady boat shows a line. @type {Record<string, number>} */
 const LEAST = { depth: 10, heading: 10, speed: 2 };
-/** @type {Record<string, string>} */
-const STATES = { running: say("RUNNING"), frozen: say("FROZEN"), replay: say("REPLAY"), lost: say("NO LINK"), ended: say("ENDED") };
 /** @type {Record<string, { title: () => string, unit: string, write: (value: number) => string }>} */
 const FIGURES = {
   depth: { title: () => say("Depth"), unit: ` ${unit}`, write: lengthDigits },
@@ -56,7 +55,7 @@ export class Tile {
     const [need] = boat.needs;
     const pill = one(".state", node);
     pill.dataset.state = session.state;
-    write(pill, STATES[session.state] ?? say("CONNECTING"));
+    write(pill, STATES[session.state]);
     const whole = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
     write(one(".time", node), `${clock(session.seconds)}${whole}`);
     write(one(".crew", node), boat.crew.join(", ") || say("nobody aboard"));
@@ -90,8 +89,8 @@ function placeOf({ exercise, judgement }) {
   const [place, of, reach] = exercise.course.split(",");
   const at = say("{0} of {1}: {2}", place, of, exercise.name);
   if (!reach) return at;
-  const had = judgement.total ? say("{0} of {1}", Math.floor(Number(judgement.total)), reach) : say("{0} marks to go on", reach);
-  return `${at}, ${had}`;
+  const { total } = judgement;
+  return `${at}, ${total ? say("{0} of {1}", Math.floor(Number(total)), reach) : say("{0} marks to go on", reach)}`;
 }
 
 /** @param {string} of */
