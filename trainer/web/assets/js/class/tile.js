@@ -59,9 +59,9 @@ export class Tile {
     const whole = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
     write(one(".time", node), `${clock(session.seconds)}${whole}`);
     write(one(".crew", node), boat.crew.join(", ") || say("nobody aboard"));
-    write(one(".place", node), placeOf(session));
     for (const { of, node: curve } of this.curves) drawCurve(boat, of, curve);
     this.drawMarks();
+    if (session.exercise.course) this.drawPlace();
     node.dataset.need = String(need?.rank ?? 0);
     write(one(".need", node), boat.needs.map(({ text }) => text).join(" \u00b7 "));
   }
@@ -75,22 +75,23 @@ export class Tile {
     write(one(".marks span", this.node), told || open);
   }
 
+  /** Shows where it is in the course of its class. */
+  drawPlace() {
+    const { exercise, judgement } = this.boat.session;
+    const [place, of, reach] = exercise.course.split(",");
+    const told = [say("{0} of {1}: {2}", place, of, exercise.name)];
+    if (judgement.total && reach) told.push(say("{0} of {1}", Math.floor(Number(judgement.total)), reach));
+    else if (reach) told.push(say("{0} marks to go on", reach));
+    write(one(".place", this.node), told.join(", "));
+    one("#next").hidden = false;
+  }
+
   /** Shows what the boat has answered. @param {import("../protocol/link.js").Answer} answer */
   say({ ok, text }) {
     const place = one(".said", this.node);
     place.toggleAttribute("data-refused", !ok);
     write(place, ok ? text || say("done") : say("no: {0}", text));
   }
-}
-
-/** Returns where a boat is in the course of its class, "" without one. @param {import("../model/session.js").Session} session */
-function placeOf({ exercise, judgement }) {
-  if (!exercise.course) return "";
-  const [place, of, reach] = exercise.course.split(",");
-  const at = say("{0} of {1}: {2}", place, of, exercise.name);
-  if (!reach) return at;
-  const { total } = judgement;
-  return `${at}, ${total ? say("{0} of {1}", Math.floor(Number(total)), reach) : say("{0} marks to go on", reach)}`;
 }
 
 /** @param {string} of */

@@ -55,7 +55,6 @@ function begin(rows) {
 
 function draw() {
   for (const tile of tiles) tile.draw();
-  one("#next").hidden = !tiles.some(({ boat }) => boat.session.exercise.course);
   const now = performance.now();
   if (now - sorted < SORTED || !tiles.length) return;
   sorted = now;
@@ -145,7 +144,7 @@ function furnishWord() {
     field.value = "";
     const kept = await fetch("./word", { method: "POST", body }).catch(() => null);
     const text = (await kept?.text())?.trim() ?? say("the server does not answer");
-    write(one("#refusal"), kept?.ok ? "" : text.replace(/: (--token|type role) .*$/, ""));
+    write(one("#refusal"), kept?.ok ? "" : text);
     if (kept?.ok) await look();
   };
 }
