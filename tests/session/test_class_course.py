@@ -120,7 +120,7 @@ def test_a_boat_keeps_its_seed_through_a_course_and_else_the_exercise_has_its_ow
     begun = RunOptions(exercise="backing", seed=7, step=0.25, given=given, course=Path("c.toml"))
 
     after = following_options(begun, "steady-course")
-    assert (after.seed, after.given, after.step) == (7, {"seed"}, None)
+    assert (after.seed, after.given, after.step) == (7, frozenset({"seed"}), None)
     alone = following_options(replace(begun, course=None), "steady-course")
     assert (alone.seed, alone.given) == (1, frozenset())
 

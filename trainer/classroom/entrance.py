@@ -45,7 +45,6 @@ SEAT_FORM: Final = re.compile(
     r"(?P<name>[^\n]{0,80})"
 )
 WORD_FORM: Final = re.compile(rf"instructor (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})")
-TYPED_HINT: Final = re.compile(r": (--token|type role) .*$")  # of a refusal: no page types it
 CREW_PAGES: Final = {page.role for page in PAGES if page.role} - {"instructor"}
 NO_SEAT_TEXT: Final = "you have no seat on boat {}: choose it on the first page"
 
@@ -115,7 +114,7 @@ class Entrance:
             if refused is None or self.boats[number].state is self.boats[number].state.AT_SEA:
                 break
         if refused is not None:
-            return PlainTextResponse(f"{TYPED_HINT.sub('', refused.reason)}\n", 403)
+            return PlainTextResponse(f"{refused.reason}\n", 403)
         answer = PlainTextResponse(f"{boat}\n")
         self._keep(request, answer, SEAT_COOKIE, self.seats.take(boat, name, request.cookies))
         self._keep(request, answer, TOKEN_COOKIE_PREFIX + role, word)

@@ -1,4 +1,4 @@
-"""The course of a class: which exercises in which order, and what has to be reached to go on.
+"""The course of a class: exercises in their order, and the marks to go on.
 
 Its rows stand in a class file (``class_file``). A session that is given one goes on by it: ``next``
 begins the row after its own, once the marks of its own are reached. A boat's place is the row of
@@ -41,7 +41,7 @@ class ClassCourse:
     rows: tuple[CourseRow, ...] = ()
 
     def place_of(self, exercise: str) -> int:
-        """Return the place of an exercise by its name, 1 for the first; 0 where it has none."""
+        """Return an exercise's place, 1 for the first; 0 where it has none."""
         names = [row.name for row in self.rows]
         return names.index(exercise) + 1 if exercise in names else 0
 
@@ -59,7 +59,7 @@ class ClassCourse:
         return after[0].name if after else ""
 
     def told(self, exercise: str) -> str:
-        """Return the place of an exercise, how many there are, and the marks to reach.
+        """Return an exercise's place, how many there are, and the marks to reach.
 
         They stand between commas, as a fact for programs; "" for an exercise of no course.
         """
@@ -70,7 +70,7 @@ class ClassCourse:
         return f"{self.place_of(exercise)},{len(self.rows)},{reach}"
 
     def problems(self) -> Iterator[str]:
-        """Yield what is wrong with the rows: one that is there twice, marks that none can have."""
+        """Yield what is wrong with the rows, such as one that is there twice."""
         for place, row in enumerate(self.rows, 1):
             key = f"[[course]] {place}"
             if self.place_of(row.name) != place:

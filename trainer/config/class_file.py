@@ -1,4 +1,4 @@
-"""The file of a class: which exercise or course, how many boats, what is each one's own.
+"""The file of a class: exercise or course, boats, and what is each one's own.
 
 ``trainer class`` begins a class by it, and keeps it beside the recordings, so that the class can go
 on another day. What is not said of a boat is the same for all.

@@ -87,9 +87,10 @@ def resume_boat(
 def options_as_begun(
     options: RunOptions, path: Path, header: Mapping[str, str], boat: Boat
 ) -> RunOptions:
-    """Return the options with what the run was begun with, for itself and what follows it.
+    """Return the options with what the run was begun with.
 
-    What follows is recorded beside it, and in a course it keeps the boat's seed.
+    They are for the run and for what follows it, which is recorded beside it, in a course with the
+    boat's own seed.
     """
     return replace(
         options,

@@ -144,7 +144,7 @@ function furnishWord() {
     field.value = "";
     const kept = await fetch("./word", { method: "POST", body }).catch(() => null);
     const text = (await kept?.text())?.trim() ?? say("the server does not answer");
-    write(one("#refusal"), kept?.ok ? "" : text);
+    write(one("#refusal"), kept?.ok ? "" : text.replace(/: (--token|type role) .*$/, ""));
     if (kept?.ok) await look();
   };
 }

@@ -49,5 +49,5 @@ async function comeAboard() {
   const taken = await fetch("./seat", { method: "POST", body }).catch(() => null);
   const text = (await taken?.text())?.trim() ?? say("the server does not answer");
   if (taken?.ok) location.assign(`./boat/${text}/${station.value}`);
-  else write(one("#answer"), text);
+  else write(one("#answer"), text.replace(/: (--token|type role) .*$/, ""));
 }
