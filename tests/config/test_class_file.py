@@ -96,6 +96,7 @@ def test_check_tells_the_course_row_by_row(
 
 
 WRONG = {
+    f'{WHOLE}on = "tcp://a:1"': "seed and trainees are its own session's",
     f'exercise = "watch"\n{COURSE}': "one of them, and not both",
     "boats = 2": "say that, or the rows [[course]]",
     COURSE.replace("70", "0.5"): "reach = 0.5",

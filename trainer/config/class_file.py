@@ -58,6 +58,12 @@ class BoatRow:
         Texts(Text(60, "a name"), 8),  # as a recording takes names
     )
     seed: int | None = optional(WholeNumber(0, MAX_SEED, "of its random numbers"))
+    on: str | None = optional(Text(200, "tcp://HOST:PORT of its session on another machine"))
+
+    @property
+    def title(self) -> str:
+        """Return its number, and its name if it has one."""
+        return f"boat {self.number}" + (f" {self.name}" if self.name else "")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,6 +178,9 @@ def _row_problems(planned: ClassFile) -> Iterator[str]:
     if bool(planned.exercise) is bool(planned.course):
         yield "exercise: say that, or the rows [[course]]: one of them, and not both"
     yield from ClassCourse(planned.course).problems()
+    for row in planned.boat:
+        if row.on and (row.seed is not None or row.trainees):
+            yield f"[[boat]] number = {row.number}: on: seed and trainees are its own session's"
     counts = Counter(row.number for row in planned.boat)
     for number, count in counts.items():
         if count > 1:
@@ -186,7 +195,7 @@ def class_text(planned: ClassFile) -> str:
     for course_row in planned.course:
         lines += ["", "[[course]]", *_key_lines(course_row, ("exercise", "reach"))]
     for row in planned.boat:
-        lines += ["", "[[boat]]", *_key_lines(row, ("number", "name", "trainees", "seed"))]
+        lines += ["", "[[boat]]", *_key_lines(row, ("number", "name", "trainees", "seed", "on"))]
     return "\n".join(lines) + "\n"
 
 
@@ -218,6 +227,7 @@ seeds = "same"          # every boat has that seed; "by-boat": 1, 2, 3 ...
 # name = "Alpha"
 # trainees = ["A. Jones"]
 # seed = 7
+# on = "tcp://bridge:17800"  # in their place: its session runs there, by `trainer serve`
 """
 
 
@@ -235,7 +245,8 @@ def class_schema() -> dict[str, Any]:
     return file_schema("class", whole["properties"], whole["required"])
 
 
-def refuse_many(boats: int) -> None:
-    """Raise ConfigError for more boats than a class has."""
-    if not 1 <= boats <= MAX_BOATS:
-        raise ConfigError(f"--boats {boats}: a class has 1 to {MAX_BOATS} boats")
+def refuse_many(boats: int, elsewhere: int = 0) -> None:
+    """Raise ConfigError for more boats than a class has, those elsewhere among them."""
+    if boats < 0 or not 1 <= boats + elsewhere <= MAX_BOATS:
+        beside = f" and {elsewhere} by --on" if elsewhere else ""
+        raise ConfigError(f"--boats {boats}{beside}: a class has 1 to {MAX_BOATS} boats")

@@ -110,7 +110,7 @@ class ClassExercise:
 
 @dataclass(frozen=True)
 class ClassDebrief:
-    """A class, exercise by exercise, in the order of its course, else as they were begun."""
+    """A class, exercise by exercise: in its course's order, else as they were begun."""
 
     name: str  # of its folder
     exercises: tuple[ClassExercise, ...]
