@@ -109,7 +109,7 @@ class AttachedStation:
 
 
 def time_class(boats: int, seconds: float) -> ClassUse:
-    """Return what a class of so many boats uses in ``seconds`` [s]; ConfigError if it fails."""
+    """Return what so many boats use in ``seconds`` [s]; ConfigError if they cannot."""
     if not PROCESS_FILE.exists():
         raise NoProcessFiguresError("a class: this system does not tell what processes use")
     load = machine_load()
