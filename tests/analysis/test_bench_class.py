@@ -17,7 +17,7 @@ from trainer.cli import main
 def test_a_class_of_two_boats_is_timed_with_its_stations(tmp_path: Path) -> None:
     done = typed("trainer dev bench --class 2 --seconds 3 --json", tmp_path, "")
     assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)["class_boats"]
+    found = json.loads(done.stdout)["class"]
 
     assert found["stations"] == 3
     assert found["seconds"] >= 3.0
@@ -47,4 +47,4 @@ def test_a_system_that_does_not_tell_what_processes_use_leaves_it_out(
     monkeypatch.setattr(class_boats, "PROCESS_FILE", Path("/nowhere/smaps_rollup"))
     done = CliRunner().invoke(main.cli, ["dev", "bench", "--class", "2", "--json"])
 
-    assert "does not tell" in json.loads(done.output)["class_boats"]["left_out"]
+    assert "does not tell" in json.loads(done.output)["class"]["left_out"]

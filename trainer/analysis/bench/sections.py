@@ -91,7 +91,7 @@ SECTIONS: Final = {
         web.NoBrowserError,
         Section(lambda wanted: web.time_pages(wanted.file, wanted.attended), web.lines),
     ),
-    "class_boats": or_left_out(
+    "class": or_left_out(
         class_boats.NoProcessFiguresError,
         Section(
             lambda wanted: class_boats.time_class(wanted.boats, wanted.attended), class_boats.lines

@@ -10,7 +10,7 @@ import click
 
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 
-CLASS_BOATS: Final = 8  # of --all
+CLASS_BOATS: Final = 8  # where nobody says how many
 
 
 @click.command()
@@ -35,10 +35,11 @@ CLASS_BOATS: Final = 8  # of --all
 @click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
 @click.option(
     "--class",
-    "class_boats",
+    is_flag=False,
+    flag_value=CLASS_BOATS,
     type=click.IntRange(1, 24),
     metavar="BOATS",
-    help="Only a class of so many boats with stations, and what each costs.",
+    help="Only a class of so many boats with stations, and what each costs; 8 unless said.",
 )
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
@@ -80,7 +81,7 @@ def bench(
         from trainer.analysis.bench.sections import SECTIONS, BenchRequest, measure_sections
 
         wanted = BenchRequest(
-            file, seconds or 10, minutes, seconds or 60, parts["class_boats"] or CLASS_BOATS
+            file, seconds or 10, minutes, seconds or 60, parts["class"] or CLASS_BOATS
         )
         more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)
         figures |= more_figures
