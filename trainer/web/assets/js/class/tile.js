@@ -69,8 +69,9 @@ export class Tile {
   drawMarks() {
     const { attainable, session } = this.boat;
     const told = session.judgement.marks;
-    one(".marks meter", this.node).toggleAttribute("hidden", attainable === null || Boolean(told));
-    /** @type {HTMLMeterElement} */ (one(".marks meter", this.node)).value = attainable ?? 0;
+    const meter = /** @type {HTMLMeterElement} */ (one(".marks meter", this.node));
+    meter.hidden = attainable === null || Boolean(told);
+    meter.value = attainable ?? 0;
     const open = attainable === null ? "" : say("could still earn {0}", Math.round(attainable));
     write(one(".marks span", this.node), told || open);
   }
