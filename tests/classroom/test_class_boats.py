@@ -1,5 +1,7 @@
 """The boats of a class: one dies and comes back, all end in order, all go on another day."""
 
+import contextlib
+import json
 import signal
 from pathlib import Path
 
@@ -10,6 +12,7 @@ from soak.session_process import Caller
 
 from trainer.classroom.fleet import Fleet
 from trainer.config.class_file import ClassFile
+from trainer.session.past.header import open_recording
 
 pytestmark = pytest.mark.process
 
@@ -59,6 +62,100 @@ def see_all_boats_go_on(lesson: Class) -> None:
         await_that(lambda: "boat 2 has ended" in again.text(), again.text)
         assert "boat 1 has ended" not in again.text()
         see_nothing_outlive(again)
+
+
+SHORT = """\
+schema = "exercise/1"
+name = "Down"
+duration_s = 5
+briefing = "Stay where you are."
+
+[initial]
+speed_kn = 10
+depth_m = 60
+course_deg = 0
+
+[[scores]]
+name = "Depth"
+measure = "rms"
+quantity = "depth_m"
+target = 60
+full = 1
+zero = 20
+"""
+FIRST, SECOND = "Down (short)", "Deep, then shallow (depth-changes)"
+COURSE = """\
+boats = 2
+seeds = "by-boat"
+
+[[course]]
+exercise = "./short.toml"
+reach = 60
+
+[[course]]
+exercise = "depth-changes"
+"""
+
+
+def sailed_by(boat: Caller) -> str:
+    """Return the heading of the exercise that a boat sails, with the name of its file."""
+    assert boat.ask("briefing")[0]
+    return boat.said[0]
+
+
+def test_each_boat_goes_on_in_the_course_and_is_there_after_a_kill_and_another_day(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "short.toml").write_text(SHORT, encoding="utf-8")
+    path = tmp_path / "tuesday.toml"
+    path.write_text(COURSE, encoding="utf-8")
+    with class_at_sea(str(path), boats=2) as lesson:
+        first = lesson.attach(1)
+        assert sailed_by(first) == FIRST
+        assert first.ask("step 8")[0]
+        assert "not over" in first.ask("next course")[1]
+        assert first.ask("end exercise")[0]
+        await_that(lambda: first.ask("next course")[0], lambda: str(first.said))
+        first = once_there(lesson, 1, SECOND)
+        flown(first, 7)
+        assert first.ask("order depth 90")[0]  # so far it is kept
+        for boat in (1, 2):
+            kill(lesson.process_of(boat))
+        await_that(lambda: lesson.text().count("has died (by signal 9)") == 2, lesson.text)
+        await_tick(once_there(lesson, 1, SECOND), 7)
+        second = once_there(lesson, 2, FIRST)
+        assert second.ask("end exercise")[0]  # one that was resumed goes on as well
+        assert second.ask("next depth-changes")[0]
+        once_there(lesson, 2, SECOND)
+        assert lesson.end() == 0
+        assert seeds_of(lesson) == {1: {1}, 2: {2}}
+        with class_at_sea("--resume", str(lesson.folder), boats=2, folder=lesson.folder) as again:
+            for boat in (1, 2):
+                once_there(again, boat, SECOND)
+
+
+def once_there(lesson: Class, boat: int, exercise: str) -> Caller:
+    """Return a line to a boat once it sails that exercise."""
+    lines: list[Caller] = []
+
+    def there() -> bool:
+        with contextlib.suppress(Exception):
+            lines.append(lesson.attach(boat))
+            return sailed_by(lines[-1]) == exercise
+        return False
+
+    await_that(there, lambda: lesson.log(boat))
+    return lines[-1]
+
+
+def seeds_of(lesson: Class) -> dict[int, set[int]]:
+    """Return the seeds of all recordings, by boats."""
+    found: dict[int, set[int]] = {1: set(), 2: set()}
+    for path in lesson.folder.glob("boat-*/*.trainer"):
+        with open_recording(path) as recording:
+            seed = json.loads(recording.header()["seed"])
+        found[int(path.parent.name.removeprefix("boat-"))].add(seed)
+    return found
 
 
 def see_nothing_outlive(lesson: Class) -> None:

@@ -22,15 +22,27 @@ from trainer.web.pages import PAGES
 pytestmark = pytest.mark.process
 BOATS = 3
 WORD, CHIEF = "anchor-42", "chief-17"
+COURSE = f"""\
+boats = {BOATS}
+
+[[course]]
+exercise = "depth-changes"
+reach = 70
+
+[[course]]
+exercise = "steady-course"
+"""
 DESK = {"width": 1366, "height": 768}
 PHONE = {"width": 360, "height": 640}
 
 
 @pytest.fixture(scope="module")
-def lesson() -> Iterator[Class]:
-    """Return one class for all tests of the module."""
-    words = ("--boats", str(BOATS), "--token", WORD, "--token", f"instructor={CHIEF}")
-    with class_at_sea("depth-changes", *words, boats=BOATS) as begun:
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Class]:
+    """Return one class for all tests of the module, with a course."""
+    path = tmp_path_factory.mktemp("class") / "tuesday.toml"
+    path.write_text(COURSE, encoding="utf-8")
+    words = ("--token", WORD, "--token", f"instructor={CHIEF}")
+    with class_at_sea(str(path), *words, boats=BOATS) as begun:
         yield begun
 
 
@@ -236,3 +248,24 @@ def test_the_class_page_speaks_german(lesson: Class, look: Look) -> None:
     page.fill("#word input", CHIEF)
     page.press("#word input", "Enter")
     expect(tile(page, 1).locator("h2")).to_have_text("Boot 1")
+
+
+def test_a_tile_shows_the_place_in_the_course_and_what_is_missing_to_go_on(
+    lesson: Class, look: Look
+) -> None:
+    page = class_page(lesson, look, DESK)
+    place = tile(page, 2).locator(".place")
+    expect(place).to_have_text("1 of 2: depth-changes, 70 marks to go on")
+    page.check("#choose-2")
+    page.click("#next")
+    expect(tile(page, 2).locator(".said")).to_contain_text("is not over")
+    page.fill("#order", "step")  # marks are of what was flown
+    page.press("#order", "Enter")
+    page.click("[data-words='end exercise']")
+    expect(place).to_have_text(re.compile(r"^1 of 2: depth-changes, \d+ of 70$"))
+    page.click("#next")
+    expect(tile(page, 2).locator(".said")).to_have_text(re.compile(r"^no: \d+ of 70 marks: again"))
+    page.fill("#order", "next steady-course")
+    page.press("#order", "Enter")
+    expect(place).to_have_text("2 of 2: steady-course")
+    expect(tile(page, 1).locator(".place")).to_contain_text("1 of 2")

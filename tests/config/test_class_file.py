@@ -58,7 +58,51 @@ def test_a_class_is_the_same_after_it_is_written_and_read(tmp_path: Path) -> Non
     assert load_class(written(tmp_path, class_text(planned))) == planned
 
 
+COURSE = """\
+boats = 2
+
+[[course]]
+exercise = "planes-and-bubble"
+
+[[course]]
+exercise = "depth-changes"
+reach = 70
+
+[[course]]
+exercise = "./own.toml"
+"""
+
+
+def test_a_course_stands_in_place_of_the_exercise(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text('name = "Mine"\n', encoding="utf-8")
+    planned = load_class(written(tmp_path, COURSE))
+
+    own = str(tmp_path / "own.toml")
+    assert planned.exercises == ("planes-and-bubble", "depth-changes", own)
+    assert [row.reach for row in planned.course] == [None, 70.0, None]
+    assert load_class(written(tmp_path, class_text(planned))) == planned
+    assert Draft202012Validator(class_schema()).is_valid(parse_toml(COURSE, ""))
+
+
+def test_check_tells_the_course_row_by_row(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shipped = COURSE.replace("./own.toml", "watch")
+    cli(["class", "check", str(written(tmp_path, shipped))], standalone_mode=False)
+
+    told = capsys.readouterr().out.splitlines()
+    assert told[0] == "course of 3, boats: 2"
+    assert told[2] == "  2. depth-changes, 70 marks to go on"
+
+
 WRONG = {
+    f'{WHOLE}on = "tcp://a:1"': "seed and trainees are its own session's",
+    f'exercise = "watch"\n{COURSE}': "one of them, and not both",
+    "boats = 2": "say that, or the rows [[course]]",
+    COURSE.replace("70", "0.5"): "reach = 0.5",
+    COURSE.replace("depth-changes", "depth-change"): "nearest is depth-changes",
+    COURSE.replace("depth-changes", "planes-and-bubble"): "[[course]] 2: exercise = planes-and",
+    COURSE.replace('bubble"', 'bubble"\nreach = 50'): "planes-and-bubble has no marks",
     'exercise = "depth-change"\nboats = 3': "nearest is depth-changes",
     'exercise = "depth-changes"\nboats = 25': "boats = 25: must be a whole number, 1 to 24",
     'exercise = "depth-changes"\nboat = []': "lacks boats",

@@ -18,12 +18,14 @@ from helpers.sessions import begin_run
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
+from trainer.config.class_course import CourseRow
 from trainer.config.class_file import BoatRow, ClassFile, class_text
 from trainer.config.files import ConfigError
 from trainer.config.outcome import Outcome
 from trainer.config.progress import ProgressRun, add_run
 from trainer.debrief import class_debrief
 from trainer.debrief.class_debrief import CLASS_HEADER, class_lessons, gather_class
+from trainer.debrief.class_places import boat_places
 from trainer.debrief.page import read_dossier
 from trainer.debrief.run_summary import LostMarks, kept_summary, summary_of, summary_path
 from trainer.io.recording.recording import Recording
@@ -245,3 +247,39 @@ def test_a_folder_without_a_class_or_without_a_run_is_told(tmp_path: Path, folde
     with pytest.raises(ConfigError, match="no boat of this class has a recording"):
         typed(folder)
     assert not (folder / "debrief").exists()
+
+
+@pytest.mark.usefixtures("few_points")
+def test_a_class_with_a_course_is_told_where_each_boat_is(folder: Path) -> None:
+    rows = (CourseRow(exercise="watch"), CourseRow(exercise=EXERCISE, reach=99.5))
+    planned = ClassFile(boats=3, course=rows, boat=(BoatRow(number=2, name="Bravo"),))
+    (folder / "class.toml").write_text(class_text(planned), encoding="utf-8")
+    path = folder / "books.csv"
+    told = typed(folder, "--csv", path, "--html", folder / "debrief", "--cores", 1)
+    figures = json.loads(typed(folder, "--json", "--cores", 1))
+
+    places = re.findall(r"boat (\d) is at 2 of 2: steady-course, \d+ of 99.5", told)
+    assert places == ["1", "2", "3"]
+    page = (folder / "debrief" / "index.html").read_text(encoding="utf-8")
+    assert page.count("2 of 2: steady-course, ") == 3
+    assert {(row["course_place"], row["marks_to_reach"]) for row in table_of(path)} == {
+        ("2", "99.5")
+    }
+    assert figures["course"][0] == {"exercise": "watch", "reach": None}
+    marks = {each["boat"]: each["marks"] for each in figures["exercises"][0]["boats"]}
+    assert {each["boat"]: each["marks"] for each in figures["places"]} == marks
+
+
+def test_a_place_is_told_with_what_is_missing() -> None:
+    course = (CourseRow(exercise="watch"), CourseRow(exercise=EXERCISE, reach=70.0))
+    planned = ClassFile(boats=4, course=course)
+    latest = {3: "backing", 1: EXERCISE, 2: "watch", 4: EXERCISE}
+    places = boat_places(planned, latest, {(1, EXERCISE): 69.9, (2, "watch"): 80.0})
+
+    assert [each.told for each in places] == [
+        "2 of 2: steady-course, 69 of 70",
+        "1 of 2: watch, 80 marks",
+        "beside the course: backing",
+        "2 of 2: steady-course, 70 marks to go on",
+    ]
+    assert boat_places(ClassFile(exercise="watch", boats=1), latest, {}) == ()

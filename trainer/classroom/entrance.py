@@ -7,7 +7,6 @@ boat. All requests go through the same gates as a session's (``web.server``).
 
 import re
 from collections.abc import Mapping
-from functools import partial
 from typing import Final
 
 from starlette.applications import Starlette
@@ -18,9 +17,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from trainer.classroom.door import ask_role
-from trainer.classroom.fleet import ClassBoat
+from trainer.classroom.fleet import AnyBoat
 from trainer.classroom.seats import EVERY_BOAT, SEAT_COOKIE, Seats
-from trainer.io import client
 from trainer.web.admission import WholeRequests
 from trainer.web.bridge import REFUSED_CODE, Bridge
 from trainer.web.front import Front
@@ -52,16 +50,11 @@ NO_SEAT_TEXT: Final = "you have no seat on boat {}: choose it on the first page"
 class Entrance:
     """What the pages of a class ask for: seats, words, how boats are."""
 
-    def __init__(
-        self, boats: Mapping[int, ClassBoat], refusals: Refusals, *, guarded: bool
-    ) -> None:
+    def __init__(self, boats: Mapping[int, AnyBoat], refusals: Refusals, *, guarded: bool) -> None:
         """``guarded`` says that the boats ask for words."""
         self.boats = boats
         self.seats = Seats()
-        self.bridges = {
-            number: Bridge(partial(client.reach, str(boat.socket)), refusals)
-            for number, boat in boats.items()
-        }
+        self.bridges = {number: Bridge(boat.reach, refusals) for number, boat in boats.items()}
         self._guarded = guarded
 
     def bridge_of(self, asked: HTTPConnection) -> Bridge:
@@ -76,7 +69,7 @@ class Entrance:
         mine = seat.boat if seat else None
         return JSONResponse({"boats": rows, "seat": mine, "guarded": self._guarded})
 
-    def _boat_row(self, boat: ClassBoat, *, instructs: bool) -> dict[str, object]:
+    def _boat_row(self, boat: AnyBoat, *, instructs: bool) -> dict[str, object]:
         number = boat.row.number
         crew = self.seats.crew_of(number)
         row = {"number": number, "name": boat.row.name or "", "crew": len(crew)}
@@ -176,7 +169,7 @@ class SeatedBoats:
 
 
 def class_pages(
-    boats: Mapping[int, ClassBoat],
+    boats: Mapping[int, AnyBoat],
     host: str,
     refusals: Refusals,
     front: Front | None,

@@ -13,13 +13,15 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Final
+from socket import socket
+from typing import Final, Protocol
 
-from trainer.config.class_file import BoatRow, ClassFile
+from trainer.config.class_file import CLASS_FILE_NAME, BoatRow, ClassFile
+from trainer.io import client
 from trainer.io.paths import LISTENING_TEXT, RECORDING_SUFFIX
 
 FIRST_RESTART_S: Final = 0.25  # until a dead session is begun again, twice as long each time after
@@ -40,6 +42,38 @@ class BoatState(Enum):
     RESUMING = "resuming"
     ENDED = "ended"  # in order, by its instructor
     LOST = "lost"  # a restart would not mend it
+    AWAY = "away"  # of another machine, which does not answer
+
+
+class AnyBoat(Protocol):
+    """A boat of a class, wherever its session runs."""
+
+    row: BoatRow
+    state: BoatState
+    resumed: int
+
+    @property
+    def title(self) -> str:
+        """Return its number, and its name if it has one."""
+
+    @property
+    def address(self) -> str:
+        """Return where its session listens."""
+
+    def reach(self) -> socket:
+        """Return a line to its session; LinkError."""
+
+    def begin(self) -> None:
+        """Begin it."""
+
+    def ask_to_end(self) -> None:
+        """Ask its session to end."""
+
+    def end(self, timeout_s: float) -> None:
+        """Wait until its session has ended, for so long [s] at most."""
+
+    def has_ended(self) -> bool:
+        """Return whether it will not be at sea again."""
 
 
 @dataclass
@@ -48,10 +82,12 @@ class ClassBoat:
 
     row: BoatRow
     folder: Path  # of the class
-    socket: Path  # where its session listens
+    local_socket: Path  # where its session listens
     exercise: str
     tokens: Sequence[str]
     tell: Tell
+    _: KW_ONLY
+    follows_course: bool = False  # that of the class's file
     state: BoatState = BoatState.STARTING
     resumed: int = 0  # how often its process has died and was begun again
     _process: subprocess.Popen[bytes] | None = None
@@ -62,7 +98,16 @@ class ClassBoat:
     @property
     def title(self) -> str:
         """Return its number, and its name if it has one."""
-        return f"boat {self.row.number}" + (f" {self.row.name}" if self.row.name else "")
+        return self.row.title
+
+    @property
+    def address(self) -> str:
+        """Return where its session listens."""
+        return str(self.local_socket)
+
+    def reach(self) -> socket:
+        """Return a line to its session; LinkError."""
+        return client.reach(self.address)
 
     @property
     def recordings(self) -> Path:
@@ -124,8 +169,10 @@ class ClassBoat:
     def _words(self) -> list[str]:
         """Return the command of its process: go on if there is a recording, else begin."""
         row = self.row
-        common = ["--owned", "--listen", "none", "--socket", str(self.socket)]
+        common = ["--owned", "--listen", "none", "--socket", str(self.local_socket)]
         common += [f"--token={word}" for word in self.tokens]
+        if self.follows_course:
+            common += ["--course", str(self.folder / CLASS_FILE_NAME)]
         if kept := self.latest_recording():
             return ["resume", str(kept), "--serve", *common]
         names = [f"--trainee={name}" for name in row.trainees]
@@ -141,7 +188,7 @@ class ClassBoat:
         """Note when its session takes lines."""
         begun = self._said.stat().st_size
         while process.poll() is None:
-            if f"{LISTENING_TEXT} {self.socket}" in self._tail(since=begun):
+            if f"{LISTENING_TEXT} {self.local_socket}" in self._tail(since=begun):
                 self.state = BoatState.AT_SEA
                 return
             time.sleep(FIRST_RESTART_S / 5)
@@ -191,17 +238,19 @@ class Fleet:
     sockets: Path
     tokens: Sequence[str]
     tell: Tell
-    boats: dict[int, ClassBoat] = field(default_factory=dict)
+    distant: Mapping[int, AnyBoat] = field(default_factory=dict)  # that run elsewhere
+    boats: dict[int, AnyBoat] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for number in self.planned.numbers:
-            self.boats[number] = ClassBoat(
+            self.boats[number] = self.distant.get(number) or ClassBoat(
                 self.planned.row_of(number),
                 self.folder,
                 self.sockets / f"boat-{number}.sock",
-                self.planned.exercise,
+                self.planned.exercises[0],
                 self.tokens,
                 self.tell,
+                follows_course=bool(self.planned.course),
             )
 
     def begin(self) -> None:

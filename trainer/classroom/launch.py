@@ -14,11 +14,21 @@ from typing import Final, NamedTuple, NoReturn
 
 import click
 
+from trainer.classroom.distant import DistantBoat
 from trainer.classroom.entrance import class_pages
 from trainer.classroom.fleet import BoatState, Fleet
-from trainer.config.class_file import CLASS_FILE_NAME, ClassFile, class_text, kept_class, load_class
+from trainer.config.class_file import (
+    CLASS_FILE_NAME,
+    ClassFile,
+    class_text,
+    kept_class,
+    load_class,
+    with_exercises,
+)
 from trainer.config.files import ConfigError, is_path, write_once
+from trainer.io import client
 from trainer.io.paths import dated_name, made_folder, recordings_folder
+from trainer.io.serial_line import LinkError
 from trainer.web.address import Address, announce_address
 from trainer.web.front import front_of
 from trainer.web.launch import address_of, certificate_of, listen_for_browsers, send_no_pulse
@@ -29,17 +39,20 @@ END_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 def new_folder(asked: Path | None, planned: ClassFile) -> Path:
     """Make the folder of a new class and return it; ConfigError if it has one."""
-    usual = recordings_folder() / f"class-{dated_name(planned.exercise)}"
+    usual = recordings_folder() / f"class-{dated_name(planned.exercises[0])}"
     folder = made_folder((asked or usual).absolute())
     if (folder / CLASS_FILE_NAME).exists():
         raise ConfigError(
             f"--folder {folder}: there is a class already: trainer class --resume {folder}"
         )
-    exercise = planned.exercise
-    whole = str(Path(exercise).absolute()) if is_path(exercise) else exercise
-    write_once(folder / CLASS_FILE_NAME, class_text(replace(planned, exercise=whole)))
+    write_once(folder / CLASS_FILE_NAME, class_text(with_exercises(planned, whole_path)))
     folder.chmod(0o700)
     return folder
+
+
+def whole_path(exercise: str) -> str:
+    """Return an exercise so that it is found from any folder."""
+    return str(Path(exercise).absolute()) if is_path(exercise) else exercise
 
 
 @dataclass(frozen=True)
@@ -79,6 +92,7 @@ def begin_class(
 
     ConfigError, before anything is left behind.
     """
+    refuse_addresses(planned)
     with listening_at(site) as place:
         return serve_class(planned, new_folder(asked, planned), tokens, place)
 
@@ -87,6 +101,7 @@ def resume_class(folder: Path, tokens: Sequence[str], site: ClassSite) -> int:
     """Go on with the class of a folder, to its end; return the exit code. ConfigError."""
     kept_class(folder)
     planned = load_class(folder / CLASS_FILE_NAME)
+    refuse_addresses(planned)
     with listening_at(site) as place:
         return serve_class(planned, folder.absolute(), tokens, place)
 
@@ -100,13 +115,13 @@ def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: 
     for number in END_SIGNALS:
         signal.signal(number, leave_program)
     with tempfile.TemporaryDirectory(prefix="trainer-class-") as sockets:
-        fleet = Fleet(planned, folder, Path(sockets), tokens, tell)
+        fleet = Fleet(planned, folder, Path(sockets), tokens, tell, distant_boats(planned))
         tell(f"{planned.boats} boats; all they leave is kept in {folder}")
         try:
             fleet.begin()
             threading.Thread(target=leave_after, args=(fleet,), daemon=True).start()
             for boat in fleet.boats.values():
-                tell(f"{boat.title}: trainer attach --connect {boat.socket}")
+                tell(f"{boat.title}: trainer attach --connect {boat.address}")
             tell(f"the instructor's page is {place.address.url}class")
             click.echo(announce_address(place.address), err=True)
             pages = partial(class_pages, fleet.boats, guarded=bool(tokens))
@@ -123,6 +138,20 @@ def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: 
         return 1
     tell(f"it goes on by: trainer class --resume {folder}")
     return 0
+
+
+def distant_boats(planned: ClassFile) -> dict[int, DistantBoat]:
+    """Return the boats whose sessions run elsewhere, by their numbers."""
+    return {row.number: DistantBoat(row, tell) for row in planned.boat if row.on}
+
+
+def refuse_addresses(planned: ClassFile) -> None:
+    """Raise ConfigError for an address where no session can be."""
+    for row in (each for each in planned.boat if each.on):
+        try:
+            client.check(row.on or "")
+        except LinkError as wrong:
+            raise ConfigError(f"{row.title}: on {wrong}") from None
 
 
 def leave_after(fleet: Fleet) -> None:

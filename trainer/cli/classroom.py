@@ -39,6 +39,12 @@ boats_option = click.option("--boats", type=int, default=3, metavar="N", help="H
 @click.command(cls=ParentCommand)
 @click.argument("exercise", type=EXERCISE_NAME, required=False)
 @boats_option
+@click.option(
+    "--on",
+    multiple=True,
+    metavar="URL",
+    help="One boat more, whose session runs there (trainer serve); may be given again.",
+)
 @seed_option("Seed of the random numbers of every boat.")
 @click.option("--own-seeds", is_flag=True, help="Each boat has one more than the boat before.")
 @click.option(
@@ -110,12 +116,13 @@ def words_of_class(given: tuple[str, ...], site: "ClassSite") -> tuple[str, ...]
 
 
 def plan_class(
-    name: str, *, boats: int, seed: int, own_seeds: bool, **_others: object
+    name: str, *, boats: int, on: tuple[str, ...], seed: int, own_seeds: bool, **_others: object
 ) -> "ClassFile":
     """Return the class of a class file, or of an exercise and the options; ConfigError."""
     from trainer.config.class_file import (
         OWN_SEEDS,
         SAME_SEEDS,
+        BoatRow,
         ClassFile,
         is_class_file,
         load_class,
@@ -123,14 +130,17 @@ def plan_class(
     )
 
     if is_class_file(name):
-        if given := flags_given(("boats", "seed", "own_seeds")):
+        if given := flags_given(("boats", "on", "seed", "own_seeds")):
             raise ConfigError(f"{given}: {name} is a class file, and says it itself")
         planned = load_class(Path(name))
     else:
-        refuse_many(boats)
+        refuse_many(boats, len(on))
         seeds = OWN_SEEDS if own_seeds else SAME_SEEDS
-        planned = ClassFile(exercise=name, boats=boats, seed=seed, seeds=seeds)
-    refuse_exercise(planned.exercise)
+        rows = tuple(BoatRow(number=number, on=url) for number, url in enumerate(on, boats + 1))
+        count = boats + len(on)
+        planned = ClassFile(exercise=name, boats=count, seed=seed, seeds=seeds, boat=rows)
+    for exercise in planned.exercises:
+        refuse_exercise(exercise)
     return planned
 
 
@@ -175,12 +185,17 @@ def check(file: Path) -> None:
     from trainer.config.class_file import load_class
 
     planned = load_class(file)
-    refuse_exercise(planned.exercise)
-    click.echo(f"{planned.exercise}, boats: {planned.boats}")
+    for exercise in planned.exercises:
+        refuse_exercise(exercise)
+    course = f"course of {len(planned.course)}"
+    click.echo(f"{planned.exercise or course}, boats: {planned.boats}")
+    for place, each in enumerate(planned.course, 1):
+        click.echo(f"{place:3}. {each.told}")
     for number in planned.numbers:
         row = planned.row_of(number)
         who = ", ".join(row.trainees) or "no names"
-        click.echo(f"{number:3} {row.name or '':24} seed {row.seed}, {who}")
+        begun = f"on {row.on}" if row.on else f"seed {row.seed}, {who}"
+        click.echo(f"{number:3} {row.name or '':24} {begun}")
 
 
 @class_command.below

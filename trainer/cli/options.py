@@ -44,8 +44,6 @@ VESSEL_NAME: Final = Name("vessels")
 SEA_NAME: Final = Name("seas")
 EXERCISE_NAME: Final = Name("lessons", "exercises")
 STUDY_NAME: Final = Name("studies")
-# A program that begins a session, and is to outlive none of it, holds its standard input open.
-owned_option = click.option("--owned", is_flag=True, hidden=True)
 cores_option = click.option(
     "--cores", type=click.IntRange(1, 256), help="Processors to use. [default: all]"
 )
@@ -386,6 +384,17 @@ web_serve_options = combine_options(
 
 connect_options = combine_options(
     connect_option, click.option("--token", help="The word that this session asks for.")
+)
+
+
+class_options = combine_options(
+    click.option(
+        "--course",
+        type=TOML_FILE,
+        help="Class file by whose course `next` goes on, once the marks of its row are reached.",
+    ),
+    # A program that begins a session, and is to outlive none of it, holds its input open.
+    click.option("--owned", is_flag=True, hidden=True),
 )
 
 

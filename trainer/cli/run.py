@@ -23,12 +23,12 @@ from trainer.cli.options import (
     EXERCISE_NAME,
     HTML_OUTPUT,
     RECORDING_FILE,
+    class_options,
     connect_options,
     console_options,
     exercise_options,
     last_option,
     named_recording,
-    owned_option,
     port_options,
     recording_options,
     rerun_options,
@@ -372,7 +372,7 @@ def debriefing() -> "DebriefSource":
 @port_options(listen=f"{DEFAULT_HOST}:{DEFAULT_PORT}", socket=None)
 @web_serve_options
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
-@owned_option
+@class_options
 def serve(*, owned: bool, **options: Any) -> None:
     """Run a session that stations join, without a console here.
 
@@ -401,7 +401,7 @@ def serve(*, owned: bool, **options: Any) -> None:
 @click.option("--serve", is_flag=True, help="No console here: stations join, as with serve.")
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-@owned_option
+@class_options
 def resume(
     file: Path | None, *, last: bool, anyway: bool, teletype: bool, owned: bool, **options: Any
 ) -> None:

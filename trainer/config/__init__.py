@@ -13,10 +13,10 @@ The records are what other rooms use, so nearly all modules are open. ``similari
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "ballast_records", "baseline", "bottom", "casualties", "check_case", "class_file",
-    "coefficients", "condition", "conformity", "contacts", "course", "current", "derivatives",
-    "derived", "exercise", "extras", "file_schemas", "files", "fit_options", "hull", "loss_words",
-    "nomoto", "outcome", "plant_records", "plausibility", "progress", "propulsion",
+    "ballast_records", "baseline", "bottom", "casualties", "check_case", "class_course",
+    "class_file", "coefficients", "condition", "conformity", "contacts", "course", "current",
+    "derivatives", "derived", "exercise", "extras", "file_schemas", "files", "fit_options", "hull",
+    "loss_words", "nomoto", "outcome", "plant_records", "plausibility", "progress", "propulsion",
     "reference_crew", "schema", "score_rules", "sea", "sensors", "series", "ship", "soundings",
     "stated", "steps", "tables", "vessel", "vessel_records", "vessel_template", "words", "world",
 ]

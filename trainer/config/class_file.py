@@ -1,4 +1,4 @@
-"""The file of a class: which exercise, how many boats, what is each one's own.
+"""The file of a class: exercise or course, boats, and what is each one's own.
 
 ``trainer class`` begins a class by it, and keeps it beside the recordings, so that the class can go
 on another day. What is not said of a boat is the same for all.
@@ -7,9 +7,11 @@ on another day. What is not said of a boat is the same for all.
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.config.class_course import MAX_COURSE_ROWS, ClassCourse, CourseRow
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -56,13 +58,23 @@ class BoatRow:
         Texts(Text(60, "a name"), 8),  # as a recording takes names
     )
     seed: int | None = optional(WholeNumber(0, MAX_SEED, "of its random numbers"))
+    on: str | None = optional(Text(200, "tcp://HOST:PORT of its session on another machine"))
+
+    @property
+    def title(self) -> str:
+        """Return its number, and its name if it has one."""
+        return f"boat {self.number}" + (f" {self.name}" if self.name else "")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClassFile:
-    """A class: its exercise, its boats, their seeds and trainees."""
+    """A class: its exercise or its course, its boats, their seeds and trainees."""
 
-    exercise: str = required(Text(400, "its name, or the path of a file"))
+    exercise: str | None = optional(Text(400, "its name, or the path of a file"))
+    course: tuple[CourseRow, ...] = with_default(
+        (),
+        Rows(CourseRow, ("note",), 0, MAX_COURSE_ROWS, "exercises in their order, in its place"),
+    )
     boats: int = required(WholeNumber(1, MAX_BOATS, "how many"))
     seed: int = with_default(1, WholeNumber(0, MAX_SEED, "of random numbers; else 1"))
     seeds: str = with_default(
@@ -74,6 +86,11 @@ class ClassFile:
     boat: tuple[BoatRow, ...] = with_default(
         (), Rows(BoatRow, ("note",), 0, MAX_BOATS, "what is one boat's own")
     )
+
+    @property
+    def exercises(self) -> tuple[str, ...]:
+        """Return the exercise, or all of the course; every boat begins with the first."""
+        return (self.exercise,) if self.exercise else tuple(row.exercise for row in self.course)
 
     @property
     def numbers(self) -> range:
@@ -101,12 +118,22 @@ def load_class(path: Path) -> ClassFile:
     Its exercise is there, and was not read, because that would load the core.
     """
     planned, position = read_class(path), Position(path.name, "")
+    planned = with_exercises(planned, partial(relative_name, path))
     problems = [position.problem(problem) for problem in _row_problems(planned)]
-    exercise = relative_name(path, planned.exercise)
-    with collecting(problems):
-        read_text(path_named(exercise, "exercises"))
+    if planned.exercise:
+        with collecting(problems):
+            read_text(path_named(planned.exercise, "exercises"))
     raise_problems(problems)
-    return replace(planned, exercise=exercise)
+    return planned
+
+
+def with_exercises(planned: ClassFile, renamed: Callable[[str], str]) -> ClassFile:
+    """Return a class with each of its exercises under another name or path."""
+    return replace(
+        planned,
+        exercise=planned.exercise and renamed(planned.exercise),
+        course=tuple(replace(row, exercise=renamed(row.exercise)) for row in planned.course),
+    )
 
 
 def read_class(path: Path) -> ClassFile:
@@ -147,7 +174,13 @@ def kept_class(folder: Path) -> ClassFile:
 
 
 def _row_problems(planned: ClassFile) -> Iterator[str]:
-    """Yield what is wrong with the boats' own tables among each other."""
+    """Yield what is wrong with the boats' own tables among each other, and with its course."""
+    if bool(planned.exercise) is bool(planned.course):
+        yield "exercise: say that, or the rows [[course]]: one of them, and not both"
+    yield from ClassCourse(planned.course).problems()
+    for row in planned.boat:
+        if row.on and (row.seed is not None or row.trainees):
+            yield f"[[boat]] number = {row.number}: on: seed and trainees are its own session's"
     counts = Counter(row.number for row in planned.boat)
     for number, count in counts.items():
         if count > 1:
@@ -158,18 +191,18 @@ def _row_problems(planned: ClassFile) -> Iterator[str]:
 
 def class_text(planned: ClassFile) -> str:
     """Return a class as its file has it."""
-    lines = [f"{key} = {toml_value(getattr(planned, key))}" for key in ("exercise", "boats")]
-    lines += [f"{key} = {toml_value(getattr(planned, key))}" for key in ("seed", "seeds")]
+    lines = _key_lines(planned, ("exercise", "boats", "seed", "seeds"))
+    for course_row in planned.course:
+        lines += ["", "[[course]]", *_key_lines(course_row, ("exercise", "reach"))]
     for row in planned.boat:
-        values = {
-            "number": row.number,
-            "name": row.name,
-            "trainees": row.trainees,
-            "seed": row.seed,
-        }
-        told = {key: value for key, value in values.items() if value not in (None, ())}
-        lines += ["", "[[boat]]", *(f"{key} = {toml_value(value)}" for key, value in told.items())]
+        lines += ["", "[[boat]]", *_key_lines(row, ("number", "name", "trainees", "seed", "on"))]
     return "\n".join(lines) + "\n"
+
+
+def _key_lines(record: object, keys: Iterable[str]) -> list[str]:
+    """Return the keys that a record has values for, a line each."""
+    told = {key: getattr(record, key) for key in keys}
+    return [f"{key} = {toml_value(each)}" for key, each in told.items() if each not in (None, ())]
 
 
 TEMPLATE: Final = """\
@@ -179,6 +212,14 @@ boats = {boats}         # 1 to {most}
 seed = 1                # of random numbers
 seeds = "same"          # every boat has that seed; "by-boat": 1, 2, 3 ...
 
+# A course in place of the exercise: each boat goes on by `next` at its own pace, once it has the
+# marks of its row; without `reach` the end of the exercise will do.
+# [[course]]
+# exercise = "first-depth-change"
+# reach = 60
+# [[course]]
+# exercise = "depth-changes"
+
 # What is one boat's own, in any order; each key but the number may be left out. Names of trainees
 # are kept with the recordings on this machine.
 # [[boat]]
@@ -186,6 +227,7 @@ seeds = "same"          # every boat has that seed; "by-boat": 1, 2, 3 ...
 # name = "Alpha"
 # trainees = ["A. Jones"]
 # seed = 7
+# on = "tcp://bridge:17800"  # in their place: its session runs there, by `trainer serve`
 """
 
 
@@ -203,7 +245,8 @@ def class_schema() -> dict[str, Any]:
     return file_schema("class", whole["properties"], whole["required"])
 
 
-def refuse_many(boats: int) -> None:
-    """Raise ConfigError for more boats than a class has."""
-    if not 1 <= boats <= MAX_BOATS:
-        raise ConfigError(f"--boats {boats}: a class has 1 to {MAX_BOATS} boats")
+def refuse_many(boats: int, elsewhere: int = 0) -> None:
+    """Raise ConfigError for more boats than a class has, those elsewhere among them."""
+    if boats < 0 or not 1 <= boats + elsewhere <= MAX_BOATS:
+        beside = f" and {elsewhere} by --on" if elsewhere else ""
+        raise ConfigError(f"--boats {boats}{beside}: a class has 1 to {MAX_BOATS} boats")

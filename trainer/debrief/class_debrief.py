@@ -16,9 +16,11 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.config.class_course import NO_COURSE, ClassCourse
 from trainer.config.class_file import kept_class
 from trainer.config.files import ConfigError, write_over
 from trainer.config.progress import Progress, ProgressRun
+from trainer.debrief.class_places import BoatPlace, boat_places
 from trainer.debrief.data import compare_debrief
 from trainer.debrief.forms import forms_path
 from trainer.debrief.history import unforeseen
@@ -42,7 +44,8 @@ SAME_TIME_S: Final = 60.0  # within which losses of several boats are one lesson
 MIN_LESSON_BOATS: Final = 2
 MAX_LESSONS: Final = 5  # told of an exercise
 BOAT_HEADER: Final = ("class", "boat", "boat_name")
-CLASS_HEADER: Final = (*BOAT_HEADER, *CSV_HEADER)
+COURSE_HEADER: Final = ("course_place", "marks_to_reach")  # "" where the class has no course
+CLASS_HEADER: Final = (*BOAT_HEADER, *CSV_HEADER, *COURSE_HEADER)
 
 
 class FoundRun(NamedTuple):
@@ -107,10 +110,12 @@ class ClassExercise:
 
 @dataclass(frozen=True)
 class ClassDebrief:
-    """A class, exercise by exercise, in the order in which they were begun."""
+    """A class, exercise by exercise: in its course's order, else as they were begun."""
 
     name: str  # of its folder
     exercises: tuple[ClassExercise, ...]
+    course: ClassCourse = NO_COURSE
+    places: tuple[BoatPlace, ...] = ()  # of the boats in the course
     troubles: tuple[str, ...] = ()  # recordings that could not be judged
 
 
@@ -121,7 +126,8 @@ def gather_class(folder: Path, pages: Path | None, cores: int) -> ClassDebrief:
     recording is taken from there, and what is missing is judged on so many processors.
     """
     planned, troubles = kept_class(folder), list[str]()
-    found = list(latest_runs(found_runs(folder, troubles)))
+    dated = sorted(found_runs(folder, troubles))
+    found = list(latest_runs(dated))
     page_of = {run: pages / page_name(run) if pages else None for run in found}
     summaries: dict[FoundRun, RunSummary | str | None] = {
         run: ready_summary(run.path, page_of[run]) for run in found
@@ -145,8 +151,12 @@ def gather_class(folder: Path, pages: Path | None, cores: int) -> ClassDebrief:
         name, page = planned.row_of(run.boat).name or "", page_of[run]
         boat_run = BoatRun(run.boat, name, run.attempts, summary, page.name if page else "")
         by_exercise[run.exercise].append(boat_run)
-    exercises = (class_exercise(name, runs) for name, runs in by_exercise.items())
-    return ClassDebrief(folder.resolve().name, tuple(exercises), tuple(troubles))
+    course = ClassCourse(planned.course)
+    names = sorted(by_exercise, key=lambda name: course.place_of(name) or len(by_exercise))
+    exercises = tuple(class_exercise(name, by_exercise[name]) for name in names)
+    marks = {(run.boat, run.exercise): summary.run.total for run, summary in judged}
+    places = boat_places(planned, {boat: name for _, boat, name, _ in dated}, marks)
+    return ClassDebrief(folder.resolve().name, exercises, course, places, tuple(troubles))
 
 
 def found_runs(folder: Path, troubles: list[str]) -> Iterator[tuple[str, int, str, Path]]:
@@ -166,9 +176,11 @@ def found_runs(folder: Path, troubles: list[str]) -> Iterator[tuple[str, int, st
             troubles.append(str(wrong))
 
 
-def latest_runs(found: Iterable[tuple[str, int, str, Path]]) -> Iterator[FoundRun]:
-    """Yield the latest run of each boat in each exercise, exercises as they were begun."""
-    dated = sorted(found)
+def latest_runs(dated: Sequence[tuple[str, int, str, Path]]) -> Iterator[FoundRun]:
+    """Yield the latest run of each boat in each exercise, exercises as they were begun.
+
+    ``dated`` are all runs, in the order in which they began.
+    """
     exercises = list(dict.fromkeys(exercise for _, _, exercise, _ in dated))
     attempts = Counter((boat, exercise) for _, boat, exercise, _ in dated)
     latest = {(boat, exercise): path for _, boat, exercise, path in dated}
@@ -303,6 +315,7 @@ def class_text(debrief: ClassDebrief) -> str:
             who = ", ".join(each.summary.trainees) or "-"
             lines.append(f"{boat:16} {marks_words(run):>9}  {run.outcome or '-':11}  {who}")
         lines += [*lesson_lines(exercise), ""]
+    lines += [f"boat {each.boat} is at {each.told}" for each in debrief.places]
     lines += debrief.troubles
     wrapped = (fill(plain(line), TEXT_WIDTH) if len(line) > TEXT_WIDTH else line for line in lines)
     return "\n".join(wrapped).rstrip()
@@ -311,12 +324,15 @@ def class_text(debrief: ClassDebrief) -> str:
 def class_table(debrief: ClassDebrief) -> Iterator[tuple[object, ...]]:
     """Yield a row for each trainee and exercise; a nameless boat has one too."""
     for exercise in debrief.exercises:
+        row = debrief.course.row_of(exercise.exercise)
+        place = debrief.course.place_of(exercise.exercise) or ""
         for each in exercise.runs:
             own = dict(zip(each.summary.trainees, each.summary.own_marks, strict=True))
             for name in each.summary.trainees or ("",):
                 run = replace(each.summary.run, own_marks=own.get(name))
-                (row,) = class_rows([Progress(name, (run,))])
-                yield (debrief.name, each.boat, each.name, *row)
+                (told,) = class_rows([Progress(name, (run,))])
+                boat = debrief.name, each.boat, each.name
+                yield (*boat, *told, place, row.reach if row else None)
 
 
 def class_figures(debrief: ClassDebrief) -> dict[str, Any]:
@@ -333,6 +349,8 @@ def class_figures(debrief: ClassDebrief) -> dict[str, Any]:
             }
             for exercise in debrief.exercises
         ],
+        "course": [{"exercise": row.name, "reach": row.reach} for row in debrief.course.rows],
+        "places": [asdict(place) for place in debrief.places],
         "troubles": list(debrief.troubles),
     }
 

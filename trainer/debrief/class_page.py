@@ -39,6 +39,7 @@ CHART_BOATS: Final = 8  # in one chart: as many as there are styles of lines
 BOAT_HEADS: Final = (
     *("Boat", "Trainee", "Marks", "Own marks", "Outcome", "Lost most", "Runs", "Debrief"),
 )
+PLACE_HEADS: Final = ("Boat", "Place in the course")
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,8 @@ def render_class(debrief: ClassDebrief) -> str:
         (f"exercise-{number}", each.title, _chapter(each))
         for number, each in enumerate(debrief.exercises, 1)
     ]
+    if debrief.places:
+        chapters.append(("course", "Where each boat is in the course", places_table(debrief)))
     troubles = [paragraph(each) for each in debrief.troubles]
     parts = [section(*each) for each in chapters]
     parts += [section("troubles", "What could not be judged", *troubles)] if troubles else []
@@ -95,6 +98,12 @@ def render_class(debrief: ClassDebrief) -> str:
         version=__version__,
         source=debrief.name,
     )
+
+
+def places_table(debrief: ClassDebrief) -> Markup:
+    """Return where each boat is, and its marks of those to go on."""
+    rows = ([f"{each.boat} {each.name}".rstrip(), each.told] for each in debrief.places)
+    return table(PLACE_HEADS, rows, "places")
 
 
 def _chapter(exercise: ClassExercise) -> Markup:

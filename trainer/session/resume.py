@@ -6,7 +6,7 @@ insists, because the run would go on differently from how it began.
 """
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,19 +25,34 @@ from trainer.io.recording.facts import NO_CREW_FACT
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.doors.warm_up import set_garbage_aside, warm_boat
 from trainer.session.exercise.marks import DebriefSource
-from trainer.session.past.header import differences, layout_of, plan_of, refusing_damage
+from trainer.session.past.header import (
+    differences,
+    exercise_of,
+    layout_of,
+    plan_of,
+    refusing_damage,
+    trainees_of,
+)
 from trainer.session.past.history import History
 from trainer.session.past.journal import order_of, restore_world
 from trainer.session.past.layout import read_state
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan
-from trainer.session.run import LastingParts, PreparedRun, fly_session
+from trainer.session.run import (
+    LastingParts,
+    PreparedRun,
+    course_of,
+    fly_session,
+    run_following,
+    why_single,
+)
 
 
 def resume_boat(
     path: Path, options: RunOptions, debriefing: DebriefSource | None = None, *, anyway: bool
 ) -> int:
-    """Go on with the recording at ``path``; return the exit code."""
+    """Go on with the recording at ``path``, and what follows it; return the exit code."""
+    course = course_of(options)
     with refusing_damage():
         with contextlib.closing(Recording.look(path)) as looked:  # what is refused stays as it is
             refuse_other(path, differences(looked.header()), anyway=anyway)
@@ -63,8 +78,29 @@ def resume_boat(
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    begun = LastingParts(debriefing=debriefing)
-    return fly_session(PreparedRun(plan, boat, history, str(path), begun), options).code
+    begun = LastingParts(debriefing=debriefing, course=course)
+    options = options_as_begun(options, path, header, boat)
+    prepared = PreparedRun(plan, boat, history, str(path), begun, why_single(options))
+    return run_following(fly_session(prepared, options), options, begun)
+
+
+def options_as_begun(
+    options: RunOptions, path: Path, header: Mapping[str, str], boat: Boat
+) -> RunOptions:
+    """Return the options with what the run was begun with.
+
+    They are for the run and for what follows it, which is recorded beside it, in a course with the
+    boat's own seed.
+    """
+    return replace(
+        options,
+        exercise=exercise_of(header) or None,
+        trainee=options.trainee or trainees_of(header),
+        width=header.get("width", options.width),
+        seed=int(boat.state.seed),
+        record=path.parent,
+        given=options.given | {"seed"},
+    )
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:

@@ -21,6 +21,8 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
+from trainer.config.class_course import NO_COURSE, ClassCourse
+from trainer.config.class_file import load_class
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
@@ -88,10 +90,11 @@ class PreparedRun:
 
 @dataclass
 class LastingParts:
-    """The parts that outlive an exercise: clock, judge, pages for browsers."""
+    """The parts that outlive an exercise: clock, judge, course, pages for browsers."""
 
     clock: Clock = field(default_factory=MonotonicClock)
     debriefing: DebriefSource | None = None
+    course: ClassCourse = NO_COURSE
     pages: PageServer | None = None
 
 
@@ -102,22 +105,51 @@ def run_boat(
 
     If the instructor orders a next exercise, it begins, frozen, when this one has ended.
     """
-    begun = LastingParts(clock or MonotonicClock(), debriefing)
+    begun = LastingParts(clock or MonotonicClock(), debriefing, course_of(options))
     with serving_pages(options) as begun.pages:
-        while True:
-            ended = run_once(options, begun)
-            if not ended.following:
-                return ended.code
-            given_options = options.given - OVERRULED_SETTINGS.keys()
-            options = replace(
-                options,
-                **EXERCISE_DEFAULTS,
-                exercise=ended.following,
-                given=given_options,
-                record=recordings_folder(options),
-                frozen=True,
-                familiarisation=False,  # the next exercise is one
-            )
+        return run_following(run_once(options, begun), options, begun)
+
+
+def run_following(ended: RunResult, options: RunOptions, begun: LastingParts) -> int:
+    """Run the exercises that follow a run until none does; return the last exit code."""
+    while ended.following:
+        options = following_options(options, ended.following)
+        ended = run_once(options, begun)
+    return ended.code
+
+
+def following_options(options: RunOptions, exercise: str) -> RunOptions:
+    """Return the options of the run that follows: of the exercise that was ordered, frozen.
+
+    It settles anew what options have overruled; in a course the boat keeps its own seed.
+    """
+    kept = {"seed": options.seed} if options.course else {}
+    return replace(
+        options,
+        **{**EXERCISE_DEFAULTS, **kept},
+        exercise=exercise,
+        given=options.given - (OVERRULED_SETTINGS.keys() - kept.keys()),
+        record=recordings_folder(options),
+        frozen=True,
+        familiarisation=False,  # the next exercise is one
+    )
+
+
+def course_of(options: RunOptions) -> ClassCourse:
+    """Return the course that the options name, without rows where they name none; ConfigError."""
+    if options.course is None:
+        return NO_COURSE
+    rows = load_class(options.course).course
+    if not rows:
+        raise ConfigError(f"--course {options.course}: it has no rows [[course]]")
+    return ClassCourse(rows)
+
+
+def why_single(options: RunOptions) -> Refused | None:
+    """Return why no exercise may follow in the same process, None where one may."""
+    files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
+    single = any(files) or keeps_no_time(options)
+    return Refused("this session is begun for one run") if single else None
 
 
 def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
@@ -138,11 +170,8 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
         path, recording = create_recording(paths, header_of(options, texts, boat), state)
-    files = options.csv_path, options.rrd, options.nmea_record  # another run would replace them
-    single = Refused("this session is begun for one run")
-    barred = single if any(files) or keeps_no_time(options) else None
     history = History(boat, recording)
-    prepared = PreparedRun(plan, boat, history, str(path or ""), begun, barred)
+    prepared = PreparedRun(plan, boat, history, str(path or ""), begun, why_single(options))
     try:
         return fly_session(prepared, options)
     except ConfigError:
@@ -253,7 +282,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
             wake,
             terms_of(prepared, options),
-            introduction_of(plan, boat, options),
+            introduction_of(prepared, options),
             ColumnFile(recorder, MOTION_COLUMNS if options.csv_path else ()),
             last_tick,
         )
@@ -322,6 +351,7 @@ def terms_of(prepared: PreparedRun, options: RunOptions) -> Terms:
         kept=Path(prepared.kept) if prepared.kept else None,
         debriefing=prepared.begun.debriefing,
         trainees=options.trainee,
+        course=prepared.begun.course,
         barred=prepared.barred,
     )
 
@@ -395,9 +425,11 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
     )
 
 
-def introduction_of(plan: Plan, boat: Boat, options: RunOptions) -> Introduction:
+def introduction_of(prepared: PreparedRun, options: RunOptions) -> Introduction:
     """Return what newcomers are told: the briefing, and where the boat is."""
+    plan, boat = prepared.plan, prepared.boat
     briefing, here = briefing_of(plan, options), situation(plan, boat)
+    briefing = replace(briefing, course=prepared.begun.course.told(briefing.name))
     return Introduction(
         (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
         (*briefing.heading(STRANGER_ROLE), *here),

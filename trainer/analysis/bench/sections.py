@@ -1,14 +1,23 @@
 """The parts of ``trainer dev bench``, each with the option that asks for it alone.
 
 ``cli/workshop/bench`` measures the parts that are asked for. A part that this machine lacks
-something for (Chromium) is left out with the reason, because the others are still worth having.
+something for (such as Chromium) is left out with the reason, because the others are still worth
+having.
 """
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from trainer.analysis.bench import end_to_end, numbers, on_time, standard_hour, start_up, web
+from trainer.analysis.bench import (
+    class_boats,
+    end_to_end,
+    numbers,
+    on_time,
+    standard_hour,
+    start_up,
+    web,
+)
 from trainer.config.vessel import VesselFile
 
 
@@ -19,7 +28,8 @@ class BenchRequest:
     file: VesselFile
     seconds: float  # [s] of real time for each part that runs in it
     minutes: float = 0.25  # [min] of a session in a crowd
-    attended: float = 60.0  # [s] of a session with pages
+    attended: float = 60.0  # [s] of a session with pages, and of a class
+    boats: int = 8  # of a class
 
 
 @dataclass(frozen=True)
@@ -80,5 +90,11 @@ SECTIONS: Final = {
     "web": or_left_out(
         web.NoBrowserError,
         Section(lambda wanted: web.time_pages(wanted.file, wanted.attended), web.lines),
+    ),
+    "class": or_left_out(
+        class_boats.NoProcessFiguresError,
+        Section(
+            lambda wanted: class_boats.time_class(wanted.boats, wanted.attended), class_boats.lines
+        ),
     ),
 }

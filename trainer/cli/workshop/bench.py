@@ -4,9 +4,13 @@
 in the function, because the other commands need none of it.
 """
 
+from typing import Final
+
 import click
 
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
+
+CLASS_BOATS: Final = 8  # where nobody says how many
 
 
 @click.command()
@@ -15,7 +19,7 @@ from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
     "--seconds",
     type=click.IntRange(1, 3600),
     help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
-    "gives four in each. [default: 10; 60 for --web]",
+    "gives four in each. [default: 10; 60 for --web and --class]",
 )
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
 @click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
@@ -29,6 +33,14 @@ from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 @click.option("--numbers", is_flag=True, help="Only what a step of a boat by numbers costs.")
 @click.option("--starting", is_flag=True, help="Only how soon commands answer.")
 @click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
+@click.option(
+    "--class",
+    is_flag=False,
+    flag_value=CLASS_BOATS,
+    type=click.IntRange(1, 24),
+    metavar="BOATS",
+    help="Only a class of so many boats with stations, and what each costs; 8 unless said.",
+)
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(
@@ -38,7 +50,7 @@ def bench(
     minutes: float,
     everything: bool,
     as_json: bool,
-    **parts: bool,
+    **parts: int | None,
 ) -> None:
     """Measure duty cycle, work per tick, lateness and sizes on this machine.
 
@@ -47,6 +59,7 @@ def bench(
               trainer dev bench --same-bits
               trainer dev bench --on-time --minutes 10
               trainer dev bench --web
+              trainer dev bench --class 8
               trainer dev bench --all --json > figures.json
     """
     import json
@@ -67,7 +80,9 @@ def bench(
     if chosen:
         from trainer.analysis.bench.sections import SECTIONS, BenchRequest, measure_sections
 
-        wanted = BenchRequest(file, seconds or 10, minutes, seconds or 60)
+        wanted = BenchRequest(
+            file, seconds or 10, minutes, seconds or 60, parts["class"] or CLASS_BOATS
+        )
         more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)
         figures |= more_figures
         pages += more_pages

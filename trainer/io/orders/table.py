@@ -241,6 +241,7 @@ FORMS = (
     Form("again from LAPSE", "from so long ago"),
     Form("restart", "the exercise again, from the start, and time goes on at once"),
     Form("next", "the exercises there are"),
+    Form("next course", "what follows in the class's course, once the marks are reached"),
     Form("next EXERCISE", "end this one, and begin that one at the same stations"),
     Form("demonstrate", "have the reference crew show the way from here, for 2 min", value=120.0),
     Form("demonstrate for LENGTH", "for so long; then back to this moment, frozen"),

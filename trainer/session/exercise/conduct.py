@@ -62,7 +62,9 @@ class Conduct:
             *(control, log, self.work, self.ending, terms.debriefing, terms.kept),
             scored=plan is not None and bool(plan.scores),
         )
-        self.training = Training(control, log, self.work, self.ending, self.guide, terms)
+        self.training = Training(
+            control, log, self.work, self.ending, self.guide, terms, self.marks
+        )
 
     @property
     def duties(self) -> Mapping[str, Duty]:
@@ -80,6 +82,12 @@ class Conduct:
             "give": self.command.give,
             "keep": self.command.keep,
         }
+
+    @property
+    def between_runs(self) -> bool:
+        """Return whether the run of a class's course has not begun, or is over."""
+        waits = self.ending.over or not self.control.boat.ticks
+        return bool(self.terms.course.rows and waits)
 
     def go_on(self, order: Order) -> None:
         """Note that time goes on; announce who of the crew is not ready."""

@@ -6,6 +6,7 @@ to the crew; who trains alone gets them at once. The functions that judge a reco
 debrief come from the command line, because this package may not import ``debrief``.
 """
 
+import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -160,6 +161,20 @@ class Marks:
             return self._missing or Refused("there are no marks yet")
         self._release(self.found)
         return "everybody has the marks"
+
+    def short_of(self, reach: float, role: Role) -> Refused | None:
+        """Return what is missing to so many marks [%], None where they are reached.
+
+        Before the marks are released only an instructor is told how many there are.
+        """
+        if self.found is None:
+            return self._missing or Refused("the marks are being made: once more in a moment")
+        total = self.found.total or 0.0
+        if total >= reach:
+            return None
+        told = self.released or role is INSTRUCTOR_ROLE
+        had = f"{math.floor(total)} of {reach:g} marks" if told else f"{reach:g} marks not reached"
+        return Refused(f"{had}: again, or an instructor's next NAME goes on anyway")
 
     def write(self, asked: Request) -> Reply:
         """Answer the order ``debrief``: have one written."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from trainer.config.class_course import NO_COURSE, ClassCourse
 from trainer.config.course import following
 from trainer.config.derived import Loss
 from trainer.io.orders.grammar import Refused
@@ -29,6 +30,7 @@ class Terms:
     kept: Path | None = None  # where it is recorded
     debriefing: DebriefSource | None = None
     trainees: tuple[str, ...] = ()  # whose progress is kept
+    course: ClassCourse = NO_COURSE  # of its class; without rows the shipped course holds
     barred: Refused | None = SINGLE_REFUSAL  # why another exercise needs another process
 
     @property
@@ -39,5 +41,7 @@ class Terms:
 
     def following(self) -> str:
         """Return the name of what comes after this exercise; "" after the last."""
+        if self.course.rows:
+            return self.course.following(self.exercise)
         after = following(self.exercise)
         return after.name if after else ""

@@ -8,6 +8,7 @@ import contextlib
 import subprocess
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Final
 
 from trainer.config.course import course, lessons
 from trainer.config.exercise import load_exercise
@@ -17,12 +18,15 @@ from trainer.config.progress import Progress, read_progress
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.aside import BackgroundTask, begin_aside, hear_out
 from trainer.session.exercise.exercise import ExerciseEnd
+from trainer.session.exercise.marks import Marks
 from trainer.session.exercise.step_guide import StepGuide
 from trainer.session.exercise.terms import Terms
 from trainer.session.past.control import Control
 from trainer.session.stations.event_log import EventLog
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE
+from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, Role
 from trainer.session.stations.station import Fact, LongAnswer, Request
+
+COURSE_WORD: Final = "course"  # of the order that goes on in the class's course
 
 
 @dataclass
@@ -35,6 +39,7 @@ class Training:
     ending: ExerciseEnd
     guide: StepGuide
     terms: Terms
+    marks: Marks
     _remembered: tuple[int, int] | None = None  # branch and tick
 
     def remember(self) -> None:
@@ -67,9 +72,14 @@ class Training:
 
     def go_on(self, asked: Request) -> Reply | LongAnswer:
         """Answer the order ``next``: end the session for the exercise that follows."""
-        name = asked.order.subject
+        name, trains = asked.order.subject, asked.station.role is TRAINEE_ROLE
         reason = ""
-        if asked.station.role is TRAINEE_ROLE and not name:
+        if asked.order.word == COURSE_WORD or (trains and self.terms.course.rows):
+            following = self._next_of_course(name, asked.station.role)
+            if isinstance(following, Refused):
+                return following
+            name, reason = following, "the one after this in the course"
+        elif trains and not name:
             if self.ending.over and self.guide.undone:
                 return Refused(self.guide.undone_text)
             name, reason = self._suggested()
@@ -78,14 +88,33 @@ class Training:
         if not name:
             names = [each.name for each in course()]
             return LongAnswer(names, "type next NAME to begin one of these")
-        if refused := self._problem(name):
+        row = self.terms.course.row_of(name)
+        file = row.exercise if row else name
+        if refused := self._problem(file):
             return refused
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
             name_told = name if station.role is INSTRUCTOR_ROLE else ""
             self.log.note(station, [Fact("next", name_told)])
-        self.control.following, self.control.ended = name, True
-        return f"next: {asked.order.subject or reason}"
+        self.control.following, self.control.ended = file, True
+        return f"next: {reason or asked.order.subject}"
+
+    def _next_of_course(self, asked: str, role: Role) -> str | Refused:
+        """Return what follows in the course of the class, or what is missing to go on.
+
+        ``asked`` is what who trains has named, "" for nothing.
+        """
+        course, name = self.terms.course, self.terms.following()
+        if not course.rows:
+            return Refused("this session is of no class with a course: next NAME")
+        if not name:
+            return Refused("this is the last of the course")
+        if asked not in ("", name):
+            return Refused(f"next in the course is {name}; an instructor may choose another")
+        row = course.row_of(self.terms.exercise)
+        if self.ending.over and row and row.reach:
+            return self.marks.short_of(row.reach, role) or name
+        return name
 
     def lessons_done(self) -> str:
         """Return the lessons of who trains, as ``planes-and-bubble:done``; "" for none."""

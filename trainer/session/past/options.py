@@ -27,6 +27,7 @@ class RunOptions:
     seed: int = 1
     width: str = "qualified"  # of the bands that it is judged by
     trainee: tuple[str, ...] = ()  # names
+    course: Path | None = None  # class file by which ``next`` goes on
     familiarisation: bool = False  # these get to know the simulator: there are no marks
     orders_file: Path | None = None
     # its time

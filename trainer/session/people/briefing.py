@@ -48,6 +48,7 @@ BRIEFING_TITLES: Final = {
     "wins": "won by",
     "lost": "lost by",
     "length": "length",
+    "course": "of the course",
 }
 AUTOPILOT_EXAMPLES: Final = ("depth 80", "course 090", "rudder left 15")
 STATION_EXAMPLES: Final = (
@@ -76,6 +77,7 @@ class Briefing:
     way: bool = False  # there is a reference crew to show it
     hint_marks: float = 0.0  # that each hint costs
     light: str = ""  # that the periscope sees by
+    course: str = ""  # its place in its class's, how many there are, the marks to reach
 
     def heading(self, role: Role) -> tuple[str, ...]:
         """Return title and text as a role is told them."""
@@ -109,11 +111,18 @@ class Briefing:
         yield from (("hint", f"{self.hint_marks:g}") for _ in range(self.way and not self.steps))
         yield from (("aids", ",".join(self.aids)) for _ in self.aids[:1])
         yield from (("light", self.light) for _ in self.light[:1])
+        yield from (("course", self.course) for _ in self.course[:1])
         if self.steps:
             yield "steps", str(self.steps)
         if self.duration is not None:
             yield "duration", f"{self.duration:g}"
             yield "left", f"{max(self.duration - seconds, 0.0):g}"
+
+
+def place_in_words(place: str) -> str:
+    """Return the place in a course, as a fact has it, for people."""
+    number, of, reach = place.split(", ")
+    return f"{number} of {of}" + (f", {reach} marks to go on" if reach else "")
 
 
 def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
@@ -124,6 +133,7 @@ def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
     time_left = said.pop("left", [""])[0]
     said["lost"] = [*map(word_loss, said.pop("lost", []))]
     said["length"] = [f"{whole} s, {time_left} s left" for whole in said.pop("duration", [])]
+    said["course"] = [*map(place_in_words, said.pop("course", []))]
     said["limits"] = [
         ", ".join(limit_in_words(*limit.split(":")) for limit in limits.split(", "))
         for limits in said.pop("limits", [])

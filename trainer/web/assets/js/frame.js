@@ -14,7 +14,7 @@ import { say, short } from "./words.js";
  * @typedef {import("./model/alerts.js").Alerts} Alerts
  */
 
-const STATES = {
+export const STATES = {
   connecting: say("CONNECTING"),
   role: say("ROLE?"),
   running: say("RUNNING"),

@@ -90,5 +90,6 @@ const STATES = {
   starting: () => say("the boat is being made ready"),
   resuming: () => say("its session has died and is resumed"),
   ended: () => say("its session has ended"),
+  away: () => say("its machine does not answer"),
   lost: () => say("it cannot go to sea: see the terminal"),
 };

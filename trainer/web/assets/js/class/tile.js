@@ -1,6 +1,7 @@
 // A tile: one boat at a glance, with the way to its own page.
 import { points } from "../charts/plots.js";
 import { bearing, clock, html, one, svg, write } from "../draw.js";
+import { STATES } from "../frame.js";
 import { PLACES } from "../instructor/moment.js";
 import { lengthDigits, unit } from "../units.js";
 import { decimals, say } from "../words.js";
@@ -11,8 +12,6 @@ const SPAN = 300; // [s] of a curve
 const [WIDE, HIGH] = [100, 30]; // of its picture
 /** The least height of each curve, so that a steady boat shows a line. @type {Record<string, number>} */
 const LEAST = { depth: 10, heading: 10, speed: 2 };
-/** @type {Record<string, string>} */
-const STATES = { running: say("RUNNING"), frozen: say("FROZEN"), replay: say("REPLAY"), lost: say("NO LINK"), ended: say("ENDED") };
 /** @type {Record<string, { title: () => string, unit: string, write: (value: number) => string }>} */
 const FIGURES = {
   depth: { title: () => say("Depth"), unit: ` ${unit}`, write: lengthDigits },
@@ -38,6 +37,7 @@ export class Tile {
       { class: "panel tile", "data-boat": number, "aria-label": name },
       html("header", {}, this.box, html("h2", {}, this.way), html("span", { class: "state" }), html("span", { class: "time" })),
       html("p", { class: "crew quiet" }),
+      html("p", { class: "place quiet" }),
       ...this.curves.map(({ node }) => node),
       html("p", { class: "marks" }, html("meter", { min: 0, max: 100, "aria-label": say("Could still earn") }), html("span")),
       html("p", { class: "need", role: "status" }),
@@ -55,12 +55,13 @@ export class Tile {
     const [need] = boat.needs;
     const pill = one(".state", node);
     pill.dataset.state = session.state;
-    write(pill, STATES[session.state] ?? say("CONNECTING"));
+    write(pill, STATES[session.state]);
     const whole = session.exercise.duration ? ` / ${clock(Number(session.exercise.duration))}` : "";
     write(one(".time", node), `${clock(session.seconds)}${whole}`);
     write(one(".crew", node), boat.crew.join(", ") || say("nobody aboard"));
     for (const { of, node: curve } of this.curves) drawCurve(boat, of, curve);
     this.drawMarks();
+    if (session.exercise.course) this.drawPlace();
     node.dataset.need = String(need?.rank ?? 0);
     write(one(".need", node), boat.needs.map(({ text }) => text).join(" \u00b7 "));
   }
@@ -68,10 +69,22 @@ export class Tile {
   drawMarks() {
     const { attainable, session } = this.boat;
     const told = session.judgement.marks;
-    one(".marks meter", this.node).toggleAttribute("hidden", attainable === null || Boolean(told));
-    /** @type {HTMLMeterElement} */ (one(".marks meter", this.node)).value = attainable ?? 0;
+    const meter = /** @type {HTMLMeterElement} */ (one(".marks meter", this.node));
+    meter.hidden = attainable === null || Boolean(told);
+    meter.value = attainable ?? 0;
     const open = attainable === null ? "" : say("could still earn {0}", Math.round(attainable));
     write(one(".marks span", this.node), told || open);
+  }
+
+  /** Shows where it is in the course of its class. */
+  drawPlace() {
+    const { exercise, judgement } = this.boat.session;
+    const [place, of, reach] = exercise.course.split(",");
+    const told = [say("{0} of {1}: {2}", place, of, exercise.name)];
+    if (judgement.total && reach) told.push(say("{0} of {1}", Math.floor(Number(judgement.total)), reach));
+    else if (reach) told.push(say("{0} marks to go on", reach));
+    write(one(".place", this.node), told.join(", "));
+    one("#next").hidden = false;
   }
 
   /** Shows what the boat has answered. @param {import("../protocol/link.js").Answer} answer */

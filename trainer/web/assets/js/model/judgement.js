@@ -25,6 +25,7 @@ export function outcomeOf(outcome) {
 export class Judgement {
   constructor() {
     this.outcome = ""; // won, lost, not reached; "" until that is told
+    this.total = ""; // the marks as a number, "" for none
     this.marks = ""; // in words, "" until they are told
     /** @type {Reason[]} */
     this.reasons = [];
@@ -40,6 +41,7 @@ export class Judgement {
     const [outcome, total, ...aids] = subject.split(",");
     const marks = total ? say("{0} marks of 100", Math.round(Number(total))) : say("no marks");
     this.outcome = outcome;
+    this.total = total;
     const told = outcome ? [outcomeOf(outcome), marks] : [marks];
     this.marks = [...told, ...aids.map((aid) => AIDS[aid] ?? aid)].join(", ");
     this.reasons = [];

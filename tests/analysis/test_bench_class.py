@@ -1,0 +1,50 @@
+"""A class of boats, timed: two boats for some seconds, and what the page says of them."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from helpers.shell import typed
+
+from trainer.analysis.bench import class_boats
+from trainer.analysis.bench.class_boats import BoatUse, ClassUse, lines
+from trainer.cli import main
+
+
+@pytest.mark.process
+@pytest.mark.long
+def test_a_class_of_two_boats_is_timed_with_its_stations(tmp_path: Path) -> None:
+    done = typed("trainer dev bench --class 2 --seconds 3 --json", tmp_path, "")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["class"]
+
+    assert found["stations"] == 3
+    assert found["seconds"] >= 3.0
+    assert found["orders"] >= 10
+    assert 0.0 < found["answer_median"] <= found["answer_p95"] < 2000.0
+    assert found["class_mb"] > 10.0
+    assert len(found["boats"]) == 2
+    for boat in found["boats"]:
+        assert boat["ticks"] >= 6  # of 0.5 s
+        assert boat["session_mb"] > 20.0
+        assert boat["judge_mb"] > 20.0
+        assert 0.0 < boat["processor"] < 100.0
+
+
+def test_the_page_has_a_row_for_each_boat() -> None:
+    boats = (BoatUse(0, 120, 48.2, 46.9, 1.31), BoatUse(2, 119, 49.0, 47.0, 1.4))
+    page = lines(ClassUse(60.0, 3, 0.5, 500, 1.25, 9.94, 33.4, 0.2, boats))
+
+    assert page[1] == "A CLASS (2 boats for 60 s, 3 stations at each)"
+    assert page[3] == "  500 orders answered: median 1.2 ms, 95 % in 9.9 ms"
+    assert page[-1].split() == ["2", "119", "2", "49", "47", "1.40"]
+
+
+def test_a_system_that_does_not_tell_what_processes_use_leaves_it_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(class_boats, "PROCESS_FILE", Path("/nowhere/smaps_rollup"))
+    done = CliRunner().invoke(main.cli, ["dev", "bench", "--class", "2", "--json"])
+
+    assert "does not tell" in json.loads(done.output)["class"]["left_out"]
