@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 from helpers.progress import Bar
 
 from mutation.places import Place
-from mutation.trials import Copy, Drawn, NotGreenError, Trial, attempt, copied_tree, draw, in_words
+from mutation.table import in_words
+from mutation.trials import Copy, Drawn, NotGreenError, Trial, attempt, copied_tree, draw
 from trainer.cli.main import run_command
 
 DAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")

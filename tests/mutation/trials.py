@@ -11,22 +11,23 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from helpers.places import ROOT
 
-from mutation.places import ROOMS, FaultKind, Place, files_of, places_in, with_fault_at
+from mutation.places import ROOMS, Place, files_of, places_in, with_fault_at
 
 TOLD_PATH: Final = Path(__file__).with_name("equivalent.toml")
 LEFT_OUT: Final = (".*", "__pycache__", "site", "node_modules", "*.egg-info", "build", "dist")
 HUNT_TIME_S: Final = 180.0  # after which sessions hang
 TESTS_TIME_S: Final = 900.0  # after which the tests of a room hang
-QUICK: Final = "not process and not slow and not long and not alone"
-TEST_OPTIONS: Final = ("-q", "-x", "--tb=no", "-p", "no:cacheprovider", "-m", QUICK)
+TEST_OPTIONS: Final = (
+    *("-q", "-x", "--tb=no", "-p", "no:cacheprovider"),
+    *("-m", "not process and not slow and not long and not alone"),
+)
 
 
 class NotGreenError(Exception):
@@ -206,44 +207,3 @@ def read_told() -> list[Told]:
 def is_told(told: Told, place: Place) -> bool:
     """Return whether a fault that changes nothing is the one of a place."""
     return told[:4] == (place.file, place.function, place.before, place.after)
-
-
-def in_words(drawn: Drawn, trials: Sequence[Trial]) -> Iterator[str]:
-    """Yield the table of what has found the faults, and those that nothing has found."""
-    share = 100.0 * (1.0 - drawn.executed / drawn.places)
-    yield (
-        f"{drawn.places} places, {drawn.executed} of them on lines that sessions execute "
-        f"({share:.0f} % are not)"
-    )
-    yield f"{'':20}{'faults':>8}{'sessions':>10}{'tests':>8}{'nothing':>9}{'told':>6}"
-    groups = [*FaultKind, *ROOMS, ""]
-    for group in groups:
-        name = group.value if isinstance(group, FaultKind) else group
-        those = [each for each in trials if name in (each.kind, room_of(each.file), "")]
-        counts = count_finders(those)
-        yield (
-            f"{name or 'all':20}{len(those):8}{counts['sessions']:10}{counts['tests']:8}"
-            f"{counts['nothing']:9}{counts['told']:6}"
-        )
-    for each in trials:
-        if each.unfound:
-            yield (
-                f"NOTHING FINDS {each.file}:{each.line} {each.function}: "
-                f"`{one_line(each.before)}` -> `{one_line(each.after)}`"
-            )
-
-
-def count_finders(trials: Sequence[Trial]) -> Counter[str]:
-    """Return how many faults sessions find, tests, nothing; how many are told."""
-    return Counter(
-        (
-            "sessions"
-            if each.sessions
-            else "tests"
-            if each.tests
-            else "told"
-            if each.equivalent
-            else "nothing"
-        )
-        for each in trials
-    )
