@@ -1,13 +1,17 @@
 """Faults of one place are found in a module, drawn by a seed, and tried in a copy alone."""
 
 import ast
+import json
 from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Final
 
 import pytest
+from click.testing import CliRunner
 from helpers.places import ROOT
 
+from mutation.__main__ import DAYS, mutation, report
 from mutation.places import FaultKind, Place, files_of, places_in, with_fault_at
 from mutation.table import in_words
 from mutation.trials import (
@@ -115,6 +119,29 @@ def test_the_table_counts_each_fault_once_and_names_what_nothing_finds() -> None
     assert table[-1] == "NOTHING FINDS trainer/io/line.py:7 Line.end: `self.end()` -> `pass`"
 
 
+def test_it_is_red_where_nothing_finds_more_than_half(capsys: pytest.CaptureFixture[str]) -> None:
+    found, unfound, drawn = trial(sessions="seed 1: L8"), trial(), Drawn([], 60, 100)
+
+    codes = []
+    for trials in ([found, unfound], [found, unfound, unfound]):
+        with pytest.raises(SystemExit) as left:
+            report(drawn, trials, json=True)
+        codes.append(left.value.code)
+        told = json.loads(capsys.readouterr().out)
+
+    assert codes == [0, 1]
+    assert [fault["sessions"] for fault in told["faults"]] == ["seed 1: L8", "", ""]
+
+
+def test_on_another_day_nothing_is_tried() -> None:
+    later = DAYS[(datetime.now(UTC) + timedelta(days=2)).weekday()]
+
+    answer = CliRunner().invoke(mutation, ["--on", later])
+
+    assert answer.exit_code == 0
+    assert answer.output == f"not today: on {later.capitalize()}\n"
+
+
 @pytest.fixture(scope="module")
 def copy() -> Iterator[Copy]:
     with copied_tree() as tree:
@@ -136,7 +163,8 @@ def test_a_fault_is_seen_by_sessions_of_a_copy_and_is_gone_afterwards(copy: Copy
     tried = attempt(copy, place, 1, 1.0)
 
     assert tried.sessions.startswith("seed 1: L")
-    assert not (tried.tests or tried.unfound)
+    assert tried.tests == ""
+    assert not tried.unfound
     assert (ROOT / file).read_bytes() == (copy.root / file).read_bytes() == source
     assert copy.hunt(1, 1.0) == ""
 
