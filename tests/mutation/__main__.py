@@ -112,7 +112,7 @@ def try_all(
 
 
 def report(drawn: Drawn, trials: list[Trial], *, json: bool) -> None:
-    """Print what has found the faults; leave with 1 where too many are found by nothing."""
+    """Print what has found the faults; leave with 1 where nothing finds many."""
     unfound = sum(each.unfound for each in trials)
     if json:
         found = {

@@ -98,7 +98,7 @@ class PlaceFinder(ast.NodeVisitor):
             self.visit(node.value)
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
-        """Pass by: the parts of such a string have no place of their own before Python 3.12."""
+        """Pass by: before Python 3.12 its parts have no place of their own."""
 
     def visit_Assert(self, node: ast.Assert) -> None:
         """Pass by: it tells the reader, or the checker of types."""
