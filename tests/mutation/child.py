@@ -24,7 +24,7 @@ MAX_MEMORY_BYTES: Final = 4 << 30  # a fault may gather without end
 
 
 def list_lines(seeds: range, seconds: float, root: Path) -> dict[str, list[int]]:
-    """Return the lines of each module that the seeds execute, each process so long [s] at most."""
+    """Return the lines of each module that seeds execute, by processes so long [s]."""
     folders = tuple(str(root / "trainer" / room) for room in ROOMS)
     executed: defaultdict[str, set[int]] = defaultdict(set)
 

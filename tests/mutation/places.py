@@ -66,7 +66,7 @@ def with_fault_at(source: bytes, place: Place) -> bytes:
 
 
 class PlaceFinder(ast.NodeVisitor):
-    """What goes through the functions of a module, but not through names of types and defaults."""
+    """What goes through the bodies of a module's functions."""
 
     def __init__(self, file: str, source: bytes) -> None:
         self.file, self.source = file, source
