@@ -1,4 +1,4 @@
-"""Where a fault of one place can be made in a module, and how the module then reads."""
+"""Where a fault of one place can be made, and how its module then reads."""
 
 import ast
 from collections.abc import Mapping
