@@ -71,6 +71,10 @@ PARTS: Final = {
         "sessions that go on from where others came for the first time",
         ("tests.simulation", "--explore", "--seeds", "2000", "--seconds", "10"),
     ),
+    "mutation": Part(
+        "what finds a hundred faults of one place, on Sundays",
+        ("tests.mutation", "--jobs", "2", "--minutes", "300", "--on", "sunday"),
+    ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
     "fuzz": Part(
         "bad input at every reader", ("tests.fuzz", "--seconds", FUZZING_S, "--jobs", "2")

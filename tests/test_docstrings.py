@@ -17,6 +17,7 @@ PROVING = (
     "cases",
     "faults",
     "fuzz",
+    "mutation",
     "simulation",
     "soak",
 )  # rooms of tests/ with programs

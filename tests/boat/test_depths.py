@@ -8,7 +8,7 @@ import pytest
 from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
-from trainer.boat.depths import DepthMonitor, collapse_of, hull_depth, lowest_depth
+from trainer.boat.depths import DepthGuard, DepthMonitor, collapse_of, hull_depth, lowest_depth
 from trainer.units import KNOT
 
 
@@ -119,3 +119,29 @@ def test_of_a_boat_without_test_and_collapse_depth_nothing_is_told() -> None:
     monitor = DepthMonitor.over(boat)
     assert called(boat, monitor, 100.0, 1000.0, 11000.0) == ["", "", ""]
     assert (collapse_of(boat), monitor.times, monitor.passed) == ("", {}, 0)
+
+
+def test_a_guard_takes_the_planes_before_its_depth_and_gives_them_back_when_level() -> None:
+    boat, guard = boat_with(None), DepthGuard(90.0)
+    seen = []
+    for by_hand, depth, sinking, pitch in (
+        (1.0, 80.0, 0.0, 0.2),  # by hand, and 90 m are not near
+        (1.0, 80.0, 0.4, 0.0),  # in 30 s it would be at 92 m
+        (0.0, 89.0, 0.0, 0.0),  # not high enough to give them back
+        (0.0, 80.0, 0.0, 0.2),  # not level enough
+        (0.0, 80.0, 0.0, 0.0),
+    ):
+        state = boat.state
+        state.stern_by_hand, state.z, state.zdot, state.theta = by_hand, depth, sinking, pitch
+        order = guard.order(boat)
+        seen.append(order.text if order else "")
+
+    assert seen == ["", "depth 70 m", "", "", "lever zero"]
+
+
+def test_a_guard_of_no_depth_never_has_the_planes() -> None:
+    boat, guard = boat_with(None), DepthGuard()
+    boat.state.theta = 0.2
+
+    assert not guard.holds(boat)
+    assert guard.order(boat) is None

@@ -12,7 +12,7 @@ from simulation.disk import Trouble
 from simulation.network import ROOM_BYTES
 from simulation.script import Act, Ending, Farewell, Life, Mishap, Player, Point, Script, Visit, Way
 from simulation.traffic import traffic_words
-from simulation.vocabulary import CHOICES, DEALT, FOREIGN, NOISE
+from simulation.vocabulary import CHOICES, DEALT, FOREIGN, NOISE, TROUBLED
 from simulation.weights import read_weights
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 
@@ -25,6 +25,12 @@ AGED_SHARE: Final = 0.15  # [-] of processes
 AMIDST_SHARE: Final = 0.2  # [-] of processes
 NARROW_SHARE: Final = 0.2  # [-] of processes
 UNRECORDED_SHARE: Final = 0.05  # [-] of scripts
+LADEN_SHARE: Final = 0.1  # [-] of processes, and more among ships
+LADEN_FLEET_SHARE: Final = 0.3
+DOGGED_SHARE: Final = 0.2  # [-] of processes end in the midst of trouble with the disk
+DISK_TROUBLES: Final = (Trouble.LOCKED, Trouble.REFUSED, Trouble.FULL, Trouble.UNREADABLE)
+END_TROUBLE_S: Final = (0.2, 5.0)  # before the end, and that it lasts
+PROMISE_AFTER_S: Final = 0.2  # the last that was said
 FLEET_EVERY: Final = 11  # seeds: of these one has many ships
 FLEET_LIFE_S: Final = 20.0  # of a process among them, each tick of which takes 30 ms
 FLEET_SPEEDS: Final = (5.0, 20.0, 100.0)  # of time: a name comes every six minutes
@@ -134,6 +140,7 @@ def _among_ships(dice: Random, script: Script) -> Script:
             life,
             frozen=False,  # else few hear anything
             instruments=True,
+            laden=dice.random() < LADEN_FLEET_SHARE,
             players=(*life.players, _draw_master(dice, life.seconds)),
         )
         for life in script.lives
@@ -168,7 +175,11 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
     ways = [Way.CABLE] * dice.choice((0, 0, 1, MAX_CABLES)) + dice.choices(
         (Way.PORT, Way.PAGE), k=9
     )
-    return Life(
+    mishaps = _draw_mishaps(dice, seconds) if dice.random() < 0.5 else ()
+    if dice.random() < DOGGED_SHARE:
+        before, lasts = END_TROUBLE_S
+        mishaps = (Mishap(max(seconds - before, 0.0), dice.choice(DISK_TROUBLES), lasts),)
+    life = Life(
         seed=dice.randrange(MAX_SEED),
         seconds=seconds,
         ending=Ending(_draw(dice, "endings")),
@@ -178,7 +189,7 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
             _draw_player(dice, role, rate, seconds, wait, way)
             for role, way in zip(reversed(roles), ways, strict=False)
         ),
-        mishaps=_draw_mishaps(dice, seconds) if dice.random() < 0.5 else (),
+        mishaps=mishaps,
         interleaving=dice.choice((0.0, 0.05, 0.3)),
         frozen=quiet or dice.random() < 0.25,
         slow_disk=dice.random() < 0.2,
@@ -187,7 +198,28 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
         aged=dice.random() < AGED_SHARE,
         amidst=dice.random() < AMIDST_SHARE,
         narrow=dice.random() < NARROW_SHARE,
+        laden=dice.random() < LADEN_SHARE,
     )
+    awaits = life.at_answer and life.awaited and life.ending is not Ending.SIGNAL
+    return _promise_at_end(life) if awaits else life
+
+
+def _promise_at_end(life: Life) -> Life:
+    """Return a life whose instructors say at last what its kill waits for."""
+    act = Act(PROMISE_AFTER_S, f"{life.awaited} last")
+    players = [
+        replace(
+            player,
+            visits=(
+                *player.visits[:-1],
+                replace(player.visits[-1], acts=(*player.visits[-1].acts, act)),
+            ),
+        )
+        if player.role == "instructor"
+        else player
+        for player in life.players
+    ]
+    return replace(life, players=tuple(players))
 
 
 def _strike_again(dice: Random, life: Life) -> Life:
@@ -236,10 +268,12 @@ def _deal_words(seed: int, life: Life) -> Life:
 
     An instructor says a row of words, and looks at a channel; another what few may say.
     """
-    players = []
+    players, mishaps = [], life.mishaps
     for number, player in enumerate(life.players):
         if player.role == "instructor":
-            words = DEALT[(seed + number) % len(DEALT)].split("|")
+            row = DEALT[(seed + number) % len(DEALT)]
+            words = row.split("|")
+            mishaps = (TROUBLED[row],) if row in TROUBLED else mishaps
             words = [f"subscribe {SHOWN[seed % len(SHOWN)]}", *words]
         else:
             first = FOREIGN_COUNT * (seed + number)
@@ -251,7 +285,7 @@ def _deal_words(seed: int, life: Life) -> Life:
             for i, visit in enumerate(player.visits)
         ]
         players.append(replace(player, visits=tuple(visits)))
-    return replace(life, players=tuple(players))
+    return replace(life, players=tuple(players), mishaps=mishaps)
 
 
 def _draw_act(dice: Random, role: str, rate: float) -> Act:

@@ -15,6 +15,7 @@ import greenlet
 SECOND_NS: Final = 1_000_000_000
 START_NS: Final = 5_000 * SECOND_NS  # a machine has been up for a while
 TURN_NS: Final = 20_000  # that a turn takes, of the clock and of the processor
+LADEN_TURN_NS: Final = 2_000_000  # the same where other programs slow it down
 LOOK_NS: Final = 200  # that a look at the clock takes: who spins until a time gets there
 SPIN_WINDOW_NS: Final = SECOND_NS // 5
 # threads that fly ticks and rest after each: a tick takes no time here, so they are always awake
@@ -54,6 +55,7 @@ class Machine:
         self.now = START_NS  # [ns]
         self.set_ahead = 0.0  # [s] that the time of day was set ahead of it
         self.dice = Random(0)  # noqa: S311  whose turn it is, no secret
+        self.turn = TURN_NS  # [ns]
         self.interleaving = 0.0  # [-] the chance that another comes in between where one may
         self.turns = 0
         self.tasks: list[Task] = []
@@ -155,7 +157,7 @@ class Machine:
         self.turns += 1
         if self._redrawn and self.turns > self._redrawn[0][0]:
             self.dice.seed(self._redrawn.pop(0)[1])
-        self.now += TURN_NS
+        self.now += self.turn
         if self.now - self._window > SPIN_WINDOW_NS:
             self._window, self._turns_of = self.now, Counter()
         self._turns_of[task.name] += 1

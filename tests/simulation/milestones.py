@@ -118,7 +118,7 @@ ORDER_MILESTONES: Final[Mapping[str, Callable[[Glance], bool]]] = {
         not g.accepted and ORDER_WORDS[g.word].jumps and Trouble.UNREADABLE in g.troubles
     ),
     "L2: a take-over is refused where nothing can be read": lambda g: (
-        g.word == "take" and g.before.replaying and Trouble.UNREADABLE in g.troubles
+        not g.accepted and g.word == "take" and Trouble.UNREADABLE in g.troubles
     ),
     "L3: a jump in a freeze": lambda g: g.jumped and g.before.frozen,
     "L3: a jump while time runs": lambda g: g.jumped and not g.before.frozen,

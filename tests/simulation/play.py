@@ -26,7 +26,7 @@ from simulation.laws import (
     check_kept,
     check_whole,
 )
-from simulation.machine import SECOND_NS, Machine, Task
+from simulation.machine import LADEN_TURN_NS, SECOND_NS, TURN_NS, Machine, Task
 from simulation.network import Network
 from simulation.script import Ending, Life, Point, Script, Way
 from simulation.seam import played_on
@@ -178,6 +178,7 @@ class Stage:
         """Play a process to its end; return whether another goes on with its recording."""
         machine, first = self.machine, self.docket.life == 1
         machine.boot(life.seed, life.interleaving, life.redrawn)
+        machine.turn = LADEN_TURN_NS if life.laden else TURN_NS
         self._programs, self._mishaps, self._booted, self._ended = [], 0, machine.now, False
         self.network.boot()
         self.wires.boot()

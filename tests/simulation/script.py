@@ -104,6 +104,7 @@ class Life:
     aged: bool = False  # the recording that it goes on with is of format 1
     redrawn: tuple[tuple[int, int], ...] = ()  # after so many turns, their seed from then on
     amidst: bool = False  # a kill, or the cut, strikes between an order's journal and its answer
+    laden: bool = False  # other programs have the processor: each turn takes long
     narrow: bool = False  # little waits in memory while the disk is out of reach
 
     @property

@@ -12,7 +12,7 @@ from simulation.play import play
 from simulation.script import Act, Ending, Life, Player, Script, Visit
 
 SEEDS: Final = 100  # within which each is found
-LONGEST_S: Final = 10.0  # that a process lives
+LONGEST_S: Final = 5.0  # that a process lives
 PACE_S: Final = 0.3  # from word to word
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 ROWS: Final[Mapping[str, str]] = {

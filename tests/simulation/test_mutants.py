@@ -15,7 +15,7 @@ from simulation.seeds import breaks_law
 from simulation.shrink import shrink
 
 SEEDS: Final = 100  # within which each is found
-LONGEST_S: Final = 10.0  # that a process lives
+LONGEST_S: Final = 5.0  # that a process lives
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 
 

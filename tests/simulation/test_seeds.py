@@ -31,7 +31,7 @@ from trainer.io.orders.words import ORDER_WORDS
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
 # They need an exercise with aids or an evaluation, and a boat that is crushed.
 SELDOM_SAID: Final = {"word ghost", "word what-if", "gate lost_gate"}
-LONGEST_S: Final = 10.0  # that a process lives
+LONGEST_S: Final = 5.0  # that a process lives
 KEPT: Final = sorted((places.TESTS / "simulation" / "kept").glob("*.json"))
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 

@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 from typing import Final
 
+from simulation.disk import Trouble
+from simulation.script import Mishap
+
 EXERCISES: Final = (
     *("", "", "depth-changes", "visitor-dive", "rise-jam-shallow", "watch"),
     *("crossing-traffic", "bottoming", "periscope-depth"),
@@ -81,13 +84,14 @@ SCENES: Final = (
     "freeze depth|backtrack 1 s|release all",
     "branch 1|branch 2|mark here|branch 1",
 )
+TAKE_OVER_ROW: Final = "time 1|step 40|replay 15 s|who|who|who|who|who|take over|take over"
 # What each instructor says first, dealt by seed, so that none is missed. Who comes second says the
 # next row: so one asks for command, and the other keeps it.
 DEALT: Final = (
     *(2 * ("run|take command|keep command|take command|keep command|take command|keep command",)),
     "ghost on|run|what if depth 80|freeze|what if depth 80|predictor 60 s|run",
     "who|quit|quit",
-    "in 9 s depth 80|cancel all|order depth 90|belay|flood auxiliary 5|demonstrate for 5 s",
+    "order depth 90|belay|flood auxiliary 5|freeze|allow planes|demonstrate for 5 s|who|run",
     "end exercise|release marks|run|again",
     "casualty oil-leak-header|step 200|rudder emergency|planes emergency|isolate main|open main",
     "casualty bus-port-lost|step 4|bus tie shut|step 20|loads shed|breaker port open|loads back",
@@ -97,7 +101,13 @@ DEALT: Final = (
     "run|planes manual|stern dive 20|step 900|run|run|run|mark crushed|backtrack 20 s",
     "role helm|who|role instructor|scope raise",
     "run|breaker starboard open|breaker port open|mark dark|reset|ventilation exhaust",
+    "step 4|at 1 s depth 70|in 9000 s depth 80|when depth over 400 then rudder left 5|run",
+    "freeze|in 90 s depth 80|in 95 s course 010|cancel all|in 2 s depth 75|step 8|run",
+    "run|who|who|backtrack 1 s|step 140|who|run",
+    TAKE_OVER_ROW,
 )
+# What befalls the disk while such a row is said: from when on, and for how long [s].
+TROUBLED: Final = {TAKE_OVER_ROW: Mishap(0.7, Trouble.UNREADABLE, 2.0)}
 # What few may say: each of the others first says some of it, dealt likewise.
 FOREIGN: Final = (
     *("scope raise", "negative flood", "hover on", "compressor on", "surface", "isolate main"),

@@ -56,7 +56,13 @@ class ScreenOutput:
         self.seen()
 
     def show_tick(self, tick: int, state: bytes) -> None:
-        """Show the state after a tick. How time runs has not changed."""
+        """Show the state after a tick. How time runs has not changed, but a gap may end in it.
+
+        What follows a gap in the recording is on a new branch.
+        """
+        branch = self.history.recording.branch
+        if self._pace.branch != branch:
+            self._pace = self._pace._replace(branch=branch)
         self.sending.offer(tick, state, self._pace)
 
     def take_words(self) -> None:
