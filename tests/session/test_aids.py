@@ -17,6 +17,7 @@ from trainer.config.outcome import Outcome
 from trainer.console.exercise import marks_in_words
 from trainer.debrief.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
+from trainer.session.exercise import aids as exercise_aids
 from trainer.session.exercise.marks import Judgement
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
@@ -176,6 +177,22 @@ def test_an_aid_that_is_on_is_in_the_journal_of_each_branch_that_begins(allowing
     allowing.fly(5)
     allowing.order("replay 2 s")
     assert allowing.refused("ghost off") == "a replay is running: take over first"
+
+
+def test_an_aid_that_could_not_be_made_is_told_and_made_when_it_is_asked_for_again(
+    allowing: Crewed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as broken:
+        broken.setattr(exercise_aids, "Predictor", no_memory)
+        allowing.order("predictor 60 s")
+        allowing.settle(lambda: allowing.events(allowing.instructor, "trouble"))
+    assert allowing.refused("predictor off") == "predictor is off"
+    switch_on(allowing, "predictor 60 s")
+
+
+def no_memory(_boat: object) -> Predictor:
+    """Stand for a predictor for which there is no room."""
+    raise MemoryError("no room")
 
 
 def test_marks_say_which_aids_were_used() -> None:

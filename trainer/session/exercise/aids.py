@@ -85,6 +85,8 @@ class Aids:
         assert plan is not None  # noqa: S101 (else it is barred)
 
         def fail(error: Exception) -> None:
+            self._making.discard(name)  # so that it is tried again when it is asked for
+            self._on.pop(name, None)
             self.log.tell("trouble", f"no {name}: {type(error).__name__}: {error}")
 
         if name == GHOST:
