@@ -64,8 +64,6 @@ NEWS_KINDS: Final = {
 }
 # what is the instructor's, if one is here, and not a trainee's
 GUIDED_OBEYERS: Final = (Obeyer.TIME, Obeyer.PAST, Obeyer.EXERCISE, Obeyer.AIDS)
-# what a trainee may all the same between two runs of a course, in which he goes at his own pace
-PACED_ORDERS: Final = frozenset({"next", "again", "run"})
 # who obeys while the reference crew shows the way
 OPEN_OBEYERS: Final = (Obeyer.LINE, Obeyer.QUESTION, Obeyer.TIME, Obeyer.COMMAND)
 
@@ -104,10 +102,11 @@ def lost_gate(order: Order, _station: Station | None, session: Parts) -> Refused
 def trainee_gate(order: Order, station: Station | None, session: Parts) -> Refused | None:
     """Return that an instructor is here, whose time and exercise it is."""
     trains = station is not None and station.role is TRAINEE_ROLE
-    guided = ORDER_WORDS[order.name].obeyer in GUIDED_OBEYERS
+    word = ORDER_WORDS[order.name]
+    guided = word.obeyer in GUIDED_OBEYERS
     if not (trains and guided and session.event_log.attended(INSTRUCTOR_ROLE.name)):
         return None
-    if order.name in PACED_ORDERS and session.conduct.between_runs:
+    if word.paced and session.conduct.between_runs:
         return None
     return Refused("an instructor is here: time and the exercise are the instructor's")
 

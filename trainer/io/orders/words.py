@@ -75,6 +75,7 @@ class OrderWord:
     after_end: bool = True  # of the exercise
     jumps: bool = False  # to another moment, where a new branch begins
     anew: bool = False  # the jump undoes even what happened at the tick gone back to
+    paced: bool = False  # a trainee may give it between two runs of a course, at his own pace
     in_page: bool = False  # a boat in a page obeys it, beside orders that only write numbers
 
     @property
@@ -246,7 +247,7 @@ BOAT_TOPICS: Final = (
         boat_order("contact"))),
     Topic("freeze | run | step 10", "stop time, let it go on, 10 ticks", (
         time_order("freeze", planned=True, in_page=True),
-        time_order("run", after_end=False, in_page=True),
+        time_order("run", after_end=False, paced=True, in_page=True),
         time_order("step", after_end=False, in_page=True))),
     Topic("status", "everything about the boat, once", (
         question("status", control=COMMON_CONTROL, in_page=True),)),
@@ -277,9 +278,9 @@ SESSION_TOPICS: Final = (
         exercise_order("release-marks"),
         exercise_order("debrief", control=TRAINEE_CONTROL))),
     Topic("again | again from here | next", "once more; others", (
-        past_order("again", control=TRAINEE_CONTROL, jumps=True, anew=True),
+        past_order("again", control=TRAINEE_CONTROL, jumps=True, anew=True, paced=True),
         past_order("restart", control=FIRST_DIVE_CONTROL, jumps=True, anew=True),
-        exercise_order("next", control=TRAINEE_CONTROL))),
+        exercise_order("next", control=TRAINEE_CONTROL, paced=True))),
     Topic("demonstrate | hint | ghost on", "the way shown; help that costs marks", (
         exercise_order("demonstrate", control=TRAINEE_CONTROL, after_end=False),
         exercise_order("hint", control=TRAINEE_CONTROL, in_replay=False, after_end=False),
