@@ -27,7 +27,7 @@ from trainer.units import KNOT
 Z_OFFSET: Final = np.array([STATE_OFFSETS["z"]], np.int64)
 FLOWN_AFTER_S: Final = 180.0  # [s] after the answer, when a boat that can be saved rises: estimate
 SPEED_COUNT: Final = 8  # of the diagram, evenly spaced up to the fastest
-HALVINGS: Final = 6  # of the depths from 0 to test depth: to 1/64 of it
+DEPTH_HALVINGS: Final = 6  # of the depths from 0 to test depth: to 1/64 of it
 
 
 class Danger(NamedTuple):
@@ -120,7 +120,7 @@ class FlightAhead:
     def _find_safe(self, speed: float, danger: Danger) -> float | None:
         """Return the greatest depth [m] from which a danger ends above test depth, at a speed."""
         safe, unsafe = 0.0, self._test_depth
-        for _ in range(HALVINGS):
+        for _ in range(DEPTH_HALVINGS):
             middle = 0.5 * (safe + unsafe)
             if (deepest := self.find_deepest(Flight(speed, middle), danger)) is None:
                 return None

@@ -11,7 +11,7 @@ from typing import Final
 from trainer.web import modules
 
 NAMED_FORM: Final = re.compile(r"^@custom-media (--[\w-]+) (.+);\n", re.MULTILINE)
-COMMENT: Final = re.compile(r"^[ \t]*/\*(?:(?!\*/).)*\*/\n", re.MULTILINE | re.DOTALL)
+SHEET_COMMENT: Final = re.compile(r"^[ \t]*/\*(?:(?!\*/).)*\*/\n", re.MULTILINE | re.DOTALL)
 FORM_IN_CONDITION: Final = re.compile(r"(?<=[ ,(])\((--[\w-]+)\)")  # and not of ``var(--name)``
 
 
@@ -20,5 +20,5 @@ def join_styles(paths: Iterable[str]) -> str:
     folder = modules.ASSETS_FOLDER
     sheet = "".join((folder / path).read_text(encoding="utf-8") for path in paths)
     forms = dict(NAMED_FORM.findall(sheet))
-    sheet = COMMENT.sub("", NAMED_FORM.sub("", sheet))
+    sheet = SHEET_COMMENT.sub("", NAMED_FORM.sub("", sheet))
     return FORM_IN_CONDITION.sub(lambda found: f"({forms[found[1]]})", sheet)

@@ -29,7 +29,7 @@ from trainer.io.serial_line import LinkError
 LOOK_S: Final = 0.1  # [s] from look to look at what has come
 CLOSE_TIMEOUT_S: Final = 2.0  # [s] for the line to be closed
 TIME_CHANNEL: Final = "time"
-ROLE: Final = "observer"
+WATCHER_ROLE: Final = "observer"
 LENGTH_TOLERANCE: Final = 0.01  # [-] by which a session's boat may differ from the fitted one
 
 
@@ -168,7 +168,7 @@ def watch_session(
     token = token or paths.left_token(url)
     wishes = dict.fromkeys((TIME_CHANNEL, *SHOWN_FIELDS), "")
     client = Client(
-        lambda: url or paths.nearest_session(), f"{ROLE} {token or ''}".rstrip(), wishes
+        lambda: url or paths.nearest_session(), f"{WATCHER_ROLE} {token or ''}".rstrip(), wishes
     )
     try:
         client.dial()

@@ -11,7 +11,7 @@ from trainer.console.drawing.values import angle_text, course
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, length, line
 
-DANGERS: Final = ("jam", "flooding")
+DANGER_NAMES: Final = ("jam", "flooding")
 WAY_FIELDS: Final = ("depth", "heading", "pitch")  # of a point, after its seconds
 
 
@@ -54,7 +54,7 @@ def safe_rows(model: SessionModel, width: int) -> Lines:
     """Return how deep a jam or a flooding would take the boat now."""
     number = model.picture.number
     test = number("safe", "test")
-    told = [(name, number("safe", name)) for name in DANGERS]
+    told = [(name, number("safe", name)) for name in DANGER_NAMES]
     runs: list[Run] = []
     for name, depth in told:
         if depth is not None and test is not None:
