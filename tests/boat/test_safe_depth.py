@@ -8,7 +8,14 @@ from helpers.boats import fly, make_boat, start_bb2, start_boat, take_in_hand
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.helm import obey_order
-from trainer.boat.safe_depth import FLOODING, FLOWN_AFTER_S, JAM, Danger, Flight, FlightAhead
+from trainer.boat.safe_depth import (
+    AFT_FLOODING,
+    FLOWN_AFTER_S,
+    STERN_JAM,
+    Danger,
+    Flight,
+    FlightAhead,
+)
 from trainer.io.orders.grammar import Order, parse
 from trainer.units import KNOT
 
@@ -37,7 +44,7 @@ def fly_by_orders(boat: Boat, danger: Danger) -> float:
     return deepest
 
 
-@pytest.mark.parametrize("danger", [JAM, FLOODING])
+@pytest.mark.parametrize("danger", [STERN_JAM, AFT_FLOODING])
 def test_the_depth_told_is_that_of_a_boat_that_suffers_it(danger: Danger) -> None:
     told = FlightAhead(fast_boat()).find_deepest(Flight(FAST, 100.0), danger)
     assert told == fly_by_orders(fast_boat(), danger)
@@ -46,7 +53,7 @@ def test_the_depth_told_is_that_of_a_boat_that_suffers_it(danger: Danger) -> Non
 def test_a_jam_takes_a_fast_boat_deeper_than_a_slow_one_and_a_steep_one_deepest() -> None:
     ahead = FlightAhead(fast_boat())
     flights = (Flight(SLOW, 100.0), Flight(FAST, 100.0), Flight(FAST, 100.0, math.radians(-5.0)))
-    slow, fast, steep = (ahead.find_deepest(each, JAM) or 0.0 for each in flights)
+    slow, fast, steep = (ahead.find_deepest(each, STERN_JAM) or 0.0 for each in flights)
     assert slow == pytest.approx(100.0, abs=3.0)
     assert 150.0 < fast < 200.0  # flown by hand: 69 m deeper if answered after 15 s
     assert steep > fast + 10.0
@@ -56,7 +63,7 @@ def test_the_boat_that_is_flown_ahead_leaves_the_real_one_as_it_is() -> None:
     boat = fast_boat()
     before = boat.snapshot()
     ahead = FlightAhead(boat)
-    ahead.find_deepest(Flight(FAST, 100.0), JAM)
+    ahead.find_deepest(Flight(FAST, 100.0), STERN_JAM)
     assert ahead.safe_depths
     assert boat.snapshot() == before
 
@@ -76,13 +83,13 @@ def test_a_fast_boat_is_safe_from_jams_higher_up_and_a_slow_one_from_floodings()
 def test_from_a_safe_depth_a_jam_ends_above_test_depth_and_from_a_little_deeper_beyond() -> None:
     [safe] = [row for row in FlightAhead(fast_boat()).safe_depths if row.speed == FAST]
     assert safe.jam is not None
-    reached = [fly_by_orders(fast_boat(safe.jam + more), JAM) for more in (0.0, 5.0)]
+    reached = [fly_by_orders(fast_boat(safe.jam + more), STERN_JAM) for more in (0.0, 5.0)]
     assert reached[0] <= 250.0 < reached[1]
 
 
 def test_a_boat_has_no_depth_for_what_it_cannot_suffer_or_fly() -> None:
     ahead = FlightAhead(make_boat("remus100", "full", step=0.1))
-    assert (ahead.find_deepest(Flight(3.0 * KNOT, 20.0), JAM) or 0.0) > 20.0
-    assert ahead.find_deepest(Flight(3.0 * KNOT, 20.0), FLOODING) is None
-    assert ahead.find_deepest(Flight(20.0 * KNOT, 20.0), JAM) is None
+    assert (ahead.find_deepest(Flight(3.0 * KNOT, 20.0), STERN_JAM) or 0.0) > 20.0
+    assert ahead.find_deepest(Flight(3.0 * KNOT, 20.0), AFT_FLOODING) is None
+    assert ahead.find_deepest(Flight(20.0 * KNOT, 20.0), STERN_JAM) is None
     assert {row.flooding for row in ahead.safe_depths} == {None}

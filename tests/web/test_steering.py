@@ -531,6 +531,8 @@ def test_no_key_moves_when_an_order_an_alert_or_a_report_comes(
     page = look(shared, name)
     ready(page)
     assert instructor.ask("rudder left 0")[0]  # who has what is told beforehand
+    step(instructor, 1)  # a page of a session that has not begun has no readings yet
+    page.evaluate("document.fonts.ready")
     before = keys_by_size(page)
     assert all(before.values())
     for words in ("order course left 045", "order depth 80", "emergency blow"):

@@ -39,13 +39,13 @@ class Danger(NamedTuple):
     answers: tuple[str, ...]
 
 
-JAM: Final = Danger(
+STERN_JAM: Final = Danger(
     "stern-hard-over",
     -1.0,  # full dive
     15.0,
     ("bow planes full rise", "bell astern full", "blow main ballast"),
 )
-FLOODING: Final = Danger(
+AFT_FLOODING: Final = Danger(
     "flooding-aft",
     8.0,  # 400 cm2: a pipe of 22 cm
     30.0,
@@ -112,7 +112,9 @@ class FlightAhead:
         fastest = self._boat.file.propulsion.max_ordered_speed_kn * KNOT
         speeds = [count / SPEED_COUNT * fastest for count in range(1, SPEED_COUNT + 1)]
         found = [
-            SafeDepth(speed, *(self._find_safe(speed, danger) for danger in (JAM, FLOODING)))
+            SafeDepth(
+                speed, *(self._find_safe(speed, danger) for danger in (STERN_JAM, AFT_FLOODING))
+            )
             for speed in speeds
         ]
         return [row for row in found if row[1:] != (None, None)]

@@ -39,8 +39,8 @@ ANSWER_TIMEOUT_S: Final = 10.0
 TICKS_FIELD, MISSED_FIELDS = 2, (4, 6, 7)  # of the channel ledger: overruns, slipped, gaps
 BOAT_SOCKET: Final = re.compile(r"class: boat \d+: trainer attach --connect (\S+)")
 PROCESS_FILE: Final = Path("/proc/self/smaps_rollup")
-KIB: Final = 1024.0
-MEGABYTE: Final = 1e6
+BYTES_PER_KIB: Final = 1024.0
+BYTES_PER_MB: Final = 1e6
 
 
 class NoProcessFiguresError(ConfigError):
@@ -249,7 +249,11 @@ def memory_of(process: int) -> float:
     """Return the proportional memory [MB] of a process, 0 where it has gone."""
     with contextlib.suppress(OSError):
         told = Path(f"/proc/{process}/smaps_rollup").read_text()
-        return float(re.findall(r"^Pss:\s+(\d+) kB", told, re.MULTILINE)[0]) * KIB / MEGABYTE
+        return (
+            float(re.findall(r"^Pss:\s+(\d+) kB", told, re.MULTILINE)[0])
+            * BYTES_PER_KIB
+            / BYTES_PER_MB
+        )
     return 0.0
 
 

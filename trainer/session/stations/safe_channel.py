@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.boat.safe_depth import FLOODING, JAM, Danger, Flight
+from trainer.boat.safe_depth import AFT_FLOODING, STERN_JAM, Danger, Flight
 from trainer.io.orders.grammar import Refused
 from trainer.session.stations.panels import Channel, Field, Value
 from trainer.session.stations.view import Frame
@@ -45,8 +45,8 @@ SAFE_CHANNEL: Final = Channel(
     "safe",
     "how deep a jam or a flooding would take the boat now; test depth; limits by speed",
     (
-        Field("jam", "m", 0, deepest_after(JAM)),
-        Field("flooding", "m", 0, deepest_after(FLOODING)),
+        Field("jam", "m", 0, deepest_after(STERN_JAM)),
+        Field("flooding", "m", 0, deepest_after(AFT_FLOODING)),
         Field("test", "m", 0, lambda frame: frame.boat.file.hull.test_depth_m),
         Field("limits", "", 0, pack_limits, packed=True),
     ),
