@@ -19,6 +19,7 @@ from helpers.altered import alter
 from helpers.firefox import firefox
 from helpers.givers import giver_at
 from helpers.lanes import sample_cases
+from helpers.pages import OFTEN, SIZES
 from helpers.places import ROOT
 from helpers.recorded import record
 from helpers.shell import typed
@@ -39,7 +40,7 @@ from trainer.web import modules
 from trainer.web import single_file as maker
 
 Open = Callable[..., Page]
-MOST = 560_000  # [bytes] of BB2, and with ten minutes recorded
+MOST = 600_000  # [bytes] of BB2, and with ten minutes recorded
 AN_HOUR = 2_000_000  # [bytes] more, of an hour recorded
 MARKUP = "<img src=x onerror=alert(1)>"
 # the core in the page itself is flown by its own numbers; the state comes back as it lies in memory
@@ -190,6 +191,7 @@ def test_a_page_offers_only_orders_that_it_takes(boat_page: str) -> None:
 def test_a_page_has_no_key_for_what_only_a_session_does(opened: Open, boat_page: str) -> None:
     page = opened(boat_page)
     expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    page.get_by_role("button", name="All instruments").click()
 
     page.click("#open-exercise")
     expect(page.locator("#exercise").get_by_role("button")).to_have_text(["Close"])
@@ -232,12 +234,48 @@ def test_a_page_flies_offline_from_a_file_without_a_complaint(opened: Open, boat
     page = opened(boat_page)
 
     expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    page.get_by_role("button", name="All instruments").click()
     page.fill("#order", "depth 90")
     page.press("#order", "Enter")
     expect(page.locator("#log")).to_contain_text("depth 90")
     page.click("#freeze")
     expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
     expect(page.locator("#tab-note")).to_contain_text("Marks are not judged here")
+
+
+@pytest.mark.parametrize("size", sample_cases(SIZES, *OFTEN))
+def test_a_boat_in_a_file_begins_with_one_lever_that_dives_her(
+    opened: Open, boat_page: str, size: str
+) -> None:
+    width, height = SIZES[size]
+    page = opened(boat_page, width, height)
+    slider = page.get_by_role("slider")
+
+    expect(slider).to_have_count(1)  # nothing else is to be moved
+    expect(page.locator("#find")).to_be_hidden()
+    page.get_by_role("button", name="Level off").click(trial=True)  # in sight, and nothing over it
+    slider.press("Shift+ArrowDown")
+    said = page.locator("#first-lever [role=status]")
+    expect(said).to_have_text("The order: stern dive 5")
+    expect(page.locator("#first-lever .readouts")).to_contain_text("Depth 61", timeout=60_000)
+    page.get_by_role("button", name="Level off").click()
+    expect(said).to_have_text("The order: depth 60 m")
+    expect(page.locator("#first-lever order-lever")).to_have_class(re.compile("automatic"))
+    assert page.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    ) == [width, height]
+
+    page.get_by_role("button", name="All instruments").click()
+
+    expect(page.locator("#first-lever")).to_have_count(0)
+    expect(page.locator("#find" if size == "laptop" else "#tabs")).to_be_visible()
+
+
+def test_only_the_whole_desk_begins_with_one_lever(opened: Open, drill_page: str) -> None:
+    for text in (drill_page, text_of(station="pilot")):
+        page = opened(text)
+        expect(page.locator("#state")).to_have_attribute("data-state", re.compile("running|frozen"))
+        expect(page.locator("#first-lever")).to_have_count(0)
 
 
 def test_the_core_in_the_page_ends_the_standard_hour_in_its_bits(opened: Open) -> None:

@@ -7,6 +7,7 @@ otherwise than the core predicts: there are none in a whole recording of this ve
 """
 
 import base64
+import math
 from collections import deque
 from dataclasses import replace
 from pathlib import Path
@@ -58,6 +59,8 @@ from trainer.session.stations.roles import AID_NAMES, ROLES
 from trainer.units import KNOT
 
 SEA_STATES: Final = range(9)
+WHOLE_DESK: Final = "instructor"  # the station whose page has everything
+EASY_ANGLE: Final = 15.0  # [deg] of stern planes: full dive is soon too deep for a first hand
 VISITORS_EXERCISE: Final = "visitor-dive"
 WAY_S: Final = 120.0  # [s] of the way shown: as long as a try (js/tab/task.js)
 StateWrites = list[tuple[int, float]]  # offsets of the state, and what is written there
@@ -450,9 +453,28 @@ def page_of(
     if boat is None:
         raise ValueError("a page has a boat or a recording")
     core = shipped_module(boat)
-    numbers = boat_for_page(boat, role) | {"recording": facts, "visitors": visitors}
+    numbers = boat_for_page(boat, role) | {
+        "recording": facts,
+        "visitors": visitors,
+        "first_lever": first_lever(boat) if facts is None and role == WHOLE_DESK else None,
+    }
     title = boat.file.name if facts is None else f"{boat.file.name}: {facts['from']}"
     return PageParts(numbers, core, title)
+
+
+def first_lever(boat: Boat) -> dict[str, Any] | None:
+    """Return with which lever a boat begins: its limit [deg], and the order before its first one.
+
+    Its autopilot would work the bow planes against a hand at the stern planes. None for a boat
+    without stern planes.
+    """
+    if not boat.carries("stern"):
+        return None
+    limit = math.degrees(float(boat.vessel.limit_s))
+    return {
+        "limit": round(min(limit, EASY_ANGLE)),
+        "before": "bow zero" if boat.carries("bow") else "",
+    }
 
 
 def write_page(path: Path, text: str) -> None:

@@ -32,7 +32,8 @@ from trainer.web.words import said_in_script
 # A page in a file has no server to link to. So its link is to the boat in its own worker.
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
-CARD_SCRIPT: Final = "js/tab/card.js"
+SPEAKING_SCRIPTS: Final = ("js/tab/card.js", "js/tab/first-lever.js")
+TAB_STYLES: Final = ("css/controls.css", "css/tab.css")
 # Orders that such a page takes, beside the boat's own rows, which only write numbers.
 TAB_ORDERS: Final = {word.name for word in ORDER_WORDS.values() if word.in_page}
 TAB_NOTE: Final = (
@@ -79,7 +80,8 @@ def policy(scripts: list[str], sheet: str) -> str:
 
 def said_in_tab() -> set[str]:
     """Return what such a page says beside what its station's page says."""
-    return {TAB_NOTE, *said_in_script((ASSETS_FOLDER / CARD_SCRIPT).read_text(encoding="utf-8"))}
+    scripts = ((ASSETS_FOLDER / path).read_text(encoding="utf-8") for path in SPEAKING_SCRIPTS)
+    return {TAB_NOTE}.union(*map(said_in_script, scripts))
 
 
 def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> str:
@@ -91,7 +93,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = render(
         page, said_in_tab() | causes, order_words=partial(order_words, taken), lessons=list
     )
-    sheet = join_styles(STYLESHEET_TAG.findall(html))
+    sheet = join_styles(dict.fromkeys((*STYLESHEET_TAG.findall(html), *TAB_STYLES)))
     sheet = FONT_URL.sub(lambda url: f'url("{data_url(url[1])}")', sheet)
     entry = SCRIPT_TAG.findall(html)[0]
     script = close_text(bundle(entry))

@@ -1,5 +1,6 @@
 // The page's line to the boat inside it, in place of one to a session elsewhere.
 import { Card } from "../tab/card.js";
+import { FirstLever } from "../tab/first-lever.js";
 
 /**
  * @typedef {import("../protocol/link.js").Answer} Answer
@@ -45,6 +46,7 @@ export class Link extends EventTarget {
 
   async begin() {
     const boat = JSON.parse(new TextDecoder().decode(await unpacked("boat")));
+    if (boat.first_lever) new FirstLever(this, boat.first_lever);
     this.worker?.postMessage({ module: await unpacked("core"), boat });
   }
 
