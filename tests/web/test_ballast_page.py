@@ -29,6 +29,11 @@ from soak.session_process import Caller
 
 from trainer.web.modules import ASSETS_FOLDER
 
+# Panels of controls with more room below their last row than keys have between them.
+EMPTY_FEET: Final = """() => [...document.querySelectorAll(".group")].filter((panel) => {
+  const bottoms = [...panel.children].map((each) => each.getBoundingClientRect().bottom);
+  return panel.getBoundingClientRect().bottom - Math.max(...bottoms) > 24;
+}).map((panel) => panel.dataset.group)"""
 # What is worked, how the session then stands, and after which group key on a small screen.
 CONTROLS: Final = (
     ("[data-lever=aft] [data-position=vent]", "valves.vent_aft", "open"),
@@ -344,6 +349,7 @@ def test_nothing_is_cut_and_no_word_of_the_picture_lies_on_a_pipe_at_any_size(
     expect(page.locator("[data-part='forward value']")).to_contain_text("100 %")  # the longest
     page.set_viewport_size({"width": 1280, "height": 720})
     assert page.evaluate(CROSSED) == []
+    assert page.evaluate(EMPTY_FEET) == []
     for compartment in ("aft", "centre", "forward"):
         assert instructor.ask(f"casualty flooding-{compartment}")[0]
     assert instructor.ask("emergency blow")[0]
