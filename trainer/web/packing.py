@@ -63,12 +63,8 @@ class Assets:
         fonts = {each: self._keep(each, read_font(each)) for each in FONT_URL.findall(sheet)}
         sheet = FONT_URL.sub(lambda url: f'url("{PurePosixPath(fonts[url[1]]).name}")', sheet)
         tags, script_map = self._script(name, entry)
-        first = "".join(
-            f'<link rel="preload" as="font" type="font/woff2" crossorigin href="{address}">\n'
-            for address in fonts.values()
-        )
         address = self._keep(f"{name}.css", sheet.encode())
-        head = f'{first}<link rel="stylesheet" href="{address}">\n{tags}'
+        head = f'<link rel="stylesheet" href="{address}">\n{tags}'
         html = SCRIPT_TAG.sub("", STYLESHEET_TAG.sub("", html))
         return html.replace("</title>\n", f"</title>\n{head}", 1), script_map
 
