@@ -3,14 +3,17 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from helpers.boat_trials import estimated_boat, made_trial, write_csv
+from helpers.boat_trials import estimated_boat, made_trial, swing_controls, write_csv
 
 import trainer
 from trainer.cli.main import cli
 from trainer.config.vessel import load_vessel
+from trainer.identify.boat.filter import CHANNEL_NAMES
 from trainer.identify.boat.prior import read_prior
+from trainer.identify.boat.trial import Trial
 
 TRUE_DRAW = 0  # the estimate itself, which gains hold
 
@@ -24,6 +27,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, seed in (("one", 1), ("two", 2)):
         trial = made_trial(prior.vessel, prior.draw(TRUE_DRAW), count=200, seed=seed)
         write_csv(where / f"{name}.csv", trial, turns)
+    return where
+
+
+@pytest.fixture(scope="module")
+def unflown(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with an estimated boat and a record that no boat has sailed."""
+    where = tmp_path_factory.mktemp("unflown")
+    prior = read_prior(str(estimated_boat(where)))
+    count, speed = 60, prior.vessel.speed
+    readings = np.full((count, len(CHANNEL_NAMES)), np.nan)
+    for channel, value in {"speed": speed, "heading": 0.1, "pitch": 0.0, "depth": 90.0}.items():
+        readings[:, CHANNEL_NAMES.index(channel)] = value
+    controls = swing_controls(count, speed, prior.vessel.pace)
+    trial = Trial("one.csv", "", 1.0, 1, readings, controls, (), ())
+    write_csv(where / "one.csv", trial, prior.vessel.file.propulsion.rps_per_mps)
     return where
 
 
@@ -75,24 +93,24 @@ def test_a_fit_in_python_is_the_commands(folder: Path) -> None:
     assert str(answer).startswith("FIT: ")
 
 
-def test_an_output_is_never_an_input(folder: Path) -> None:
-    own, before = folder / "own.toml", (folder / "own.toml").read_bytes()
-    done = typed(folder / "one.csv", "--prior", own, "-o", own)
+def test_an_output_is_never_an_input(unflown: Path) -> None:
+    own, before = unflown / "own.toml", (unflown / "own.toml").read_bytes()
+    done = typed(unflown / "one.csv", "--prior", own, "-o", own)
     assert done.exit_code == 2
     assert own.read_bytes() == before
 
 
-def test_a_wrong_record_is_refused_before_anything_is_written(folder: Path) -> None:
-    bad, fitted = folder / "bad.csv", folder / "none.toml"
+def test_a_wrong_record_is_refused_before_anything_is_written(unflown: Path) -> None:
+    bad, fitted = unflown / "bad.csv", unflown / "none.toml"
     bad.write_text("time [s],rudder [deg]\n0,1\n1,2\n", encoding="utf-8")
-    done = typed(bad, "--prior", folder / "own.toml", "-o", fitted)
+    done = typed(bad, "--prior", unflown / "own.toml", "-o", fitted)
     assert done.exit_code != 0
     assert "no column is taken for stern" in str(done.exception or done.output)
     assert not fitted.exists()
 
 
-def test_a_boat_without_deviations_is_refused(folder: Path) -> None:
-    done = typed(folder / "one.csv", "--prior", "bb2")
+def test_a_boat_without_deviations_is_refused(unflown: Path) -> None:
+    done = typed(unflown / "one.csv", "--prior", "bb2")
     assert done.exit_code != 0
     assert "has no deviations" in str(done.exception or done.output)
 
@@ -112,10 +130,10 @@ def test_python_says_what_the_command_says() -> None:
     ],
 )
 def test_a_wrong_word_on_instruments_is_one_line(
-    folder: Path, words: tuple[str, ...], told: str
+    unflown: Path, words: tuple[str, ...], told: str
 ) -> None:
-    fitted = folder / "never.toml"
-    done = typed(folder / "one.csv", "--prior", folder / "own.toml", "-o", fitted, *words)
+    fitted = unflown / "never.toml"
+    done = typed(unflown / "one.csv", "--prior", unflown / "own.toml", "-o", fitted, *words)
     assert done.exit_code != 0
     assert told in str(done.exception if done.exit_code == 1 else done.output)
     assert not fitted.exists()
