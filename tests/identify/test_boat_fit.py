@@ -3,7 +3,7 @@
 import csv
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -435,6 +435,22 @@ def test_repeated_times_are_left_out_and_told(own: Path, tmp_path: Path) -> None
     )
     assert len(read.readings) == 300
     assert any("1 rows repeat the time before them" in words for words in read.told)
+
+
+def test_readings_that_are_too_rare_are_taken_where_that_is_asked_for_and_told(
+    own: Path, tmp_path: Path
+) -> None:
+    def slow(times: float, lines: list[str]) -> list[str]:
+        cut = [line.split(",", 1) for line in lines[1:]]
+        return [lines[0], *(f"{times * float(t):.2f},{rest}" for t, rest in cut)]
+
+    with pytest.raises(ConfigError, match="a reading each 3 s: needs .*; --coarse takes up to 1.2"):
+        trial_read(tmp_path, own, partial(slow, 6.0), Instruments())
+    read = trial_read(tmp_path, own, partial(slow, 6.0), instruments_of([], [], coarse=True))
+    assert read.interval == pytest.approx(3.0)
+    assert any("a reading each 3 s, in which the boat goes" in words for words in read.told)
+    with pytest.raises(ConfigError, match="a reading each 60 s"):
+        trial_read(tmp_path, own, partial(slow, 120.0), Instruments(coarse=True))
 
 
 def test_a_gauge_that_stands_still_is_told(own: Path, tmp_path: Path) -> None:

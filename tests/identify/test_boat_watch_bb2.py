@@ -1,7 +1,7 @@
 """How surely a watch tells a change of BB2, and how seldom one that is none: the acceptance.
 
-TRAINER_WATCHED_HOURS asks for more hours of an unchanged boat, TRAINER_CHANGED_DRAWS for more
-draws of each change; docs/watched-boat.md has what they gave.
+TRAINER_WATCHED_HOURS asks for more hours of an unchanged boat, TRAINER_LIVE_HOURS for more that are
+judged as they come, TRAINER_CHANGED_DRAWS for more draws of each change; docs/watched-boat.md has what they gave.
 """
 
 import os
@@ -20,6 +20,8 @@ from trainer.units import DEGREE
 pytestmark = pytest.mark.slow
 
 HOURS = int(os.environ.get("TRAINER_WATCHED_HOURS", "4"))
+LIVE_HOURS = int(os.environ.get("TRAINER_LIVE_HOURS", "1"))
+JUDGED_EVERY_S = 240  # [s] as often as a live watch judges an hour with half a processor
 DRAWS = int(os.environ.get("TRAINER_CHANGED_DRAWS", "3"))
 CHANGED_AT, SHOWN_S = 900, 315  # [s] of the change, and after it: five minutes and a window's end
 HULL_DRAG_SHARE = 9.06e-4 / 1.612e-3  # of a1; the rest is the stopped propeller
@@ -75,3 +77,20 @@ def test_bb2_unchanged_is_left_alone(folder: Path, water: str) -> None:
         alarms += report.change is not None
         print(f"{water} hour {hour}: {np.max(report.deviations):.2f}")
     assert alarms <= HOURS // 100
+
+
+def test_bb2_unchanged_is_left_alone_by_each_judgement_of_a_live_watch(folder: Path) -> None:
+    truth, highest = true_bb2(folder), []
+    for hour in range(LIVE_HOURS):
+        seed = 9500 + hour
+        whole = sail_changed(truth, truth.values, 3600, seed, NEVER, sea=bool(hour % 2))
+        files = open_watch(str(fitted_bb2(folder, 1 + hour // 2 % 2)), [])
+        most = []
+        for end in range(JUDGED_EVERY_S, len(whole.readings) + 1, JUDGED_EVERY_S):
+            heard = replace(whole, readings=whole.readings[:end], inputs=whole.inputs[:end])
+            report = watch_boat(replace(files, trials=(without_unflown(heard),)))
+            assert report.change is None, f"hour {hour}, {end} s"
+            most.append(float(np.max(report.deviations)))
+        highest.append(max(most))
+        print(f"hour {hour}: {len(most)} judgements, {max(most):.2f}, at the end {most[-1]:.2f}")
+    assert len(highest) == LIVE_HOURS

@@ -291,6 +291,21 @@ def test_a_lesson_that_is_not_done_does_not_lead_on_by_enter(
     expect(page.locator("#lessons button").nth(1)).to_be_visible()  # on all the same
 
 
+def test_in_the_course_of_a_class_a_lesson_that_is_not_done_leads_on(
+    serve: Serve, look: Look, tmp_path: Path
+) -> None:
+    path, course = tmp_path / "short.toml", tmp_path / "class.toml"
+    path.write_text(LESSON.replace("within_s = 200", "within_s = 5"), encoding="utf-8")
+    rows = f'[[course]]\nexercise = "{path}"\n[[course]]\nexercise = "steady-course"\n'
+    course.write_text(f"boats = 2\n{rows}", encoding="utf-8")
+    page = look(serve(str(path), "--course", str(course)), "trainee")
+    begin(page)
+    type_order(page, FAST)
+    page.locator("#lesson-text button").click()
+
+    expect(page.locator("#next")).to_be_visible()
+
+
 @pytest.mark.parametrize("role", ["trainee", "instructor"])
 def test_an_order_begun_before_the_last_is_answered_is_typed_on(
     serve: Serve, look: Look, drill: str, role: str

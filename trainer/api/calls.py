@@ -245,6 +245,7 @@ class FitBoatOptions(TypedDict, total=False):
     bias: str | Sequence[str] | None
     gauge_x: float | None
     late: float | None
+    coarse: bool
     draws: int | None
 
 
@@ -254,8 +255,8 @@ def fit_boat(
     """Fit a boat to records of its trials, as ``trainer boat fit`` does.
 
     ``records`` are paths of recordings or CSV files, ``prior`` the file of an estimated boat or of
-    an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``
-    and ``late`` say of instruments what the options do. With ``output`` the boat is written. The
+    an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``,
+    ``late`` and ``coarse`` say of instruments what the options do. With ``output`` the boat is written. The
     figures are those of turns and zig-zags by their names, each with its unit, value and band;
     ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
     words if something is wrong.
@@ -278,6 +279,7 @@ class WatchBoatOptions(TypedDict, total=False):
     bias: str | Sequence[str] | None
     gauge_x: float | None
     late: float | None
+    coarse: bool
 
 
 def watch_boat(
@@ -286,8 +288,8 @@ def watch_boat(
     """Tell whether records are still of a fitted boat, as ``trainer boat watch`` does.
 
     ``fitted`` is the file of a boat that ``fit_boat`` wrote, ``records`` are paths of recordings
-    or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x`` and ``late`` are
-    those of ``fit_boat``. ``report.change`` is None, or says since when and which parts explain it.
+    or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x``, ``late`` and
+    ``coarse`` are those of ``fit_boat``. ``report.change`` is None, or says since when and which parts explain it.
     The figures are the parts by their names, each with its unit, value and deviation. The columns
     are the statistic of each part by the time ``t`` [s]. TrainerError with the command's words if
     something is wrong.

@@ -34,6 +34,7 @@ instrument_options = combine_options(  # of what wrote the records
         "--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m]."
     ),
     click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s]."),
+    click.option("--coarse", is_flag=True, help="Take readings too rare; bands then hold less."),
 )
 
 
@@ -90,7 +91,7 @@ def carry_out(options: dict[str, Any]) -> "BoatFound":
     from trainer.identify.boat.report import figures_count
 
     output: Path | None = options["output"]
-    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
+    words = (options[name] for name in ("columns", "bias", "gauge_x", "late", "coarse"))
     instruments = instruments_of(*words)
     trials = open_trials(options["prior"], options["records"], options["hold_out"], instruments)
     with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from trainer.identify.boat.watch import BoatWatch, WatchFiles
 
-RECORD_OPTIONS: Final = ("columns", "gauge_x", "late")  # of what wrote a record
+RECORD_OPTIONS: Final = ("columns", "gauge_x", "late", "coarse")  # of what wrote a record
 SESSION_OPTIONS: Final = ("url", "token")
 
 
@@ -59,7 +59,7 @@ def carry_out(options: dict[str, Any]) -> "BoatWatch":
     from trainer.identify.boat.watch import open_watch, watch_boat
 
     refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
-    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
+    words = (options[name] for name in ("columns", "bias", "gauge_x", "late", "coarse"))
     files = open_watch(options["fitted"], options["records"], instruments_of(*words))
     with (
         announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"),

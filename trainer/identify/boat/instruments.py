@@ -17,7 +17,11 @@ BIAS_STATES: Final = {name.removesuffix("_error"): name for name in SLOW_KINDS}
 
 
 def instruments_of(
-    columns: Iterable[str], biases: Iterable[str], gauge_x: float = 0.0, late: float = 0.0
+    columns: Iterable[str],
+    biases: Iterable[str],
+    gauge_x: float = 0.0,
+    late: float = 0.0,
+    coarse: bool = False,
 ) -> Instruments:
     """Return what words such as ``depth=Keel:m`` and ``pitch=1`` say; ConfigError."""
     found, sizes = {}, {}
@@ -33,7 +37,7 @@ def instruments_of(
             raise ConfigError(f"--bias {name}={text}: {quote(text)} is no number") from None
         if not 0.0 < sizes[state] < 1e3:
             raise ConfigError(f"--bias {name}={text}: must be above 0, a standard deviation")
-    return Instruments(found, sizes, gauge_x, late)
+    return Instruments(found, sizes, gauge_x, late, coarse)
 
 
 def _pairs(option: str, texts: Iterable[str], known: Iterable[str]) -> Iterator[tuple[str, str]]:

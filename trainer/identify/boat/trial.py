@@ -60,6 +60,7 @@ USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
 NEEDED_FIELDS: Final = ("rudder", "stern", "heading", "pitch", "depth")
 INTERVAL_RANGE_S: Final = (0.05, 2.0)  # [s]
 MAX_INTERVAL_LENGTHS: Final = 0.25  # [L/U] readings that are rarer tell the wrong boat
+MAX_COARSE_LENGTHS: Final = 1.2  # [L/U] the same where a user takes that risk
 THINNED_LENGTHS: Final = 0.07  # [L/U] from tick to tick of a recording that is exact
 STEP_TOLERANCE: Final = 0.02  # [-] of the interval
 MIN_READINGS: Final = 100
@@ -89,6 +90,7 @@ class Instruments:
     biases: Mapping[str, float] = field(default_factory=dict)  # [SI] deviations of slow states
     gauge_x: float = 0.0  # [m] of the depth gauge ahead of the origin
     late: float = 0.0  # [s] by which surfaces and revolutions are logged late
+    coarse: bool = False  # readings that are too rare are taken all the same
 
 
 USUAL_INSTRUMENTS: Final = Instruments()
@@ -156,9 +158,11 @@ def read_trial(
         trial = read_by_instruments(trial)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     words = tuple(f"{one.name} as {key} [{one.unit}]" for key, one in columns.items())
-    told = (*trial.told, *_standing(trial))
+    told = (*trial.told, *_standing(trial), *_coarse(trial, vessel))
     trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
-    raise_problems([f"{record.source}: {text}" for text in trial_problems(trial, vessel)])
+    rarest = MAX_COARSE_LENGTHS if instruments.coarse else MAX_INTERVAL_LENGTHS
+    problems = trial_problems(trial, vessel, rarest)
+    raise_problems([f"{record.source}: {text}" for text in problems])
     return without_unflown(trial)
 
 
@@ -207,6 +211,16 @@ def _standing(trial: Trial) -> Iterator[str]:
                 f"{name} stands still for {count} readings from {at * trial.interval:g} s on: is "
                 "its gauge at its end? then leave these cells empty"
             )
+
+
+def _coarse(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
+    """Yield what readings cost that are rarer than a fit should have."""
+    lengths = trial.interval * vessel.speed / vessel.length
+    if lengths > MAX_INTERVAL_LENGTHS:
+        yield (
+            f"a reading each {trial.interval:.3g} s, in which the boat goes {lengths:.2g} of her "
+            "lengths: TOLDFIGURES"
+        )
 
 
 def join_fins(record: Record) -> Record:
@@ -318,15 +332,18 @@ def _filled(at: Numbers, values: Numbers | None) -> Numbers:
     return np.interp(np.arange(at[-1] + 1), at[known], values[known])
 
 
-def trial_problems(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
-    """Yield why a record cannot be fitted, each with what to do."""
+def trial_problems(
+    trial: Trial, vessel: FittedVessel, rarest: float = MAX_INTERVAL_LENGTHS
+) -> Iterator[str]:
+    """Yield why a record cannot be fitted, each with what to do; ``rarest`` [L/U]."""
     span = vessel.length / vessel.speed
-    least, most = INTERVAL_RANGE_S
-    rarest = min(most, MAX_INTERVAL_LENGTHS * span)
-    if not least <= trial.interval <= rarest:
+    least, usual = INTERVAL_RANGE_S
+    most = rarest * span if rarest > MAX_INTERVAL_LENGTHS else min(usual, rarest * span)
+    if not least <= trial.interval <= most:
         yield (
-            f"a reading each {trial.interval:.3g} s: needs {least:g} to {rarest:.3g} s, a quarter "
+            f"a reading each {trial.interval:.3g} s: needs {least:g} to {most:.3g} s, {rarest:g} "
             "of the time in which the boat goes its own length"
+            + "; --coarse takes up to 1.2" * (rarest < MAX_COARSE_LENGTHS)
         )
     if len(trial.readings) < MIN_READINGS:
         yield f"{len(trial.readings)} rows: needs {MIN_READINGS} or more"

@@ -50,7 +50,7 @@ export function furnishCourse(session) {
     if (outcome && again.hidden) ended = performance.now();
     begin.hidden = session.state !== "frozen" || session.seconds > 0;
     again.hidden = !outcome;
-    next.hidden = again.hidden || undone; // the list below leads on all the same
+    next.hidden = again.hidden || (undone && !exercise.course); // the list below leads on all the same
     if (outcome && undone) lessons.open = true;
     const moment = judgement.reasons.find(({ seconds }) => seconds !== null)?.seconds ?? null;
     const from = Math.max((moment ?? 0) - LEAD, 0);
