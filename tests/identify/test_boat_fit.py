@@ -548,6 +548,18 @@ def test_planes_that_only_keep_the_depth_are_told(own: Path) -> None:
     assert any(words in each for each in report.warnings)
 
 
+@pytest.mark.long
+def test_an_added_mass_of_the_wrong_sign_is_told(own: Path) -> None:
+    found, _ = fitted(own)
+    words = "added mass of the wrong sign"
+    assert not any(words in each for each in report_fit(found, [], draws=0).warnings)
+    values = found.posterior.values.copy()
+    values[PARAMETER_NAMES.index("K_pdot")] = 2e-6
+    turned = replace(found, posterior=replace(found.posterior, values=values))
+    warnings = report_fit(turned, [], draws=0).warnings
+    assert any(each.startswith("K_pdot +2e-06: " + words) for each in warnings)
+
+
 def test_units_of_figures_are_those_of_their_measures(own: Path) -> None:
     for sailed, manoeuvre, flight in figures.sail_figures(prior_of(own).vessel.file):
         assert flight is not None

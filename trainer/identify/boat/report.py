@@ -35,6 +35,8 @@ MAX_LAG: Final = 0.15  # [-] correlation of an innovation with the one before
 MAX_ERROR_RATIO: Final = 2.0  # [-] of an error of readings over what it usually is
 MAX_SLOW_DEVIATIONS: Final = 2.5
 MAX_WILD_SHARE: Final = 0.005  # [-] of a record's rows
+# the inertia of the water that goes with the hull, which none has against its own (Imlay 1961)
+ADDED_MASSES: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
 MAX_CONFLICT: Final = 1.6  # [-] of z'z over what it should be
 LEAD_IN_S: Final = 10.0  # [s] of a held-out record, from whose end it is simulated
 FORETOLD_CHANNELS: Final = {  # what is foretold: unit, the state, and the channel that must be read
@@ -282,6 +284,16 @@ def _warnings(
             f"the coefficients lie {fit.conflict:.2g} times as far from the prior as they should: "
             "the boat is not like those of which the method was made, or a log is late, has a "
             "wrong sign or is biased: hold out a trial of another kind"
+        )
+    wrong = [
+        f"{name} {value:+.2g}"
+        for name in ADDED_MASSES
+        if (value := fit.posterior.values[PARAMETER_NAMES.index(name)]) > 0.0
+    ]
+    if wrong:
+        yield (
+            f"{', '.join(wrong)}: added mass of the wrong sign: the records tell too little of "
+            "that acceleration; write the prior's value there, or fit a record that has more of it"
         )
     if fit.delay:
         way = "late" if fit.delay > 0.0 else "early"
