@@ -93,6 +93,7 @@ WATCH_BOAT: dict[str, Case] = {
     "bias": ("pitch=1", "bias", ("pitch=1",)),
     "gauge_x": (2, "gauge_x", 2.0),
     "late": (1, "late", 1.0),
+    "coarse": (True, "coarse", True),
 }
 FIT_BOAT: dict[str, Case] = {
     **WATCH_BOAT,

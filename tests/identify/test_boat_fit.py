@@ -444,7 +444,7 @@ def test_readings_that_are_too_rare_are_taken_where_that_is_asked_for_and_told(
         cut = [line.split(",", 1) for line in lines[1:]]
         return [lines[0], *(f"{times * float(t):.2f},{rest}" for t, rest in cut)]
 
-    with pytest.raises(ConfigError, match="a reading each 3 s: needs .*; --coarse takes up to 1.2"):
+    with pytest.raises(ConfigError, match=r"each 3 s: needs .*; --coarse takes up to 1\.2"):
         trial_read(tmp_path, own, partial(slow, 6.0), Instruments())
     read = trial_read(tmp_path, own, partial(slow, 6.0), instruments_of([], [], coarse=True))
     assert read.interval == pytest.approx(3.0)

@@ -1,7 +1,8 @@
 """How surely a watch tells a change of BB2, and how seldom one that is none: the acceptance.
 
 TRAINER_WATCHED_HOURS asks for more hours of an unchanged boat, TRAINER_LIVE_HOURS for more that are
-judged as they come, TRAINER_CHANGED_DRAWS for more draws of each change; docs/watched-boat.md has what they gave.
+judged as they come, TRAINER_CHANGED_DRAWS for more draws of each change; docs/watched-boat.md has
+what they gave.
 """
 
 import os

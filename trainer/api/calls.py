@@ -256,10 +256,10 @@ def fit_boat(
 
     ``records`` are paths of recordings or CSV files, ``prior`` the file of an estimated boat or of
     an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``,
-    ``late`` and ``coarse`` say of instruments what the options do. With ``output`` the boat is written. The
-    figures are those of turns and zig-zags by their names, each with its unit, value and band;
-    ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
-    words if something is wrong.
+    ``late`` and ``coarse`` say of instruments what the options do. With ``output`` the boat is
+    written. The figures are those of turns and zig-zags by their names, each with its unit, value
+    and band; ``report.coefficients`` has every coefficient before and after. TrainerError with the
+    command's words if something is wrong.
     """
     from trainer.identify.boat.page import render
 
@@ -289,10 +289,10 @@ def watch_boat(
 
     ``fitted`` is the file of a boat that ``fit_boat`` wrote, ``records`` are paths of recordings
     or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x``, ``late`` and
-    ``coarse`` are those of ``fit_boat``. ``report.change`` is None, or says since when and which parts explain it.
-    The figures are the parts by their names, each with its unit, value and deviation. The columns
-    are the statistic of each part by the time ``t`` [s]. TrainerError with the command's words if
-    something is wrong.
+    ``coarse`` are those of ``fit_boat``. ``report.change`` is None, or says since when and which
+    parts explain it. The figures are the parts by their names, each with its unit, value and
+    deviation. The columns are the statistic of each part by the time ``t`` [s]. TrainerError with
+    the command's words if something is wrong.
     """
     import numpy as np
 

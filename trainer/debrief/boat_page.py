@@ -463,7 +463,7 @@ def page_of(
 
 
 def first_lever(boat: Boat) -> dict[str, Any] | None:
-    """Return with which lever a boat begins: its limit [deg], and the order before its first one.
+    """Return the limit [deg] of the first lever, and the order before its first.
 
     Its autopilot would work the bow planes against a hand at the stern planes. None for a boat
     without stern planes.

@@ -91,8 +91,8 @@ def carry_out(options: dict[str, Any]) -> "BoatFound":
     from trainer.identify.boat.report import figures_count
 
     output: Path | None = options["output"]
-    words = (options[name] for name in ("columns", "bias", "gauge_x", "late", "coarse"))
-    instruments = instruments_of(*words)
+    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
+    instruments = instruments_of(*words, coarse=options["coarse"])
     trials = open_trials(options["prior"], options["records"], options["hold_out"], instruments)
     with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):
         found = search_boat(trials, lambda step: show_step(step.steps, step.cost))

@@ -59,8 +59,9 @@ def carry_out(options: dict[str, Any]) -> "BoatWatch":
     from trainer.identify.boat.watch import open_watch, watch_boat
 
     refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
-    words = (options[name] for name in ("columns", "bias", "gauge_x", "late", "coarse"))
-    files = open_watch(options["fitted"], options["records"], instruments_of(*words))
+    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
+    instruments = instruments_of(*words, coarse=options["coarse"])
+    files = open_watch(options["fitted"], options["records"], instruments)
     with (
         announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"),
         show_progress(files.windows, "watching") as step,

@@ -21,6 +21,7 @@ def instruments_of(
     biases: Iterable[str],
     gauge_x: float = 0.0,
     late: float = 0.0,
+    *,
     coarse: bool = False,
 ) -> Instruments:
     """Return what words such as ``depth=Keel:m`` and ``pitch=1`` say; ConfigError."""

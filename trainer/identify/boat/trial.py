@@ -161,8 +161,8 @@ def read_trial(
     told = (*trial.told, *_standing(trial), *_coarse(trial, vessel))
     trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
     rarest = MAX_COARSE_LENGTHS if instruments.coarse else MAX_INTERVAL_LENGTHS
-    problems = trial_problems(trial, vessel, rarest)
-    raise_problems([f"{record.source}: {text}" for text in problems])
+    found = trial_problems(trial, vessel, rarest)
+    raise_problems([f"{record.source}: {text}" for text in found])
     return without_unflown(trial)
 
 
@@ -343,7 +343,8 @@ def trial_problems(
         yield (
             f"a reading each {trial.interval:.3g} s: needs {least:g} to {most:.3g} s, {rarest:g} "
             "of the time in which the boat goes its own length"
-            + "; --coarse takes up to 1.2" * (rarest < MAX_COARSE_LENGTHS)
+            + "; --coarse takes up to 1.2"
+            * (rarest < MAX_COARSE_LENGTHS)
         )
     if len(trial.readings) < MIN_READINGS:
         yield f"{len(trial.readings)} rows: needs {MIN_READINGS} or more"
