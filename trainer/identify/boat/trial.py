@@ -219,7 +219,7 @@ def _coarse(trial: Trial, vessel: FittedVessel) -> Iterator[str]:
     if lengths > MAX_INTERVAL_LENGTHS:
         yield (
             f"a reading each {trial.interval:.3g} s, in which the boat goes {lengths:.2g} of her "
-            "lengths: bands of 95 % held 92 % of figures at 0.37, 89 at 0.73, 80 at 1.1 (made boats)"
+            "lengths: bands of 95 % held 92 % of figures at 0.37, 89 at 0.73, 80 at 1.1 (drawn)"
         )
 
 
