@@ -9,6 +9,7 @@ carries its way along.
 import functools
 import math
 import operator
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.world.bottom import STATE_OFFSETS, TICK_OFFSET
+from trainer.boat.world.consorts import BOAT_NAME, BOAT_TYPE, BOATS_MMSI, body_of, hull_at
 from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose, read_pose
 from trainer.boat.world.lights import Light, lights_of
@@ -57,6 +59,7 @@ STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
 BLOCK_TICKS: Final = 256  # ticks of ships computed at once
 KNOWN_BLOCKS: Final = 16  # [blocks] kept, of KNOWN_SHIPS at most, 1.5 MB each
 KNOWN_SHIPS: Final = 20
+NO_BLOCK: Final[tuple[int, list[list[ShipMotion]]]] = (0, [])  # first tick, motions by tick
 EMPTY_PIECE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 # from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
 Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
@@ -97,11 +100,17 @@ class Ship:
     steered: SteeredContact | None = (
         None  # a ship that answers its rudder; its way is only where it began
     )
+    hull: ShipType | None = None  # of another boat of the class: its own, at its depth
 
     @property
     def type(self) -> ShipType:
-        """Return its kind."""
-        return SHIP_TYPES[self.kind]
+        """Return its kind, with its sizes."""
+        return self.hull or SHIP_TYPES[self.kind]
+
+    @property
+    def body(self) -> ShipType:
+        """Return what the boat's hull touches: of another boat it is larger by its errors."""
+        return body_of(self.hull) if self.hull else self.type
 
     def lies(self, now: Piece) -> bool:
         """Return whether the ship lies still and is ordered to."""
@@ -111,14 +120,20 @@ class Ship:
 class ContactFleet:
     """All ships from one order to the next. Any thread may read it, because nothing alters it."""
 
-    def __init__(self, ships: Mapping[str, Ship], water: Water, step: float) -> None:
-        """Hold ships by their names, in the water that carries those that drift."""
+    def __init__(
+        self, ships: Mapping[str, Ship], water: Water, step: float, recent: "deque[ContactFleet]"
+    ) -> None:
+        """Hold ships by their names, in the water that carries those that drift.
+
+        ``recent`` are the fleets that keep what they have computed, of as many as there may be.
+        """
         self.ships = dict(ships)
         self.order = tuple(self.ships.values())
         self.step = step
         self._water = water
+        self._recent = recent
         self._drifting = [i for i, ship in enumerate(self.order) if ship.drifts]
-        self._latest: tuple[int, list[list[ShipMotion]]] = 0, []  # first tick, motions by tick
+        self._latest = NO_BLOCK
 
     def motions(self, tick: int) -> list[ShipMotion]:
         """Return how all go at a tick. Their ways are computed for BLOCK_TICKS at once."""
@@ -127,6 +142,9 @@ class ContactFleet:
             begins = tick - tick % BLOCK_TICKS
             block = self._block(begins)
             self._latest = begins, block
+            if len(self._recent) == self._recent.maxlen:
+                self._recent[0].let_go()
+            self._recent.append(self)
         if not self._drifting:
             return block[tick - begins]
         motions, carried = list(block[tick - begins]), self._carried(tick * self.step)
@@ -140,6 +158,10 @@ class ContactFleet:
             ways = self._ways(np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64))
             return motions_in(ways)
         return laid_block(self.order, self.step, begins)
+
+    def let_go(self) -> None:
+        """Forget what was computed; a class changes the fleet thousands of times."""
+        self._latest = NO_BLOCK
 
     def over(self, ticks: Ticks) -> Situation:
         """Return where all are over ticks, a row for each ship."""
@@ -208,7 +230,8 @@ class Contacts:
         self.step = float(boat.method.step)
         self.given = tuple(ships)
         self._boat = boat
-        self._first = ContactFleet(ships_of(ships, self.step), self.water, self.step)
+        self._recent: deque[ContactFleet] = deque(maxlen=KNOWN_BLOCKS)
+        self._first = self._fleet_of(ships_of(ships, self.step))
         self._fleets: tuple[tuple[int, ContactFleet], ...] = ((0, self._first),)
         self._pull = ShipPull(boat) if encounters.force == "on" else None
 
@@ -264,6 +287,8 @@ class Contacts:
         ships = dict(self.fleet(tick).ships)
         if doing == "add":
             return self._add(order, tick, ships)
+        if doing in ("boat", "boats"):
+            return self._meet(order, tick, ships)
         ship = ships.get(order.subject)
         if ship is None:
             known = nearest(order.subject, ships) or f"; there are: {', '.join(ships) or 'none'}"
@@ -301,14 +326,30 @@ class Contacts:
         tick = int(numbers[TICK_OFFSET])
         fleet = self.fleet(tick)
         rows = zip(fleet.order, fleet.motions(tick), strict=True)
-        ships = [(ship.type, *motion[:4]) for ship, motion in rows]
+        ships = [(ship.type, *motion[:4]) for ship, motion in rows if not ship.hull]
         pull = self._pull.on(Pose(*read_pose(numbers)), ships)
         for i, each in enumerate(pull, FORCE_OFFSET):
             numbers[i] = each
 
-    def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
-        self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water, self.step)))
+    def _change(self, tick: int, ships: dict[str, Ship], reply: str = "") -> str:
+        self._fleets = (*self._fleets, (tick, self._fleet_of(ships)))
         return reply
+
+    def _fleet_of(self, ships: Mapping[str, Ship]) -> ContactFleet:
+        return ContactFleet(ships, self.water, self.step, self._recent)
+
+    def _meet(self, order: Order, tick: int, ships: dict[str, Ship]) -> str:
+        """Have another boat of the class where it is told to be, or have none any more."""
+        if order.word == "boats_gone":
+            return self._change(tick, {name: ships[name] for name in ships if not ships[name].hull})
+        number, north, east, depth, course, speed = order.numbers
+        start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
+        hull, name = hull_at(self._boat, depth), BOAT_NAME.format(int(number))
+        mmsi = BOATS_MMSI + int(number) if hull.mast > 0.0 else None
+        way = lay_way(tick * self.step, start, STRAIGHT_ON)
+        status = SHIP_TYPES[BOAT_TYPE].status
+        ships[name] = Ship(name, BOAT_TYPE, status, mmsi, way, hull=hull)
+        return self._change(tick, ships)
 
     def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
         """Add a ship that keeps a course and speed."""
@@ -348,7 +389,7 @@ def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
         ship.name, ship.kind, ship.status,
         north, east, course % math.tau, speed, heading % math.tau, turning,
         kind.length, kind.beam, kind.draught, kind.height, kind.mast,
-        lights=lights_of(ship.kind, ship.status),
+        lights=lights_of(kind, ship.status),
         mmsi=ship.mmsi,
     )
     # fmt: on

@@ -16,6 +16,7 @@ from trainer.io.orders.table import FORMS_BY_WORD, WORD_SETS
 # who works the boat
 CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "deck", "scope")
 TRAINEE: Final = "trainee"  # who trains alone: all of the crew in one, and time
+CLASS: Final = "class"  # which tells each boat where the others are
 STRANGER: Final = "stranger"  # who has not said who it is
 HAND_AXES: Final = tuple(WORD_SETS["AXIS"].split("|"))  # what a crew may have to work by hand
 
@@ -153,6 +154,7 @@ WATCH_CONTROL: Final = RoleControl("the watch is", CREW_ROLES)
 HANDS_CONTROL: Final = RoleControl(
     "what is worked by hand is", ("helm", "planes", "pilot", "ballast", "diving")
 )
+SHIPS_CONTROL: Final = RoleControl("", (CLASS,))
 FIRST_DIVE_CONTROL: Final = RoleControl("the dive from the start is", ("visitor",))
 AUTOPILOT_CONTROL: Final = RoleControl("the autopilot as a whole is", (TRAINEE,))
 TRAINEE_CONTROL: Final = RoleControl("", (TRAINEE,))
@@ -244,7 +246,7 @@ BOAT_TOPICS: Final = (
         boat_order("casualty", in_page=True),
         boat_order("clear", in_page=True),
         question("casualties", in_page=True),
-        boat_order("contact"))),
+        boat_order("contact", control=SHIPS_CONTROL))),
     Topic("freeze | run | step 10", "stop time, let it go on, 10 ticks", (
         time_order("freeze", planned=True, in_page=True),
         time_order("run", after_end=False, paced=True, in_page=True),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.io.orders.words import TRAINEE
+from trainer.io.orders.words import CLASS, TRAINEE
 from trainer.io.recording.recording import Moment
 from trainer.session.crew.manning import unmanned_axes
 from trainer.session.people.command import Command
@@ -20,7 +20,9 @@ from trainer.session.stations.station import Fact, LongAnswer, Request, Station
 
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
 # roles that are not counted when the crew is asked whether it is ready
-NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE)
+NOT_CREW: Final = (
+    *(INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE, CLASS),
+)
 
 
 @dataclass
