@@ -24,7 +24,7 @@ from trainer.cli.options import (
     record_of,
     seed_option,
 )
-from trainer.cli.types import ParentCommand
+from trainer.cli.types import Number, ParentCommand
 from trainer.cli.web import require_pages
 from trainer.config.files import ConfigError, is_path, path_named
 
@@ -48,7 +48,7 @@ boats_option = click.option("--boats", type=int, default=3, metavar="N", help="H
 @seed_option("Seed of the random numbers of every boat.")
 @click.option(
     "--one-sea",
-    type=float,
+    type=Number(0.0, 5000.0),
     metavar="METRES",
     help="All boats in one sea, each so far east of the one before.",
 )

@@ -27,7 +27,8 @@ from trainer.boat.world.approach import (
     plot_ship,
 )
 from trainer.boat.world.bottom import STATE_OFFSETS
-from trainer.boat.world.contacts import Contacts, Ship, Ticks, contacts_in
+from trainer.boat.world.contact_fleet import Ship, Ticks
+from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, read_pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, Situation
 from trainer.config.contacts import Encounters

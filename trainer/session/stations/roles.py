@@ -176,8 +176,8 @@ TRAINEE_ROLE: Final = Role(
     ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
     frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if TRAINEE in roles),
 )
-# The class itself, whose boats sail in one sea: it hears where a boat is, and tells it of the others.
-# It is let in by the instructor's word, because it sees the truth.
+# The class itself, whose boats are in one sea: it hears where a boat is, and tells it of others.
+# It comes in by the instructor's word, because it sees the truth.
 CLASS_ROLE: Final = Role(
     CLASS,
     "the class's",

@@ -1,0 +1,274 @@
+"""The boats of a class in one sea: each session is told of the others, and journals it."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from helpers.crewed import Begin, Crewed
+from helpers.line import Line
+from helpers.waiting import await_that
+
+from trainer.boat.world.contacts import ContactState, contacts_in
+from trainer.classroom.one_sea import LOST_AFTER_S, PARTED_M, OneSea
+from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.io.serial_line import LinkError
+from trainer.session.jump import jump_to
+from trainer.session.stations.roles import Access
+from trainer.session.stations.station import Station
+from trainer.units import KNOT
+
+STEP = 0.5  # [s] of a tick
+
+
+@dataclass
+class ClassLine:
+    """The class's line to a session of the test, which hears it at once."""
+
+    ship: Crewed
+    line: Line = field(default_factory=lambda: Line("class"))
+    trouble: str = ""
+    taken: int = 0
+
+    def __post_init__(self) -> None:
+        log = self.ship.session.event_log
+        log.stations.append(Station(self.line, Access(), self.ship.sending, log.log))
+
+    @property
+    def ended(self) -> bool:
+        return self.line.ended
+
+    def send(self, text: str) -> None:
+        self.line.waiting.append(text)
+        self.ship.session.attendance.listen()
+
+    def take(self, _most: int) -> Sequence[str]:
+        told, self.taken = self.line.sent[self.taken :], len(self.line.sent)
+        return told
+
+    def close(self, _patience: float) -> None:
+        self.line.ended = True
+
+
+class Sea:
+    """A class in one sea, whose sessions are the test's, and the test's own time."""
+
+    def __init__(
+        self, crewed: Begin, patch: pytest.MonkeyPatch, boats: int, spacing: float
+    ) -> None:
+        self.now = 0.0
+        self.ships = [crewed(seconds=None, clock=self.clock) for _ in range(boats)]
+        self.lines: dict[int, ClassLine] = {}
+        self.lost: set[int] = set()
+        patch.setattr("trainer.io.client.dial", self.dial)
+        for ship in self.ships:
+            ship.order("time x1")
+        rows: dict[int, Any] = {i: SimpleNamespace(address=i) for i in range(1, boats + 1)}
+        self.sea = OneSea(rows, spacing, "", self.clock)
+        self.settle()
+        for ship in self.ships:
+            ship.order("run")
+
+    def clock(self) -> float:
+        return self.now
+
+    def dial(self, number: int, *_: object) -> ClassLine:
+        if number in self.lost:
+            raise LinkError("away")
+        self.lines[number] = ClassLine(self.ships[number - 1])
+        return self.lines[number]
+
+    def settle(self) -> None:
+        """Look until the class has a line to each session that can be reached."""
+        wanted = len(self.ships) - len(self.lost)
+        self.now += 10.0
+        self.sea.look()
+        await_that(lambda: sum(not each.ended for each in self.lines.values()) == wanted)
+        self.sea.look()
+
+    def pass_time(self, seconds: float, *flying: int, ticks: int = 1) -> None:
+        """Let the time of these boats go on, others stand still."""
+        for _ in range(round(seconds / STEP)):
+            self.now += STEP
+            for number in flying or range(1, len(self.ships) + 1):
+                for _ in range(ticks if not self.ship(number).session.time.frozen else 0):
+                    self.ship(number).session.tick()
+            self.sea.look()
+
+    def ship(self, number: int) -> Crewed:
+        return self.ships[number - 1]
+
+    def seen(self, by: int, number: int = 0) -> ContactState | None:
+        """Return how a boat has another one, by its number; None where it has not."""
+        contacts = contacts_in(self.ship(by).boat)
+        assert contacts is not None
+        name = f"boat-{number or 3 - by}"
+        found = contacts.seen(self.ship(by).boat.ticks)
+        return next((each for each in found if each.name == name), None)
+
+    def orders(self, number: int) -> list[str]:
+        """Return what a boat was told of the others, as its journal has it."""
+        recording = self.ship(number).recording
+        told = (each for each in recording.orders(recording.branch))
+        return [each.text for each in told if each.giver.role == "class"]
+
+
+@pytest.fixture
+def sea(crewed: Begin, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Sea]:
+    return lambda boats=2, spacing=1000.0: Sea(crewed, monkeypatch, boats, spacing)
+
+
+def error(sea: Sea, by: int, spacing: float) -> tuple[float, float]:
+    """Return how far off [m] a boat has the other, over the ground and in depth."""
+    seen, there = sea.seen(by), sea.ship(3 - by).boat.state
+    assert seen is not None
+    east = float(there.y) + (3 - by - by) * spacing
+    keel = float(there.z) + 5.0  # of bb2, about
+    return math.hypot(seen.north - there.x, seen.east - east), abs(seen.draught - keel)
+
+
+def test_each_has_the_other_where_it_is_by_few_orders(sea: Callable[..., Sea]) -> None:
+    two = sea()
+    turns = ("course left 60", "depth 90", "course right 170", "speed 5", "depth 40")
+    off, deep = [], []
+    for turn in turns:
+        two.ship(1).order(turn)
+        for _ in range(60):
+            two.pass_time(STEP)
+            for by in (1, 2):
+                place, depth = error(two, by, 1000.0)
+                off.append(place)
+                deep.append(depth)
+    way = 8.0 * KNOT * STEP  # gone between two looks
+    assert max(off) < PLACE_ERROR_M + way
+    assert max(deep) < DEPTH_ERROR_M + 1.0
+    assert len(two.orders(1)) <= 3  # the other goes straight on
+    assert 10 < len(two.orders(2)) < 80
+    assert two.ship(1).events(two.ship(1).instructor, "exercise") == []  # nobody else is told
+
+
+def test_a_boat_that_stands_still_stays_where_it_is_and_is_told_again_when_it_goes_on(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(20.0)
+    two.ship(1).order("freeze")
+    told = len(two.orders(1))
+    two.pass_time(60.0, 2)
+    seen = two.seen(2)
+    assert seen is not None
+    assert seen.speed == 0.0
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+    assert len(two.orders(1)) == told
+    assert error(two, 1, 1000.0)[0] > 200.0
+    two.ship(1).order("run")
+    two.pass_time(1.0)
+    assert error(two, 1, 1000.0)[0] < 2.0 * PLACE_ERROR_M
+
+
+def test_a_boat_whose_time_runs_faster_is_taken_away_until_it_is_alike(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(5.0)
+    two.ship(1).order("time x4")
+    two.pass_time(5.0, 1, ticks=4)
+    two.pass_time(1.0)
+    assert two.seen(1) is None
+    assert two.seen(2) is None
+    two.ship(1).order("time x1")
+    two.pass_time(2.0)
+    assert max(error(two, 1, 1000.0)) < PLACE_ERROR_M
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+
+
+def test_a_jump_back_puts_nobody_into_anothers_hull(sea: Callable[..., Sea]) -> None:
+    two = sea()
+    two.pass_time(20.0)
+    back, other = two.ship(1), two.ship(2)
+    back.order("snapshot here")
+    here = float(back.boat.state.x), float(back.boat.state.y) - 1000.0
+    back.order("course 090")
+    two.pass_time(200.0)
+    other.boat.state.x, other.boat.state.y = here  # where the first was
+    jump_to(other.session, other.session.history.now(), "there")
+    other.order("run")
+    two.pass_time(1.0)
+    assert max(error(two, 1, 1000.0)) < PLACE_ERROR_M
+    branch = other.recording.branch
+    back.order("restore here")
+    back.order("run")
+    two.pass_time(2.0)
+    assert two.seen(1) is two.seen(2) is None
+    back.order("course 090")
+    two.pass_time(150.0)
+    for by, ship in ((1, back), (2, other)):
+        assert max(error(two, by, 1000.0)) < PLACE_ERROR_M
+        assert not [each for each in ship.events(ship.instructor, "watch") if "COLL" in each]
+    assert other.recording.branch == branch
+    assert two.orders(1).count("contact boats gone") == 1
+
+
+def test_boats_that_begin_at_one_place_are_shown_once_they_have_parted(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea(spacing=0.0)
+    two.ship(1).order("course 090")
+    two.pass_time(60.0)
+    assert two.seen(1) is two.seen(2) is None
+    assert "collision" not in str(two.ship(1).instructor.sent)
+    two.pass_time(180.0)
+    apart = two.ship(1).boat.state
+    there = two.ship(2).boat.state
+    assert math.hypot(apart.x - there.x, apart.y - there.y) > PARTED_M
+    assert max(error(two, 1, 0.0)) < PLACE_ERROR_M
+
+
+def test_a_boat_that_is_lost_goes_on_for_a_while_then_is_taken_away(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(10.0)
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.pass_time(0.5 * LOST_AFTER_S, 2)
+    seen = two.seen(2)
+    assert seen is not None
+    assert seen.speed > 4.0
+    two.pass_time(0.6 * LOST_AFTER_S, 2)
+    assert two.seen(2) is None
+    two.lost.clear()
+    two.settle()
+    two.pass_time(1.0)
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+
+
+def test_a_collision_is_told_at_both(sea: Callable[..., Sea]) -> None:
+    two = sea(spacing=700.0)
+    for number, heading in ((1, 0.5 * math.pi), (2, -0.5 * math.pi)):
+        ship = two.ship(number)
+        ship.boat.start(8.0 * KNOT, 60.0, heading)
+        jump_to(ship.session, ship.session.history.now(), "towards the other")
+        ship.order("run")
+    two.pass_time(100.0)
+    for number in (1, 2):
+        ship = two.ship(number)
+        told = " ".join(ship.events(ship.instructor, "watch"))
+        assert f"COLLISION with boat-{3 - number}, a submarine" in told
+        assert ship.session.time.frozen
+
+
+def test_what_a_session_refuses_is_told_again_later(sea: Callable[..., Sea]) -> None:
+    two = sea()
+    two.pass_time(5.0)
+    two.ship(1).order("replay 3 s")
+    two.pass_time(2.0, 2)
+    told = len(two.orders(1))
+    assert two.seen(2) is not None
+    two.ship(1).order("take over")
+    two.ship(1).order("run")
+    two.pass_time(10.0)
+    assert len(two.orders(1)) > told
+    assert max(error(two, 1, 1000.0)) < PLACE_ERROR_M
