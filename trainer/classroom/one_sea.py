@@ -1,4 +1,4 @@
-"""The boats of a class in one sea: each session is told where the others are.
+"""The boats of a class in one sea: each session is told of the others.
 
 The class has one line more to each session, in a role of its own (``class``). It hears there where
 the boat is, and tells it of the others by the order ``contact boat``, which the session journals as
@@ -37,7 +37,7 @@ LEAST_WAY: Final = 0.1  # [m/s] below which a boat lies still, and its heading s
 
 
 class Place(NamedTuple):
-    """Where a boat is [m] in the sea of the class, and how it goes [m/s], [deg]."""
+    """Where a boat is [m] in the class's sea, and how it goes [m/s], [deg]."""
 
     north: float
     east: float
@@ -47,7 +47,7 @@ class Place(NamedTuple):
     heading: float = 0.0
 
     def after(self, seconds: float) -> "Place":
-        """Return where it is so much later [s], if it goes straight on at its depth."""
+        """Return where it is so much later [s], straight on at its depth."""
         north, east = self.north + self.v_north * seconds, self.east + self.v_east * seconds
         return self._replace(north=north, east=east)
 
@@ -57,7 +57,7 @@ class Place(NamedTuple):
 
 
 class Told(NamedTuple):
-    """What a session was told last of another boat, and when by its own time [s]."""
+    """What a session was told last of another boat, and when [s]."""
 
     place: Place
     seconds: float
@@ -97,7 +97,7 @@ class SeaBoat:
 
     @property
     def there(self) -> bool:
-        """Return whether it is in the sea: it was heard, and is not lost for too long."""
+        """Return whether it was heard, and is not lost for too long."""
         lost = not self._pace and self.clock() - self._lost > LOST_AFTER_S
         return self._place is not None and not lost and math.isfinite(self.rate)
 

@@ -1,4 +1,4 @@
-"""The other boats of a class, as ships of ``contacts``: their sizes, by how deep they are.
+"""The other boats of a class, as ships of ``contacts``: their sizes at their depths.
 
 The class gives each session the places of the others (``classroom/one_sea``), as orders. A boat is
 taken to have the hull of the session's own boat, as a box upright in the water.
@@ -17,9 +17,9 @@ FASTEST_KN: Final = 60.0  # that an order can say
 
 
 def hull_at(boat: Any, depth: float) -> ShipType:
-    """Return the sizes of a boat like this one at a depth [m] of its origin.
+    """Return the sizes of a boat like this one at a depth [m].
 
-    Its height and masthead are those of the sail's top over the water, below zero if it is under.
+    The depth is that of its origin. Its height and masthead are those of the sail's top over the water, below zero if it is under.
     """
     vessel = boat.vessel
     over = -(depth + float(vessel.z_sail))

@@ -1,4 +1,4 @@
-"""The ships from one order to the next: what each is, and where all are at ticks.
+"""The ships from one order to the next: what each is, and where.
 
 ``contacts`` has one fleet for each order that changes the ships. Their ways are computed for many
 ticks at once, because nothing but the next order changes them.
