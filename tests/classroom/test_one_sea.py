@@ -7,15 +7,20 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from helpers.classes import Class, class_at_sea, kill, listens
 from helpers.crewed import Begin, Crewed
 from helpers.line import Line
+from helpers.nursery import run_trainer
+from helpers.places import environment
 from helpers.waiting import await_that
+from soak.session_process import Caller
 
 from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.classroom.one_sea import LOST_AFTER_S, PARTED_M, OneSea
 from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 from trainer.io.serial_line import LinkError
 from trainer.session.jump import jump_to
+from trainer.session.past.header import open_recording
 from trainer.session.stations.roles import Access
 from trainer.session.stations.station import Station
 from trainer.units import KNOT
@@ -272,3 +277,47 @@ def test_what_a_session_refuses_is_told_again_later(sea: Callable[..., Sea]) -> 
     two.pass_time(10.0)
     assert len(two.orders(1)) > told
     assert max(error(two, 1, 1000.0)) < PLACE_ERROR_M
+
+
+def seen_by(boat: Caller) -> str:
+    """Return the ship nearest to a boat, as its instructor has it."""
+    boat.ask("who")
+    values = boat.shown.get("contacts", ("",) * 4)
+    return f"{values[3]} {values[4]}"
+
+
+def told_in(lesson: Class, boat: int) -> list[str]:
+    """Return what a boat's recording has of the others."""
+    (path,) = lesson.folder.glob(f"boat-{boat}/*.trainer")
+    with open_recording(path) as recording:
+        branches = [each.id for each in recording.branches()]
+        orders = [each for branch in branches for each in recording.orders(branch)]
+        return [each.text for each in orders if each.giver.role == "class"]
+
+
+@pytest.mark.process
+def test_after_a_kill_both_have_each_other_again_and_each_recording_is_replayed_alone() -> None:
+    words = ("--boats", "2", "--one-sea", "1000", "--token", "anchor-42")
+    with class_at_sea("depth-changes", *words, "--token", "instructor=chief-17", boats=2) as lesson:
+        first, second = (lesson.attach_with(each, "instructor", "chief-17") for each in (1, 2))
+        for boat in (first, second):
+            assert boat.ask("subscribe contacts")[0]
+            assert boat.ask("run")[0]
+        await_that(lambda: seen_by(first) == "boat-2 submarine")
+        await_that(lambda: seen_by(second) == "boat-1 submarine")
+        kill(lesson.process_of(1))
+        await_that(lambda: "boat 1 has died (by signal 9)" in lesson.text(), lesson.text)
+        await_that(lambda: listens(lesson.socket(1)))
+        first = lesson.attach_with(1, "instructor", "chief-17")
+        assert seen_by(second) == "boat-1 submarine"
+        assert first.ask("subscribe contacts")[0]
+        assert first.ask("run")[0]
+        gone = "contact boats gone"  # what it had before it died
+        await_that(lambda: gone in told_in(lesson, 1) and seen_by(first) == "boat-2 submarine")
+        assert lesson.end() == 0
+        assert "each 1000 m east of the one before" in lesson.text()
+        for boat in (1, 2):
+            assert told_in(lesson, boat)
+            (path,) = lesson.folder.glob(f"boat-{boat}/*.trainer")
+            alone = run_trainer("replay", str(path), env=environment())
+            assert alone.returncode == 0, alone.stdout + alone.stderr
