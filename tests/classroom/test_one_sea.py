@@ -16,8 +16,10 @@ from helpers.waiting import await_that
 from soak.session_process import Caller
 
 from trainer.boat.world.contacts import ContactState, contacts_in
-from trainer.classroom.one_sea import LOST_AFTER_S, PARTED_M, OneSea
+from trainer.classroom.one_sea import LOST_AFTER_S, PARTED_M, OneSea, Place, boat_order
 from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.io.orders.grammar import MAX_LINE_LETTERS, parse
+from trainer.io.orders.sentences import order_sentence
 from trainer.io.serial_line import LinkError
 from trainer.session.jump import jump_to
 from trainer.session.past.header import open_recording
@@ -87,11 +89,15 @@ class Sea:
 
     def settle(self) -> None:
         """Look until the class has a line to each session that can be reached."""
-        wanted = len(self.ships) - len(self.lost)
         self.now += 10.0
+        await_that(self.all_heard)
         self.sea.look()
-        await_that(lambda: sum(not each.ended for each in self.lines.values()) == wanted)
+
+    def all_heard(self) -> bool:
+        """Look, and return whether each line there may be is heard."""
         self.sea.look()
+        open_lines = [line for line in self.lines.values() if not line.ended and line.taken]
+        return len(open_lines) == len(self.ships) - len(self.lost)
 
     def pass_time(self, seconds: float, *flying: int, ticks: int = 1) -> None:
         """Let the time of these boats go on, others stand still."""
@@ -265,6 +271,15 @@ def test_a_collision_is_told_at_both(sea: Callable[..., Sea]) -> None:
         assert ship.session.time.frozen
 
 
+def test_an_order_of_the_longest_words_fits_a_line_and_the_journal() -> None:
+    far = Place(-99_999.0, -99_999.0, 1999.9, -20.0, -21.0, 0.0)
+    words = boat_order(24, far)
+    assert len(order_sentence(words, "999924")) <= MAX_LINE_LETTERS
+    assert parse(parse(words).text) == parse(words)  # type: ignore[union-attr]
+    still = boat_order(2, Place(1.0, 2.0, -0.5, 0.01, 0.0, -90.0))
+    assert still == "contact boat 2 at 1 2 d 0.0 c 270.0 s 0.00"
+
+
 def test_what_a_session_refuses_is_told_again_later(sea: Callable[..., Sea]) -> None:
     two = sea()
     two.pass_time(5.0)
@@ -316,8 +331,12 @@ def test_after_a_kill_both_have_each_other_again_and_each_recording_is_replayed_
         await_that(lambda: gone in told_in(lesson, 1) and seen_by(first) == "boat-2 submarine")
         assert lesson.end() == 0
         assert "each 1000 m east of the one before" in lesson.text()
-        for boat in (1, 2):
-            assert told_in(lesson, boat)
-            (path,) = lesson.folder.glob(f"boat-{boat}/*.trainer")
+        for number in (1, 2):
+            assert told_in(lesson, number)
+            (path,) = lesson.folder.glob(f"boat-{number}/*.trainer")
             alone = run_trainer("replay", str(path), env=environment())
             assert alone.returncode == 0, alone.stdout + alone.stderr
+        page = lesson.folder / "told.html"
+        run_trainer("debrief", str(path), "--html", str(page), env=environment())
+        assert "order course 045" not in page.read_text(encoding="utf-8")  # of the first
+        assert "contact boat" not in page.read_text(encoding="utf-8")

@@ -29,6 +29,7 @@ from trainer.units import KNOT
 LOOK_PERIOD_S: Final = 0.2  # between two looks at all boats
 MOTION_HZ: Final = 5  # at which a session says where its boat is
 PARTED_M: Final = 300.0  # between two boats that are shown to each other for the first time
+FARTHEST_M: Final = 50_000.0  # between two boats that are shown to each other
 LOST_AFTER_S: Final = 60.0  # that a boat without a line goes on as it went; then it is taken away
 DEAF_S: Final = 5.0  # that a session is told nothing after it has refused: its exercise may be over
 REDIAL_S: Final = 2.0
@@ -204,13 +205,16 @@ class SeaBoat:
 
 
 def boat_order(number: int, place: Place) -> str:
-    """Return the order that tells a session where another boat is."""
+    """Return the order that tells a session where another boat is, its words cut short.
+
+    A line has 80 letters at most, and so has the order as it is journalled.
+    """
     way = math.hypot(place.v_north, place.v_east)
     course = math.degrees(math.atan2(place.v_east, place.v_north)) % 360.0
     course, way = (course, way) if way >= LEAST_WAY else (place.heading % 360.0, 0.0)
     return (
-        f"contact boat {number} at {place.north:.1f} {place.east:.1f} "
-        f"depth {max(place.depth, 0.0):.1f} course {course:.1f} speed {way / KNOT:.2f}"
+        f"contact boat {number} at {place.north:.0f} {place.east:.0f} "
+        f"d {max(place.depth, 0.0):.1f} c {course:.1f} s {way / KNOT:.2f}"
     )
 
 
@@ -261,7 +265,8 @@ class OneSea:
         if not boat.hears:
             return
         alike = not boat.rate or not other.rate or boat.rate == other.rate
-        if not (boat.there and other.there and alike):
+        near = boat.there and other.there and boat.place.apart(other.place) < FARTHEST_M
+        if not (near and alike):
             boat.part(number)
             return
         if number not in boat.parted and boat.place.apart(other.place) >= PARTED_M:

@@ -19,7 +19,8 @@ FASTEST_KN: Final = 60.0  # that an order can say
 def hull_at(boat: Any, depth: float) -> ShipType:
     """Return the sizes of a boat like this one at a depth [m].
 
-    The depth is that of its origin. Its height and masthead are those of the sail's top over the water, below zero if it is under.
+    The depth is that of its origin. Height and masthead are those of the sail's top over the
+    water, below zero if it is under.
     """
     vessel = boat.vessel
     over = -(depth + float(vessel.z_sail))

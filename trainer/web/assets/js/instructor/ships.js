@@ -21,6 +21,7 @@ const TYPES = {
   fishing: say("fishing"),
   yacht: say("yacht"),
   tug: say("tug"),
+  submarine: say("submarine"),
 };
 const NEW = "new "; // before a type, in the choice of ships
 

@@ -99,6 +99,14 @@ const SHAPES = {
     ],
     masts: [[0.16, 11.5, 18]],
   },
+  submarine: {
+    ...{ length: 70, beam: 10, mast: 8, deck: 2, hull: "#23272b" },
+    blocks: [
+      [0.16, 0.38, 0.24, 2, 8, "#2c3136"],
+      [-0.96, -0.88, 0.1, 2, 4, "#23272b"],
+    ],
+    masts: [],
+  },
 };
 const LAMPS = /** @type {Record<string, string>} */ ({
   white: "#fff6dc",
