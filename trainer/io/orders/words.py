@@ -154,7 +154,6 @@ WATCH_CONTROL: Final = RoleControl("the watch is", CREW_ROLES)
 HANDS_CONTROL: Final = RoleControl(
     "what is worked by hand is", ("helm", "planes", "pilot", "ballast", "diving")
 )
-SHIPS_CONTROL: Final = RoleControl("", (CLASS,))
 FIRST_DIVE_CONTROL: Final = RoleControl("the dive from the start is", ("visitor",))
 AUTOPILOT_CONTROL: Final = RoleControl("the autopilot as a whole is", (TRAINEE,))
 TRAINEE_CONTROL: Final = RoleControl("", (TRAINEE,))
@@ -246,7 +245,7 @@ BOAT_TOPICS: Final = (
         boat_order("casualty", in_page=True),
         boat_order("clear", in_page=True),
         question("casualties", in_page=True),
-        boat_order("contact", control=SHIPS_CONTROL))),
+        boat_order("contact"))),
     Topic("freeze | run | step 10", "stop time, let it go on, 10 ticks", (
         time_order("freeze", planned=True, in_page=True),
         time_order("run", after_end=False, paced=True, in_page=True),

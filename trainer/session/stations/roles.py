@@ -182,7 +182,7 @@ CLASS_ROLE: Final = Role(
     CLASS,
     "the class's",
     "are the class",
-    orders_of(CLASS) | COMMON_ORDERS,
+    COMMON_ORDERS | {"contact"},
     ("motion", "time"),
     frozenset(),
 )
