@@ -1,4 +1,4 @@
-// The ships near: where each bears, how near it will come and when; and the orders that change them.
+// The ships near: where each bears, how near it will come, when; and the orders to them.
 import { bearing, clock, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
 import { shortLength } from "../units.js";

@@ -1,4 +1,4 @@
-// Ships as they are seen: hulls from the water up, houses, masts and lights, to scale by angles.
+// Ships as they are seen: hulls, houses, masts and lights, to scale by angles.
 
 /**
  * @typedef {object} Sight a ship in sight; angles in radians
@@ -19,7 +19,7 @@
  *   x: (beside: number) => number, y: (elevation: number) => number }} Canvas where she is drawn
  */
 
-// Bow, shoulders and quarters: along her of half a length, beside her of half a beam.
+// Bow, shoulders and quarters, in half lengths and half beams.
 const PLAN = [
   [1, 0],
   [0.72, 0.72],
@@ -30,7 +30,7 @@ const PLAN = [
   [0.72, -0.72],
 ];
 const SHEER = 0.28; // by how much the deck is higher at the bow
-const AIR = 16_000; // [m] after which a ship is lost in haze to the 1/e
+const AIR = 16_000; // [m] in which haze takes a ship to the 1/e
 /** @type {Record<string, Shape>} */
 const SHAPES = {
   tanker: {
@@ -100,11 +100,8 @@ const SHAPES = {
     masts: [[0.16, 11.5, 18]],
   },
   submarine: {
-    ...{ length: 70, beam: 10, mast: 8, deck: 2, hull: "#23272b" },
-    blocks: [
-      [0.16, 0.38, 0.24, 2, 8, "#2c3136"],
-      [-0.96, -0.88, 0.1, 2, 4, "#23272b"],
-    ],
+    ...{ length: 70, beam: 10, mast: 8, deck: 2, hull: "#262b31" },
+    blocks: [[0.16, 0.4, 0.24, 2, 8, "#262b31"]],
     masts: [],
   },
 };
