@@ -4,7 +4,7 @@
  * @typedef {object} Sight a ship in sight; angles in radians
  * @property {string} type
  * @property {number} train off the bow, clockwise
- * @property {number} bottom elevation of the lowest that the horizon leaves
+ * @property {number} bottom elevation of her waterline, or of the horizon
  * @property {number} top elevation of the masthead
  * @property {number} aspect off her bow, to starboard positive, of who looks
  * @property {number} span of her length, seen abeam
