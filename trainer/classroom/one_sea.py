@@ -14,7 +14,7 @@ import itertools
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -31,7 +31,6 @@ MOTION_HZ: Final = 5  # at which a session says where its boat is
 PARTED_M: Final = 300.0  # between two boats that are shown to each other for the first time
 FARTHEST_M: Final = 50_000.0  # between two boats that are shown to each other
 LOST_AFTER_S: Final = 60.0  # that a boat without a line goes on as it went; then it is taken away
-DEAF_S: Final = 5.0  # that a session is told nothing after it has refused: its exercise may be over
 REDIAL_S: Final = 2.0
 MOST_LINES: Final = 256  # taken of a session at once
 LEAST_WAY: Final = 0.1  # [m/s] below which a boat lies still, and its heading stands for its course
@@ -83,13 +82,11 @@ class SeaBoat:
     _pace: tuple[str, ...] = ()  # time, speed, held, branch, replay, shown; () if it is not heard
     _last: tuple[str, int] = "", -1  # branch and tick
     _lost: float = 0.0  # [s] since when it is not heard
-    _deaf_until: float = -math.inf
-    _tags: Iterator[int] = field(default_factory=lambda: itertools.cycle(range(1, 1_000_000)))
 
     @property
     def hears(self) -> bool:
         """Return whether its session takes what it is told now."""
-        return bool(self._pace) and not self.shows_past and self.clock() >= self._deaf_until
+        return bool(self._pace) and not self.shows_past
 
     @property
     def shows_past(self) -> bool:
@@ -129,10 +126,10 @@ class SeaBoat:
             self._line, self._lost, self._last = None, self.clock(), ("", -1)
             self._pace = ()
 
-    def say(self, words: str, other: int = 0) -> None:
-        """Give its session an order about another boat; 0: about all."""
+    def say(self, words: str) -> None:
+        """Give its session an order."""
         if self._line is not None:
-            self._line.send(order_sentence(words, str(100 * next(self._tags) % 1_000_000 + other)))
+            self._line.send(order_sentence(words))
 
     def meet(self, number: int, other: "SeaBoat") -> None:
         """Tell its session where another boat is, if it has to be told."""
@@ -144,7 +141,7 @@ class SeaBoat:
             if not self.rate or (taken.apart(place) < PLACE_ERROR_M and deeper < DEPTH_ERROR_M):
                 return
         self.told[number] = Told(place, self.seconds)
-        self.say(boat_order(number, place), number)
+        self.say(boat_order(number, place))
 
     def part(self, number: int) -> None:
         """Show another boat no more, until it is PARTED_M off."""
@@ -176,10 +173,7 @@ class SeaBoat:
         self._line = line
 
     def _hear(self, said: Sentence) -> None:
-        if said.kind == "TRA" and said.fields[0] == "no" and said.tag:
-            self.told.pop(int(said.tag) % 100, None)
-            self._deaf_until = self.clock() + DEAF_S
-        elif said.kind == "TRS" and said.fields[0] == "time":
+        if said.kind == "TRS" and said.fields[0] == "time":
             self._pace = said.fields[3:]
             if self.shows_past or self._pace[0] != "running":
                 self.rate = 0.0

@@ -101,4 +101,4 @@ def test_many_orders_keep_little_in_memory(tmp_path: Path) -> None:
         monitor.look(boat)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert most < 1.5e6
+    assert most < 1e6
