@@ -281,18 +281,26 @@ def test_an_order_of_the_longest_words_fits_a_line_and_the_journal() -> None:
     assert still == "contact boat 2 at 1 2 d 0.0 c 270.0 s 0.00"
 
 
-def test_a_session_that_shows_its_past_is_told_when_it_goes_on(sea: Callable[..., Sea]) -> None:
+def test_a_boat_that_replays_lies_where_it_is_and_is_told_when_it_goes_on(
+    sea: Callable[..., Sea],
+) -> None:
     two = sea()
-    two.pass_time(5.0)
-    two.ship(1).order("replay 3 s")
-    two.pass_time(2.0, 2)
-    told = len(two.orders(1))
-    assert two.seen(2) is not None
-    two.ship(1).order("take over")
+    two.pass_time(20.0)
+    here = float(two.ship(1).boat.state.x)
+    two.ship(1).order("replay 10 s")
     two.ship(1).order("run")
-    two.pass_time(10.0)
-    assert len(two.orders(1)) > told
+    two.ship(2).order("course right 90")
+    two.pass_time(8.0)
+    assert float(two.ship(1).boat.state.x) < here - 5.0  # it is in its past
+    seen = two.seen(2)
+    assert seen is not None
+    assert (seen.speed, abs(seen.north - here) < PLACE_ERROR_M) == (0.0, True)
+    two.pass_time(60.0)
+    two.ship(1).order("run")
+    two.pass_time(2.0)
     assert max(error(two, 1, 1000.0)) < PLACE_ERROR_M
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+    assert "contact boats gone" not in two.orders(1)  # no jump
 
 
 def seen_by(boat: Caller) -> str:

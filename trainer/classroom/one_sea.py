@@ -27,7 +27,7 @@ from trainer.io.serial_line import LinkError
 from trainer.units import KNOT
 
 LOOK_PERIOD_S: Final = 0.2  # between two looks at all boats
-MOTION_HZ: Final = 5  # at which a session says where its boat is
+HEARD_HZ: Final = 5  # at which a session says where its boat is
 PARTED_M: Final = 300.0  # between two boats that are shown to each other for the first time
 FARTHEST_M: Final = 50_000.0  # between two boats that are shown to each other
 LOST_AFTER_S: Final = 60.0  # that a boat without a line goes on as it went; then it is taken away
@@ -167,9 +167,10 @@ class SeaBoat:
             line = client.dial(self.boat.address, threading.Event())
         except LinkError:
             return  # the boat itself tells of it
-        for words in (f"role class {self.word}".rstrip(), f"subscribe motion at {MOTION_HZ} hz"):
+        # time first: of a place it has to be known whether it is of the past
+        asked = [f"subscribe {channel} at {HEARD_HZ} hz" for channel in ("time", "motion")]
+        for words in (f"role class {self.word}".rstrip(), *asked):
             line.send(order_sentence(words))
-        line.send(order_sentence("subscribe time"))
         self._line = line
 
     def _hear(self, said: Sentence) -> None:
