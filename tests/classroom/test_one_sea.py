@@ -285,11 +285,13 @@ def test_a_boat_that_replays_lies_where_it_is_and_is_told_when_it_goes_on(
     sea: Callable[..., Sea],
 ) -> None:
     two = sea()
+    two.ship(2).order("snapshot start")
     two.pass_time(20.0)
     here = float(two.ship(1).boat.state.x)
     two.ship(1).order("replay 10 s")
     two.ship(1).order("run")
-    two.ship(2).order("course right 90")
+    two.ship(2).order("restore start")
+    two.ship(2).order("run")
     two.pass_time(8.0)
     assert float(two.ship(1).boat.state.x) < here - 5.0  # it is in its past
     seen = two.seen(2)
