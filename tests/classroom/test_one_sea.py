@@ -305,6 +305,23 @@ def test_a_boat_that_replays_lies_where_it_is_and_is_told_when_it_goes_on(
     assert "contact boats gone" not in two.orders(1)  # no jump
 
 
+def test_a_boat_that_is_lost_while_another_replays_is_taken_away_when_that_goes_on(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(80.0)
+    two.ship(1).order("replay 75 s")
+    two.ship(1).order("run")
+    two.lost.add(2)
+    two.lines[2].line.ended = True
+    two.pass_time(LOST_AFTER_S + 5.0, 1)
+    assert two.seen(1) is not None  # its past has it
+    two.pass_time(20.0, 1)
+    two.ship(1).order("run")
+    two.pass_time(1.0, 1)
+    assert two.seen(1) is None
+
+
 def seen_by(boat: Caller) -> str:
     """Return the ship nearest to a boat, as its instructor has it."""
     boat.ask("who")
