@@ -35,13 +35,16 @@ class ClassLine:
     """The class's line to a session of the test, which hears it at once."""
 
     ship: Crewed
+    words: dict[str, str]
     line: Line = field(default_factory=lambda: Line("class"))
     trouble: str = ""
     taken: int = 0
 
     def __post_init__(self) -> None:
         log = self.ship.session.event_log
-        log.stations.append(Station(self.line, Access(), self.ship.sending, log.log))
+        log.stations.append(
+            Station(self.line, Access(tokens=self.words), self.ship.sending, log.log)
+        )
 
     @property
     def ended(self) -> bool:
@@ -69,11 +72,15 @@ class Sea:
         self.ships = [crewed(seconds=None, clock=self.clock) for _ in range(boats)]
         self.lines: dict[int, ClassLine] = {}
         self.lost: set[int] = set()
+        self.words: dict[str, str] = {}
+        self.told: list[str] = []
         patch.setattr("trainer.io.client.dial", self.dial)
         for ship in self.ships:
             ship.order("time x1")
-        rows: dict[int, Any] = {i: SimpleNamespace(address=i) for i in range(1, boats + 1)}
-        self.sea = OneSea(rows, spacing, "", self.clock)
+        rows: dict[int, Any] = {
+            i: SimpleNamespace(address=i, title=f"boat {i}") for i in range(1, boats + 1)
+        }
+        self.sea = OneSea(rows, spacing, "chief", self.told.append, self.clock)
         self.settle()
         for ship in self.ships:
             ship.order("run")
@@ -84,7 +91,7 @@ class Sea:
     def dial(self, number: int, *_: object) -> ClassLine:
         if number in self.lost:
             raise LinkError("away")
-        self.lines[number] = ClassLine(self.ships[number - 1])
+        self.lines[number] = ClassLine(self.ships[number - 1], self.words)
         return self.lines[number]
 
     def settle(self) -> None:
@@ -320,6 +327,25 @@ def test_a_boat_that_is_lost_while_another_replays_is_taken_away_when_that_goes_
     two.ship(1).order("run")
     two.pass_time(1.0, 1)
     assert two.seen(1) is None
+
+
+def test_a_boat_with_another_word_is_told_and_not_asked_again(sea: Callable[..., Sea]) -> None:
+    two = sea()
+    two.words = {"": "anchor", "instructor": "captain"}
+    for line in two.lines.values():
+        line.line.ended = True
+    two.pass_time(10.0)
+
+    def both_told() -> bool:
+        two.sea.look()
+        return len(two.told) == 2
+
+    await_that(both_told)
+    asked = [*two.lines.values()]
+    two.pass_time(60.0)
+    assert [*two.lines.values()] == asked
+    assert len(two.told) == 2
+    assert two.told[0].startswith("boat 1 is not in the sea of the others: wrong token")
 
 
 def seen_by(boat: Caller) -> str:

@@ -159,7 +159,7 @@ def sea_of(fleet: Fleet) -> OneSea | None:
     heads = (each.partition("instructor=") for each in fleet.tokens)
     words = (word for before, head, word in heads if head and not before)
     tell(f"all boats are in one sea, each {spacing:g} m east of the one before")
-    return OneSea(fleet.boats, spacing, next(words, ""))
+    return OneSea(fleet.boats, spacing, next(words, ""), tell)
 
 
 def refuse_addresses(planned: ClassFile) -> None:

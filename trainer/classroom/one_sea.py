@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.classroom.fleet import AnyBoat
+from trainer.classroom.fleet import AnyBoat, Tell
 from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 from trainer.io import client
 from trainer.io.line import Line
@@ -32,6 +32,7 @@ PARTED_M: Final = 300.0  # between two boats that are shown to each other for th
 FARTHEST_M: Final = 50_000.0  # between two boats that are shown to each other
 LOST_AFTER_S: Final = 60.0  # that a boat without a line goes on as it went; then it is taken away
 REDIAL_S: Final = 2.0
+ROLE_TAG: Final = "1"  # of the order by which the class says who it is
 MOST_LINES: Final = 256  # taken of a session at once
 LEAST_WAY: Final = 0.1  # [m/s] below which a boat lies still, and its heading stands for its course
 
@@ -70,6 +71,7 @@ class SeaBoat:
     boat: AnyBoat
     word: str  # the instructor's
     origin_east: float  # [m] of its start in the sea of the class
+    tell: Tell
     clock: Callable[[], float]
     told: dict[int, Told] = field(default_factory=dict)  # by the numbers of the others
     parted: set[int] = field(default_factory=set)  # from whom it has been PARTED_M off
@@ -77,6 +79,7 @@ class SeaBoat:
     rate: float = 0.0  # of its time, as it was heard last: 0 stands, infinite as fast as it goes
     _line: Line | None = None
     _dialled: float = -math.inf
+    _dialler: threading.Thread = field(default_factory=threading.Thread)
     _place: Place | None = None
     _at: tuple[float, float] = 0.0, 0.0  # its own time [s] and the class's, of its place
     _pace: tuple[str, ...] = ()  # time, speed, held, branch, replay, shown; () if it is not heard
@@ -114,9 +117,10 @@ class SeaBoat:
     def listen(self) -> None:
         """Take what its session has said; dial it where there is no line."""
         if self._line is None:
-            if self.clock() - self._dialled >= REDIAL_S:
+            if self.clock() - self._dialled >= REDIAL_S and not self._dialler.is_alive():
                 self._dialled = self.clock()
-                threading.Thread(target=self._dial, daemon=True).start()
+                self._dialler = threading.Thread(target=self._dial, daemon=True)
+                self._dialler.start()
             return
         for text in self._line.take(MOST_LINES):
             if sentence := parse_sentence(str(text)):
@@ -169,12 +173,16 @@ class SeaBoat:
             return  # the boat itself tells of it
         # time first: of a place it has to be known whether it is of the past
         asked = [f"subscribe {channel} at {HEARD_HZ} hz" for channel in ("time", "motion")]
-        for words in (f"role class {self.word}".rstrip(), *asked):
+        line.send(order_sentence(f"role class {self.word}".rstrip(), ROLE_TAG))
+        for words in asked:
             line.send(order_sentence(words))
         self._line = line
 
     def _hear(self, said: Sentence) -> None:
-        if said.kind == "TRS" and said.fields[0] == "time":
+        if said.kind == "TRA" and (said.tag, said.fields[0]) == (ROLE_TAG, "no"):
+            self._dialled = math.inf  # each wrong word is counted there, and makes others wait
+            self.tell(f"{self.boat.title} is not in the sea of the others: {said.fields[1]}")
+        elif said.kind == "TRS" and said.fields[0] == "time":
             self._pace = said.fields[3:]
             if self.shows_past or self._pace[0] != "running":
                 self.rate = 0.0
@@ -221,11 +229,12 @@ class OneSea:
         boats: Mapping[int, AnyBoat],
         spacing: float,
         word: str,
+        tell: Tell,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Have each boat start ``spacing`` [m] east of the one before."""
         self.boats = {
-            number: SeaBoat(boat, word, (number - 1) * spacing, clock)
+            number: SeaBoat(boat, word, (number - 1) * spacing, tell, clock)
             for number, boat in boats.items()
         }
         self._ended = threading.Event()
@@ -238,7 +247,8 @@ class OneSea:
     def end(self) -> None:
         """Leave all sessions."""
         self._ended.set()
-        self._thread.join()
+        if self._thread.ident is not None:  # it has begun
+            self._thread.join()
         for boat in self.boats.values():
             boat.end()
 

@@ -67,7 +67,8 @@ class Muster:
 
     def unconfirmed(self, station: Station) -> Refused | None:
         """Return why ``quit`` has to be said again, None where it need not be."""
-        came = [each for each in self.log.stations if each.visits and each.settled]
+        stations = (each for each in self.log.stations if each.role.name != CLASS)
+        came = [each for each in stations if each.visits and each.settled]
         others = sum(each is not station and not each.line.ended for each in came)
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
