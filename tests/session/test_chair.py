@@ -52,6 +52,8 @@ def test_who_is_alone_takes_every_chair_and_goes_back(drill: Crewed) -> None:
 def test_the_class_is_nobody_beside_whom_a_chair_or_an_end_has_to_wait(drill: Crewed) -> None:
     line = alone(drill, "trainee")
     joins(drill, "class", Access())
+    drill.say(line, "who")
+    assert [each.partition(" ")[0] for each in drill.said] == ["trainee"]
     assert drill.say(line, "role instructor")[0] == "ok"
     assert drill.say(line, "quit") == ("ok", "ending")
 

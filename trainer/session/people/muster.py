@@ -59,7 +59,7 @@ class Muster:
 
     def who(self, asked: Request) -> LongAnswer:
         """Answer with the account of every station; tell a program the same in facts."""
-        stations = self.log.stations
+        stations = self._people
         facts = [Fact("stations", str(len(stations)))]
         facts += [Fact("aboard", self._aboard(each, asked.station)) for each in stations]
         self.log.note(asked.station, facts)
@@ -67,8 +67,7 @@ class Muster:
 
     def unconfirmed(self, station: Station) -> Refused | None:
         """Return why ``quit`` has to be said again, None where it need not be."""
-        stations = (each for each in self.log.stations if each.role.name != CLASS)
-        came = [each for each in stations if each.visits and each.settled]
+        came = [each for each in self._people if each.visits and each.settled]
         others = sum(each is not station and not each.line.ended for each in came)
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
@@ -93,6 +92,11 @@ class Muster:
         }
         told = " ".join(mark for mark, holds in marks.items() if holds)
         return f"{station.role.name},{station.called},{told},{station.line.name}"
+
+    @property
+    def _people(self) -> list[Station]:
+        """Return all stations but that of the class, where nobody sits."""
+        return [each for each in self.log.stations if each.role.name != CLASS]
 
     def _awaited(self) -> str:
         """Return who is not ready yet; if all are, the axes that have nobody to work them."""
