@@ -187,12 +187,13 @@ def test_a_boat_that_stands_still_stays_where_it_is_and_is_told_again_when_it_go
     assert error(two, 1, 1000.0)[0] < 2.0 * PLACE_ERROR_M
 
 
+@pytest.mark.parametrize("faster", ["time x4", "time max"])
 def test_a_boat_whose_time_runs_faster_is_taken_away_until_it_is_alike(
-    sea: Callable[..., Sea],
+    sea: Callable[..., Sea], faster: str
 ) -> None:
     two = sea()
     two.pass_time(5.0)
-    two.ship(1).order("time x4")
+    two.ship(1).order(faster)
     two.pass_time(5.0, 1, ticks=4)
     two.pass_time(1.0)
     assert two.seen(1) is None
