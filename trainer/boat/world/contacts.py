@@ -7,9 +7,11 @@ carries its way along.
 """
 
 import math
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any, Final
 
 import numpy as np
@@ -103,10 +105,8 @@ class Contacts:
         begins, fleet = self._fleets[-1]
         if begins <= tick:  # nearly always
             return fleet
-        for begins, fleet in reversed(self._fleets):
-            if begins <= tick:
-                return fleet
-        return self._first
+        index = bisect_right(self._fleets, tick, key=itemgetter(0)) - 1
+        return self._fleets[max(index, 0)][1]
 
     def at(self, tick: int) -> Situation:
         """Return where the ships are at a tick, in the order of the fleet."""
