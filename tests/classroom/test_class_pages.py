@@ -187,6 +187,28 @@ def test_words_go_to_the_chosen_boats_and_each_answers(lesson: Class, look: Look
     see_ways(page)
 
 
+def test_the_way_is_shown_in_all_chosen_boats_at_once(lesson: Class, look: Look) -> None:
+    page = class_page(lesson, look, DESK)
+    for boat in (1, 2):
+        page.check(f"#choose-{boat}")
+    page.click("[data-words=run]")
+    page.click("[data-words=demonstrate]")
+    expect(tile(page, 2).locator(".said")).to_contain_text("freeze first")
+    page.click("[data-words=freeze]")
+    for boat in (1, 2):
+        expect(tile(page, boat).locator(".state")).to_have_text("FROZEN")
+    page.click("[data-words=demonstrate]")
+    expect(page.locator("#answer")).to_contain_text("obeyed by 2 of 2")
+    for boat in (1, 2):
+        expect(tile(page, boat).locator(".said")).to_contain_text("shows the way for 120 s")
+        expect(tile(page, boat).locator(".state")).to_have_text("RUNNING")
+    expect(tile(page, 3).locator(".said")).to_have_text("")
+    page.fill("#order", "demonstrate off")
+    page.press("#order", "Enter")
+    for boat in (1, 2):
+        expect(tile(page, boat).locator(".state")).to_have_text("FROZEN")
+
+
 def see_ways(page: Page) -> None:
     """See that a tile leads to the boat's own page, and that the page leads back, by keyboard."""
     page.locator("#by-number").focus()

@@ -22,6 +22,7 @@ exercise = "depth-changes"
 boats = 3
 seed = 5
 seeds = "by-boat"
+one_sea_m = 800
 note = "Tuesday"
 
 [[boat]]
@@ -45,10 +46,12 @@ def test_a_boat_has_what_is_its_own_and_else_what_is_the_classs(tmp_path: Path) 
     planned = load_class(written(tmp_path, WHOLE))
     rows = [planned.row_of(number) for number in planned.numbers]
 
+    assert planned.one_sea_m == 800.0
     assert [row.seed for row in rows] == [5, 6, 99]
     assert [row.name for row in rows] == [None, "Bravo", None]
     assert rows[1].trainees == ("A. Jones", "B. Smith")
     same = load_class(written(tmp_path, 'exercise = "depth-changes"\nboats = 2\n'))
+    assert same.one_sea_m is None
     assert [same.row_of(number).seed for number in same.numbers] == [1, 1]
 
 
@@ -106,6 +109,7 @@ WRONG = {
     'exercise = "depth-change"\nboats = 3': "nearest is depth-changes",
     'exercise = "depth-changes"\nboats = 25': "boats = 25: must be a whole number, 1 to 24",
     'exercise = "depth-changes"\nboat = []': "lacks boats",
+    'exercise = "depth-changes"\nboats = 2\none_sea_m = 6000': "one_sea_m = 6000: must be 0 to",
     'exercise = "depth-changes"\nboats = 1\nseeds = "own"': "must be same or by-boat",
     'exercise = "depth-changes"\nboats = 1\n[[boat]]\nnumber = 2': "there are boats = 1",
     f"{WHOLE}[[boat]]\nnumber = 2": "is there 2 times",
@@ -143,7 +147,12 @@ def test_a_new_class_file_is_right_and_is_written_over_no_other(
     cli(typed, standalone_mode=False)
     cli(["class", "check", str(path)], standalone_mode=False)
 
-    assert "depth-changes, boats: 2" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "depth-changes, boats: 2" in told
+    assert "one sea" not in told
+    path.write_text(path.read_text(encoding="utf-8").replace("# one_sea_m", "one_sea_m"))
+    cli(["class", "check", str(path)], standalone_mode=False)
+    assert "all in one sea, each 1000 m east" in capsys.readouterr().out
     with pytest.raises(ConfigError, match="is there already"):
         cli(typed, standalone_mode=False)
 

@@ -1,6 +1,7 @@
 """A session with an instructor and whoever comes, conducted by a test without a clock."""
 
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -47,6 +48,7 @@ class Crewed:
         world: WorldTables | None = None,
         hand: frozenset[str] = frozenset(),
         plan: Plan | None = None,  # of an exercise
+        clock: Callable[[], float] = time.monotonic,  # of what is shown
     ) -> None:
         self.boat = make_boat("bb2", "modified")
         if plan:
@@ -59,7 +61,7 @@ class Crewed:
         self.now = 0.0
         self.judged = threading.Event()
         self.wake = threading.Event()
-        self.sending = prompt_sender(self.boat)
+        self.sending = prompt_sender(self.boat, clock)
         for each in armed:
             arm_casualty(self.boat, each.condition, each.casualty, each.rule)
         self.session = free_session(

@@ -8,7 +8,7 @@ from typing import Final
 
 from helpers.document_tables import roles_with
 from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings, word_of
-from trainer.io.orders.words import ANEW_ORDERS, ORDER_WORDS, OrderWord
+from trainer.io.orders.words import ANEW_ORDERS, CLASS, ORDER_WORDS, OrderWord
 from trainer.session.crew.manning import REPEATING_ROLES, WORDS_AXIS
 from trainer.web.modules import ASSETS_FOLDER
 
@@ -84,7 +84,8 @@ def _long_heads(form: Form) -> list[str]:
 
 def _rule(word: OrderWord) -> dict[str, object]:
     gates = {"inReplay": word.in_replay, "afterEnd": word.after_end}
-    return {"obeyer": word.obeyer.value, **gates, "roles": roles_with(word.name)}
+    of_pages = [role for role in roles_with(word.name) if role != CLASS]
+    return {"obeyer": word.obeyer.value, **gates, "roles": of_pages}
 
 
 def _table(says: str, kind: str, name: str, content: object) -> str:

@@ -2,7 +2,8 @@
 
 import math
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -93,9 +94,9 @@ def session_over(
     )
 
 
-def prompt_sender(boat: Boat) -> PromptSender:
+def prompt_sender(boat: Boat, clock: Callable[[], float] = time.monotonic) -> PromptSender:
     """Return what shows a boat to stations at once."""
-    return PromptSender(Roster(state_reader(boat)))
+    return PromptSender(Roster(state_reader(boat)), clock)
 
 
 def state_reader(boat: Boat) -> StateReader:

@@ -178,7 +178,7 @@ MISTYPED = [
     ("subscribe diving 5", "expected at"),
     (
         "role captain",
-        "helm, planes, pilot, ballast, diving, deck, observer, visitor, scope or trainee",
+        "planes, pilot, ballast, diving, deck, observer, visitor, scope, trainee or class",
     ),
     ("s d 10", '"s" may be sail or stern'),
     ("depth 80 fathoms", "expected m or ft"),

@@ -49,6 +49,15 @@ def test_who_is_alone_takes_every_chair_and_goes_back(drill: Crewed) -> None:
     assert drill.refused("role trainee", line) == "you are a trainee already"
 
 
+def test_the_class_is_nobody_beside_whom_a_chair_or_an_end_has_to_wait(drill: Crewed) -> None:
+    line = alone(drill, "trainee")
+    joins(drill, "class", Access())
+    drill.say(line, "who")
+    assert [each.partition(" ")[0] for each in drill.said] == ["trainee"]
+    assert drill.say(line, "role instructor")[0] == "ok"
+    assert drill.say(line, "quit") == ("ok", "ending")
+
+
 def test_what_is_hidden_stays_behind_with_the_instructors_chair(drill: Crewed) -> None:
     line = alone(drill, "trainee")
     assert drill.say(line, "subscribe motion")[0] == "no"

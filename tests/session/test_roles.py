@@ -11,6 +11,7 @@ from trainer.session.stations.roles import (
     EVENT_KINDS,
     ROLES,
     STRANGER_ROLE,
+    Access,
     channel_refusal,
     hears_kind,
     refusal,
@@ -45,7 +46,7 @@ ALL = {
     *("role", "help", "status", "briefing", "log", "alerts", "ack", "history"),
     *("subscribe", "unsubscribe", "detach", "who", "name"),
 }
-TRAINEES = sorted(set(ROLES) - {"instructor"})
+TRAINEES = sorted(set(ROLES) - {"instructor", "class"})
 
 
 def test_a_role_gives_the_orders_of_the_table_and_no_others() -> None:
@@ -154,10 +155,21 @@ def test_the_truth_is_for_the_instructor_alone(channel: str) -> None:
     assert all(each and channel in each.reason for each in refused)
 
 
+def test_the_class_hears_where_a_boat_is_and_tells_of_the_others_by_the_instructors_word() -> None:
+    orders = {
+        name for name in GRAMMAR if refusal(ROLES["class"], Order(name, 0.0, "", name)) is None
+    }
+    assert orders == {"contact"} | ALL
+    assert ROLES["class"].channels == ("motion", "time")
+    words = Access(tokens={"": "anchor", "instructor": "chief"})
+    assert [words.admits("class", word) for word in ("anchor", "chief")] == [False, True]
+    assert Access(tokens={"": "anchor"}).admits("class", "anchor")
+
+
 HEARERS = {
     ("exercise", "watch", "refused", "trouble", "never heard of"): {"instructor"},
     ("order",): {"instructor", "observer"},
-    ("time", "moment", "station"): set(ROLES),
+    ("time", "moment", "station"): set(ROLES) - {"class"},
 }
 
 

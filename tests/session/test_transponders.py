@@ -213,3 +213,14 @@ def test_ais_follows_the_set_of_instruments(sail: Sail) -> None:
     told = [shown.lines(sailed.frame(tick)) for tick in range(0, 100, 2)]
     assert all(each[0].startswith("$INHDT") for each in told)
     assert any(len(each) > 1 and each[1].startswith("!AIVDM") for each in told)
+
+
+def test_another_boat_of_the_class_is_heard_while_it_is_up(sail: Sail) -> None:
+    sailed = sail(17.5, "")
+    for depth, messages in ((4, 12), (30, 0)):
+        order = read_order(f"contact boat 2 at 2000 0 depth {depth} course 090 speed 6")
+        assert obey_order(sailed.boat, order) == ""
+        told = read(sailed.heard(120.0))
+        assert len([each for each in told if each["msg_type"] == 1]) == messages
+        assert {each["mmsi"] for each in told} <= {200_000_002}
+        sailed.boat.state.tick = 0

@@ -17,6 +17,7 @@ import click
 from trainer.classroom.distant import DistantBoat
 from trainer.classroom.entrance import class_pages
 from trainer.classroom.fleet import BoatState, Fleet
+from trainer.classroom.one_sea import OneSea
 from trainer.config.class_file import (
     CLASS_FILE_NAME,
     ClassFile,
@@ -116,9 +117,12 @@ def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: 
         signal.signal(number, leave_program)
     with tempfile.TemporaryDirectory(prefix="trainer-class-") as sockets:
         fleet = Fleet(planned, folder, Path(sockets), tokens, tell, distant_boats(planned))
+        sea = sea_of(fleet)
         tell(f"{planned.boats} boats; all they leave is kept in {folder}")
         try:
             fleet.begin()
+            if sea:
+                sea.begin()
             threading.Thread(target=leave_after, args=(fleet,), daemon=True).start()
             for boat in fleet.boats.values():
                 tell(f"{boat.title}: trainer attach --connect {boat.address}")
@@ -133,6 +137,8 @@ def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: 
             for number in END_SIGNALS:  # the end has a limit of its own, and is not to be cut off
                 signal.signal(number, signal.SIG_IGN)
             tell("the class ends")
+            if sea:
+                sea.end()
             fleet.end()
     if all(boat.state is BoatState.LOST for boat in fleet.boats.values()):
         return 1
@@ -143,6 +149,17 @@ def serve_class(planned: ClassFile, folder: Path, tokens: Sequence[str], place: 
 def distant_boats(planned: ClassFile) -> dict[int, DistantBoat]:
     """Return the boats whose sessions run elsewhere, by their numbers."""
     return {row.number: DistantBoat(row, tell) for row in planned.boat if row.on}
+
+
+def sea_of(fleet: Fleet) -> OneSea | None:
+    """Return the one sea of a class; None where each boat is alone."""
+    spacing = fleet.planned.one_sea_m
+    if spacing is None:
+        return None
+    heads = (each.partition("instructor=") for each in fleet.tokens)
+    words = (word for before, head, word in heads if head and not before)
+    tell(f"all boats are in one sea, each {spacing:g} m east of the one before")
+    return OneSea(fleet.boats, spacing, next(words, ""), tell)
 
 
 def refuse_addresses(planned: ClassFile) -> None:

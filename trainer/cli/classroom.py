@@ -24,7 +24,7 @@ from trainer.cli.options import (
     record_of,
     seed_option,
 )
-from trainer.cli.types import ParentCommand
+from trainer.cli.types import Number, ParentCommand
 from trainer.cli.web import require_pages
 from trainer.config.files import ConfigError, is_path, path_named
 
@@ -46,6 +46,12 @@ boats_option = click.option("--boats", type=int, default=3, metavar="N", help="H
     help="One boat more, whose session runs there (trainer serve); may be given again.",
 )
 @seed_option("Seed of the random numbers of every boat.")
+@click.option(
+    "--one-sea",
+    type=Number(0.0, 5000.0),
+    metavar="METRES",
+    help="All boats in one sea, each so far east of the one before.",
+)
 @click.option("--own-seeds", is_flag=True, help="Each boat has one more than the boat before.")
 @click.option(
     "--token",
@@ -116,7 +122,14 @@ def words_of_class(given: tuple[str, ...], site: "ClassSite") -> tuple[str, ...]
 
 
 def plan_class(
-    name: str, *, boats: int, on: tuple[str, ...], seed: int, own_seeds: bool, **_others: object
+    name: str,
+    *,
+    boats: int,
+    on: tuple[str, ...],
+    seed: int,
+    own_seeds: bool,
+    one_sea: float | None,
+    **_others: object,
 ) -> "ClassFile":
     """Return the class of a class file, or of an exercise and the options; ConfigError."""
     from trainer.config.class_file import (
@@ -130,7 +143,7 @@ def plan_class(
     )
 
     if is_class_file(name):
-        if given := flags_given(("boats", "on", "seed", "own_seeds")):
+        if given := flags_given(("boats", "on", "seed", "own_seeds", "one_sea")):
             raise ConfigError(f"{given}: {name} is a class file, and says it itself")
         planned = load_class(Path(name))
     else:
@@ -138,7 +151,9 @@ def plan_class(
         seeds = OWN_SEEDS if own_seeds else SAME_SEEDS
         rows = tuple(BoatRow(number=number, on=url) for number, url in enumerate(on, boats + 1))
         count = boats + len(on)
-        planned = ClassFile(exercise=name, boats=count, seed=seed, seeds=seeds, boat=rows)
+        planned = ClassFile(
+            exercise=name, boats=count, seed=seed, seeds=seeds, one_sea_m=one_sea, boat=rows
+        )
     for exercise in planned.exercises:
         refuse_exercise(exercise)
     return planned
@@ -191,6 +206,8 @@ def check(file: Path) -> None:
     click.echo(f"{planned.exercise or course}, boats: {planned.boats}")
     for place, each in enumerate(planned.course, 1):
         click.echo(f"{place:3}. {each.told}")
+    if planned.one_sea_m is not None:
+        click.echo(f"all in one sea, each {planned.one_sea_m:g} m east of the one before")
     for number in planned.numbers:
         row = planned.row_of(number)
         who = ", ".join(row.trainees) or "no names"

@@ -38,12 +38,17 @@ from trainer.config.schema import (
     record_schema,
     required,
     with_default,
+    within,
 )
 
 MAX_BOATS: Final = 24
 MAX_SEED: Final = 2**53 - 1
+MAX_SPACING_M: Final = 5000.0
 CLASS_FILE_NAME: Final = "class.toml"  # in the folder of a class
 SAME_SEEDS, OWN_SEEDS = "same", "by-boat"
+# By how much a boat may be elsewhere than the others in its sea are told.
+PLACE_ERROR_M: Final = 5.0
+DEPTH_ERROR_M: Final = 2.0
 HEADING_KEYS: Final = frozenset({"exercise", "boats"})  # an exercise file has none of them
 
 
@@ -82,6 +87,11 @@ class ClassFile:
         Choice(
             (SAME_SEEDS, OWN_SEEDS), "every boat has that seed, or one more than the boat before"
         ),
+    )
+    one_sea_m: float | None = optional(
+        "m",
+        within(0, MAX_SPACING_M),
+        "all boats in one sea, each so far east of the one before; else each alone",
     )
     boat: tuple[BoatRow, ...] = with_default(
         (), Rows(BoatRow, ("note",), 0, MAX_BOATS, "what is one boat's own")
@@ -191,7 +201,7 @@ def _row_problems(planned: ClassFile) -> Iterator[str]:
 
 def class_text(planned: ClassFile) -> str:
     """Return a class as its file has it."""
-    lines = _key_lines(planned, ("exercise", "boats", "seed", "seeds"))
+    lines = _key_lines(planned, ("exercise", "boats", "seed", "seeds", "one_sea_m"))
     for course_row in planned.course:
         lines += ["", "[[course]]", *_key_lines(course_row, ("exercise", "reach"))]
     for row in planned.boat:
@@ -211,6 +221,8 @@ exercise = {exercise}   # `trainer exercises` lists them; or the path of a file
 boats = {boats}         # 1 to {most}
 seed = 1                # of random numbers
 seeds = "same"          # every boat has that seed; "by-boat": 1, 2, 3 ...
+
+# one_sea_m = 1000      # all boats in one sea, each starts so far east of the one before
 
 # A course in place of the exercise: each boat goes on by `next` at its own pace, once it has the
 # marks of its row; without `reach` the end of the exercise will do.

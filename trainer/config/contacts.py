@@ -92,6 +92,7 @@ SHIP_TYPES: Final[Mapping[str, ShipType]] = {
     "fishing": ShipType(24, 7, 3, 0.55, 7, 12, 12, ais=30, status="fishing"),
     "yacht": ShipType(14, 4.2, 2.2, 0.4, 1.5, 18, 9, ais=36, small=True, status="sailing"),
     "tug": ShipType(32, 11, 5, 0.6, 12, 18, 14, ais=52),
+    "submarine": ShipType(70, 10, 8, 0.6, 8, 8, 20, ais=35),  # surfaced; its mast is the sail
 }
 
 

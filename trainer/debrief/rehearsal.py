@@ -286,7 +286,7 @@ class Flight:
         for ship, motion in zip(fleet.order, fleet.motions(begun), strict=True):
             apart = math.hypot(motion.north - north, motion.east - east)
             gone = own + ship.type.fastest * seconds
-            if ship.drifts or ship.steered or not hull.far(apart - gone, 0.0, ship.type):
+            if ship.drifts or ship.steered or not hull.far(apart - gone, 0.0, ship.body):
                 return False
         return True
 

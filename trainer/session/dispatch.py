@@ -48,7 +48,12 @@ from trainer.session.parts import Parts
 from trainer.session.past.journal import order_of
 from trainer.session.past.run_modes import Due
 from trainer.session.stations.event_log import CREW_KIND
-from trainer.session.stations.roles import INSTRUCTOR_ROLE, TRAINEE_ROLE, not_for_visitors
+from trainer.session.stations.roles import (
+    CLASS_ROLE,
+    INSTRUCTOR_ROLE,
+    TRAINEE_ROLE,
+    not_for_visitors,
+)
 from trainer.session.stations.roles import refusal as role_refusal
 from trainer.session.stations.station import Duty, Fact, LongAnswer, Request, Saying, Station
 
@@ -199,7 +204,8 @@ class Dispatch:
             answer = shut or self._carried_out(order, station.giver, station)
             kept_answer = session.event_log.as_kept(answer)
             station.answer(asked, kept_answer, *self._unheard(order, station, answer))
-            self._pass_on(order, answer, station)
+            if station.role is not CLASS_ROLE:  # it tells of the other boats all the time
+                self._pass_on(order, answer, station)
             return
         try:
             reply = shut or self.duties[order.name](asked)

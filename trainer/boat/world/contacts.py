@@ -6,17 +6,19 @@ they were then. A ship that drifts goes its way through the water, and the curre
 carries its way along.
 """
 
-import functools
 import math
-import operator
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.boat.world.bottom import STATE_OFFSETS, TICK_OFFSET
+from trainer.boat.world.consorts import BOAT_NAME, BOAT_TYPE, BOATS_MMSI, hull_at
+from trainer.boat.world.contact_fleet import KNOWN_BLOCKS, ContactFleet, Ship, Ticks
 from trainer.boat.world.current import CurrentAround
 from trainer.boat.world.hulls import Pose, read_pose
 from trainer.boat.world.lights import Light, lights_of
@@ -25,14 +27,12 @@ from trainer.boat.world.steered import SteerableShip, SteeredContact, SteeredNom
 from trainer.boat.world.steered_ship import SteeredShip
 from trainer.boat.world.tracks import (
     Piece,
-    ShipMotion,
     Situation,
     Stretch,
     Way,
     lay_way,
     path_along,
     rest_of,
-    situation,
     turn_stretch,
     unreached_stretch,
 )
@@ -43,23 +43,15 @@ from trainer.config.contacts import (
     SHIP_TYPES,
     Contact,
     Encounters,
-    ShipType,
 )
 from trainer.config.files import ConfigError, collecting, nearest, raise_problems
 from trainer.config.world import WorldTables
-from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
-Ticks = NDArray[np.int64]
 FORCE_OFFSET: Final = STATE_OFFSETS["ship_force"]
 STRAIGHT_ON: Final = (Stretch(0.0, math.inf),)  # straight on for ever
-BLOCK_TICKS: Final = 256  # ticks of ships computed at once
-KNOWN_BLOCKS: Final = 16  # [blocks] kept, of KNOWN_SHIPS at most, 1.5 MB each
-KNOWN_SHIPS: Final = 20
 EMPTY_PIECE: Final = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-# from a time [s] to how far water has gone [m] and how it goes [m/s], north and east each
-Water = Callable[[float], tuple[tuple[float, float], tuple[float, float]]]
 
 
 @dataclass(frozen=True)
@@ -84,121 +76,6 @@ class ContactState:
     mmsi: int | None
 
 
-@dataclass(frozen=True)
-class Ship:
-    """One ship and its way."""
-
-    name: str
-    kind: str
-    status: str
-    mmsi: int | None
-    way: Way  # through the water of a ship that drifts
-    drifts: bool = False
-    steered: SteeredContact | None = (
-        None  # a ship that answers its rudder; its way is only where it began
-    )
-
-    @property
-    def type(self) -> ShipType:
-        """Return its kind."""
-        return SHIP_TYPES[self.kind]
-
-    def lies(self, now: Piece) -> bool:
-        """Return whether the ship lies still and is ordered to."""
-        return now.speed == 0.0 and self.way.path[-1].speed in (None, 0.0)
-
-
-class ContactFleet:
-    """All ships from one order to the next. Any thread may read it, because nothing alters it."""
-
-    def __init__(self, ships: Mapping[str, Ship], water: Water, step: float) -> None:
-        """Hold ships by their names, in the water that carries those that drift."""
-        self.ships = dict(ships)
-        self.order = tuple(self.ships.values())
-        self.step = step
-        self._water = water
-        self._drifting = [i for i, ship in enumerate(self.order) if ship.drifts]
-        self._latest: tuple[int, list[list[ShipMotion]]] = 0, []  # first tick, motions by tick
-
-    def motions(self, tick: int) -> list[ShipMotion]:
-        """Return how all go at a tick. Their ways are computed for BLOCK_TICKS at once."""
-        begins, block = self._latest
-        if not begins <= tick < begins + len(block):
-            begins = tick - tick % BLOCK_TICKS
-            block = self._block(begins)
-            self._latest = begins, block
-        if not self._drifting:
-            return block[tick - begins]
-        motions, carried = list(block[tick - begins]), self._carried(tick * self.step)
-        for i in self._drifting:  # orders may change the current, and so it is in no block
-            motions[i] = ShipMotion(*map(operator.add, motions[i], carried))
-        return motions
-
-    def _block(self, begins: int) -> list[list[ShipMotion]]:
-        """Return how all would go in BLOCK_TICKS from a tick on if no water carried them."""
-        if len(self.order) > KNOWN_SHIPS or any(ship.steered for ship in self.order):
-            ways = self._ways(np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64))
-            return motions_in(ways)
-        return laid_block(self.order, self.step, begins)
-
-    def over(self, ticks: Ticks) -> Situation:
-        """Return where all are over ticks, a row for each ship."""
-        ways = self._ways(ticks)
-        if self._drifting:
-            carried = np.array([self._carried(tick * self.step) for tick in ticks.tolist()]).T
-            for column, by in zip(ways, carried, strict=True):
-                column[self._drifting] += by
-        return ways
-
-    def _carried(self, time: float) -> tuple[float, ...]:
-        """Return what the water adds by a time [s] to a ship that drifts."""
-        (north, east), current = self._water(time)
-        return north, east, 0.0, 0.0, 0.0, *current
-
-    def _ways(self, ticks: Ticks) -> Situation:
-        """Return where all would be over ticks if no water carried them, a row each."""
-        if not self.order:
-            return Situation(*np.empty((len(Situation._fields), 0, ticks.size)))
-        times = ticks.astype(np.float64) * self.step
-        ways = laid_ways(self.order, times)
-        for i, ship in enumerate(self.order):
-            if ship.steered:
-                self._steer(ship.steered, times, Situation(*(column[i] for column in ways)))
-        return ways
-
-    def _steer(self, steered: SteeredContact, times: Numbers, row: Situation) -> None:
-        """Write how a ship that answers its rudder goes into its row."""
-        for k, time in enumerate(times.tolist()):
-            now = steered.at(time)
-            for column, value in zip(row, now[:5], strict=False):
-                column[k] = value
-            row.set_north[k] = -now.sway * math.sin(now.course)
-            row.set_east[k] = now.sway * math.cos(now.course)
-
-
-def laid_ways(ships: Sequence[Ship], times: Numbers) -> Situation:
-    """Return where ships are at times [s] by their laid ways, a row each."""
-    pieces = np.stack([ship.way.over(times) for ship in ships], axis=1)
-    return Situation(*(column.copy() for column in situation(pieces, times)))
-
-
-def motions_in(ways: Situation) -> list[list[ShipMotion]]:
-    """Return how ships go, by column of a situation."""
-    return [[ShipMotion(*row) for row in rows] for rows in np.array(ways).T.tolist()]
-
-
-@functools.lru_cache(maxsize=KNOWN_BLOCKS)
-def laid_block(ships: tuple[Ship, ...], step: float, begins: int) -> list[list[ShipMotion]]:
-    """Return how ships go by their laid ways in BLOCK_TICKS from a tick on. Nobody may alter it.
-
-    It is kept because a debrief flies the same minutes among the same ships many times.
-    """
-    if not ships:
-        return [[] for _ in range(BLOCK_TICKS)]
-    ticks = np.arange(begins, begins + BLOCK_TICKS, dtype=np.int64)
-    return motions_in(laid_ways(ships, ticks.astype(np.float64) * step))
-
-
 class Contacts:
     """The ships near, as a part of the world."""
 
@@ -208,7 +85,8 @@ class Contacts:
         self.step = float(boat.method.step)
         self.given = tuple(ships)
         self._boat = boat
-        self._first = ContactFleet(ships_of(ships, self.step), self.water, self.step)
+        self._recent: deque[ContactFleet] = deque(maxlen=KNOWN_BLOCKS)
+        self._first = self._fleet_of(ships_of(ships, self.step))
         self._fleets: tuple[tuple[int, ContactFleet], ...] = ((0, self._first),)
         self._pull = ShipPull(boat) if encounters.force == "on" else None
 
@@ -227,10 +105,8 @@ class Contacts:
         begins, fleet = self._fleets[-1]
         if begins <= tick:  # nearly always
             return fleet
-        for begins, fleet in reversed(self._fleets):
-            if begins <= tick:
-                return fleet
-        return self._first
+        index = bisect_right(self._fleets, tick, key=itemgetter(0)) - 1
+        return self._fleets[max(index, 0)][1]
 
     def at(self, tick: int) -> Situation:
         """Return where the ships are at a tick, in the order of the fleet."""
@@ -262,8 +138,9 @@ class Contacts:
         """Take an order from a tick on; return the answer."""
         doing = order.word.partition("_")[0]
         ships = dict(self.fleet(tick).ships)
-        if doing == "add":
-            return self._add(order, tick, ships)
+        brings = {"add": self._add, "boat": self._meet, "boats": self._meet}.get(doing)
+        if brings:
+            return brings(order, tick, ships)
         ship = ships.get(order.subject)
         if ship is None:
             known = nearest(order.subject, ships) or f"; there are: {', '.join(ships) or 'none'}"
@@ -301,14 +178,30 @@ class Contacts:
         tick = int(numbers[TICK_OFFSET])
         fleet = self.fleet(tick)
         rows = zip(fleet.order, fleet.motions(tick), strict=True)
-        ships = [(ship.type, *motion[:4]) for ship, motion in rows]
+        ships = [(ship.type, *motion[:4]) for ship, motion in rows if not ship.hull]
         pull = self._pull.on(Pose(*read_pose(numbers)), ships)
         for i, each in enumerate(pull, FORCE_OFFSET):
             numbers[i] = each
 
-    def _change(self, tick: int, ships: dict[str, Ship], reply: str) -> str:
-        self._fleets = (*self._fleets, (tick, ContactFleet(ships, self.water, self.step)))
+    def _change(self, tick: int, ships: dict[str, Ship], reply: str = "") -> str:
+        self._fleets = (*self._fleets, (tick, self._fleet_of(ships)))
         return reply
+
+    def _fleet_of(self, ships: Mapping[str, Ship]) -> ContactFleet:
+        return ContactFleet(ships, self.water, self.step, self._recent)
+
+    def _meet(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
+        """Have another boat of the class where it is told to be, or have none any more."""
+        if order.word == "boats_gone":
+            return self._change(tick, {name: ships[name] for name in ships if not ships[name].hull})
+        number, north, east, depth, course, speed = order.numbers
+        start = EMPTY_PIECE._replace(north=north, east=east, course=course, speed=speed)
+        hull, name = hull_at(self._boat, depth), BOAT_NAME.format(int(number))
+        mmsi = BOATS_MMSI + int(number) if hull.mast > 0.0 else None
+        way = lay_way(tick * self.step, start, STRAIGHT_ON)
+        status = SHIP_TYPES[BOAT_TYPE].status
+        ships[name] = Ship(name, BOAT_TYPE, status, mmsi, way, hull=hull)
+        return self._change(tick, ships)
 
     def _add(self, order: Order, tick: int, ships: dict[str, Ship]) -> Reply:
         """Add a ship that keeps a course and speed."""
@@ -348,7 +241,7 @@ def _seen(ship: Ship, row: Sequence[float]) -> ContactState:
         ship.name, ship.kind, ship.status,
         north, east, course % math.tau, speed, heading % math.tau, turning,
         kind.length, kind.beam, kind.draught, kind.height, kind.mast,
-        lights=lights_of(ship.kind, ship.status),
+        lights=lights_of(kind, ship.status),
         mmsi=ship.mmsi,
     )
     # fmt: on

@@ -27,7 +27,8 @@ from trainer.boat.world.approach import (
     plot_ship,
 )
 from trainer.boat.world.bottom import STATE_OFFSETS
-from trainer.boat.world.contacts import Contacts, Ship, Ticks, contacts_in
+from trainer.boat.world.contact_fleet import Ship, Ticks
+from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, read_pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, Situation
 from trainer.config.contacts import Encounters
@@ -110,7 +111,7 @@ def collisions_in(
     touched: dict[int, set[str]] = {}
     for each in passed:
         depth = np.minimum(poses[2, each.rows - 1], poses[2, each.rows])
-        for k in np.flatnonzero(~hull.far(each.ranges, depth, each.ship.type)).tolist():
+        for k in np.flatnonzero(~hull.far(each.ranges, depth, each.ship.body)).tolist():
             row = int(each.rows[k])
             both = Pose(*poses[:, row - 1].tolist()), Pose(*poses[:, row].tolist())
             if _meets(hull, each.ship, both, (each.starts[:, k], each.ends[:, k])):
@@ -244,7 +245,7 @@ class EncounterMonitor:
         fleet = contacts.fleet(int(flown.ticks[0]) - 1)
         mask = self._may_call(flown, self._ways(contacts, flown), self.mean_ticks * contacts.step)
         for ship, its in zip(fleet.order, ranges, strict=True):
-            mask |= ~hull.far(its, depths, ship.type)
+            mask |= ~hull.far(its, depths, ship.body)
         return int(mask.argmax()) if mask.any() else len(flown)
 
     def _may_call(self, flown: TickColumns, way: Situation, seconds: float) -> NDArray[np.bool_]:
@@ -303,7 +304,7 @@ class EncounterMonitor:
                 closest[name] = apart, tick
             if apart < self.nearest[1]:
                 self.nearest = name, apart
-            if hull is None or hull.far(apart, depth, ship.type):
+            if hull is None or hull.far(apart, depth, ship.body):
                 continue
             if _meets(hull, ship, (before, now), (np.array(start[:3]), np.array(end[:3]))):
                 struck.add(name)
@@ -398,10 +399,10 @@ def _meets(
     way = np.array(now[:3]) - np.array(before[:3])
     way[:2] -= end[:2] - start[:2]
     # in steps of a share of the ship's beam, so that no ship is jumped over
-    looks = hull.looks(float(np.linalg.norm(way)), ship.type)
+    looks = hull.looks(float(np.linalg.norm(way)), ship.body)
     for share in ((i + 1) / looks for i in range(looks)):
         location = (start + share * (end - start)).tolist()
-        if hull.touches(before.towards(now, share), ship.type, *location):
+        if hull.touches(before.towards(now, share), ship.body, *location):
             return True
     return False
 

@@ -6,14 +6,15 @@ sector, position on the ship and range.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from functools import lru_cache
 from typing import Final, NamedTuple
 
-from trainer.config.contacts import SHIP_TYPES, ShipType
+from trainer.config.contacts import ShipType
 
 LARGE_LENGTH_M, MEDIUM_LENGTH_M = 50.0, 12.0  # [m] lengths at which the rules change
 SIDELIGHT_SECTOR: Final = math.radians(112.5)  # [rad] from ahead to the end of a sidelight's sector
 LIGHT_SPACING_M: Final = 2.0  # [m] between two lights over each other
+KNOWN_SHIPS: Final = 64  # types with a status whose lights are kept; a boat has one by its depth
 MASTHEAD_SPACING_M: Final = 4.5  # [m] of the two white lights of a large ship: annex I, 2 (a), (k)
 
 
@@ -101,7 +102,7 @@ LIGHTS_BY_STATUS: Final[Mapping[str, Callable[[ShipType], Iterator[Light]]]] = {
 }
 
 
-@cache
-def lights_of(type_name: str, status: str) -> tuple[Light, ...]:
+@lru_cache(maxsize=KNOWN_SHIPS)
+def lights_of(ship: ShipType, status: str) -> tuple[Light, ...]:
     """Return the lights that a ship of a type carries, by what it is doing."""
-    return tuple(LIGHTS_BY_STATUS[status](SHIP_TYPES[type_name]))
+    return tuple(LIGHTS_BY_STATUS[status](ship))

@@ -14,7 +14,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.world.bottom import TICK_OFFSET
-from trainer.boat.world.contacts import ContactState, Ticks, contacts_in
+from trainer.boat.world.contact_fleet import Ticks
+from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
 from trainer.core.casualties import instruments

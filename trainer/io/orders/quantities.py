@@ -76,6 +76,7 @@ NUMBER_KINDS = {
     "MAST": Number("the height of a masthead", (METRES, FEET), 1.0, 150.0),
     "NORTH": Number("metres north of the origin, south negative", *LOCATION_RANGE, decimals=1),
     "EAST": Number("metres east of the origin, west negative", *LOCATION_RANGE, decimals=1),
+    "BOAT": Number("the number of a boat", (PLAIN_UNIT,), 1.0, 24.0, decimals=0),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN_UNIT,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),

@@ -29,8 +29,8 @@ WORD_SETS = {
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
     "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|deck|observer|visitor|scope"
-    "|trainee",
-    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug",
+    "|trainee|class",
+    "SHIP": "tanker|cargo|ferry|fishing|yacht|tug|submarine",
     "AXIS": "rudder|planes|speed|ballast",
     "SUPPLY": "normal|emergency|hand",
     "PIPE": "rudder|stern|bow|main|vital",
@@ -200,6 +200,11 @@ FORMS = (
     Form("contact SHIP_NAME speed SPEED", "its speed over the ground, on the way it has"),
     Form("contact SHIP_NAME move NORTH EAST", "put it elsewhere; it goes straight on"),
     Form("contact SHIP_NAME remove", "take it away"),
+    Form(
+        "contact boat BOAT at NORTH EAST depth DEPTH course COURSE speed SPEED",
+        "another boat of the class is there; it goes straight on",
+    ),
+    Form("contact boats gone", "take the other boats of the class away"),
     Form("current set COURSE drift DRIFT", "let the water go that way, towards it, so fast"),
     Form("current off", "let it stand still over the ground"),
     Form("casualty NAME", "as severe and sudden as its table says"),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.io.orders.words import TRAINEE
+from trainer.io.orders.words import CLASS, TRAINEE
 from trainer.io.recording.recording import Moment
 from trainer.session.crew.manning import unmanned_axes
 from trainer.session.people.command import Command
@@ -20,7 +20,9 @@ from trainer.session.stations.station import Fact, LongAnswer, Request, Station
 
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
 # roles that are not counted when the crew is asked whether it is ready
-NOT_CREW: Final = (INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE)
+NOT_CREW: Final = (
+    *(INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE, CLASS),
+)
 
 
 @dataclass
@@ -57,7 +59,7 @@ class Muster:
 
     def who(self, asked: Request) -> LongAnswer:
         """Answer with the account of every station; tell a program the same in facts."""
-        stations = self.log.stations
+        stations = self._people
         facts = [Fact("stations", str(len(stations)))]
         facts += [Fact("aboard", self._aboard(each, asked.station)) for each in stations]
         self.log.note(asked.station, facts)
@@ -65,7 +67,7 @@ class Muster:
 
     def unconfirmed(self, station: Station) -> Refused | None:
         """Return why ``quit`` has to be said again, None where it need not be."""
-        came = [each for each in self.log.stations if each.visits and each.settled]
+        came = [each for each in self._people if each.visits and each.settled]
         others = sum(each is not station and not each.line.ended for each in came)
         who, when = self._quitting
         if not others or (who is station and self.clock() - when <= QUIT_AGAIN_WITHIN_S):
@@ -90,6 +92,11 @@ class Muster:
         }
         told = " ".join(mark for mark, holds in marks.items() if holds)
         return f"{station.role.name},{station.called},{told},{station.line.name}"
+
+    @property
+    def _people(self) -> list[Station]:
+        """Return all stations but that of the class, where nobody sits."""
+        return [each for each in self.log.stations if each.role.name != CLASS]
 
     def _awaited(self) -> str:
         """Return who is not ready yet; if all are, the axes that have nobody to work them."""

@@ -17,6 +17,7 @@ from trainer.config.files import ConfigError, nearest
 from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
 from trainer.io.orders.words import (
+    CLASS,
     COMMON_CONTROL,
     CREW_ORDERS_CONTROL,
     CREW_ROLES,
@@ -175,7 +176,21 @@ TRAINEE_ROLE: Final = Role(
     ("teletype", "gauges", "orders", *PANEL_NAMES, "scope", "swell", "time", *AID_NAMES),
     frozenset(kind for kind, (_, roles) in EVENT_KINDS.items() if TRAINEE in roles),
 )
-ROLES: Final[Mapping[str, Role]] = {**_OTHER_ROLES, TRAINEE: TRAINEE_ROLE}
+# The class itself, whose boats are in one sea: it hears where a boat is, and tells it of others.
+# It comes in by the instructor's word, because it sees the truth.
+CLASS_ROLE: Final = Role(
+    CLASS,
+    "the class's",
+    "are the class",
+    COMMON_ORDERS | {"contact"},
+    ("motion", "time"),
+    frozenset(),
+)
+ROLES: Final[Mapping[str, Role]] = {
+    **_OTHER_ROLES,
+    TRAINEE: TRAINEE_ROLE,
+    CLASS: CLASS_ROLE,
+}
 
 # A line that has to say a token and has not: it sees and orders nothing.
 STRANGER_ROLE: Final = Role(
@@ -278,7 +293,8 @@ class Access:
         """
         if not self.tokens:
             return True
-        wanted = self.tokens.get(role, self.tokens.get(ANY_ROLE, ""))
+        key = INSTRUCTOR_ROLE.name if role == CLASS else role
+        wanted = self.tokens.get(key, self.tokens.get(ANY_ROLE, ""))
         return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
 
 

@@ -1,4 +1,4 @@
-// The ships near: where each bears, how near it will come and when; and the orders that change them.
+// The ships near: where each bears, how near it will come; orders to them.
 import { bearing, clock, html, one, write } from "../draw.js";
 import { paced } from "./desk.js";
 import { shortLength } from "../units.js";
@@ -21,6 +21,7 @@ const TYPES = {
   fishing: say("fishing"),
   yacht: say("yacht"),
   tug: say("tug"),
+  submarine: say("submarine"),
 };
 const NEW = "new "; // before a type, in the choice of ships
 
@@ -48,7 +49,7 @@ export function shipsOf(seen) {
     });
 }
 
-/** Fills the tab of the ships, and keeps it filled. @param {Desk} desk */
+/** Fills the tab of the ships. @param {Desk} desk */
 export function showShips(desk) {
   const { session, moment } = desk;
   const choice = furnishOrders(desk);

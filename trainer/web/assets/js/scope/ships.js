@@ -1,10 +1,10 @@
-// Ships as they are seen: hulls from the water up, houses, masts and lights, to scale by angles.
+// Ships as they are seen: hulls, houses, masts and lights, to scale by angles.
 
 /**
  * @typedef {object} Sight a ship in sight; angles in radians
  * @property {string} type
  * @property {number} train off the bow, clockwise
- * @property {number} bottom elevation of the lowest that the horizon leaves
+ * @property {number} bottom elevation of her waterline, or of the horizon
  * @property {number} top elevation of the masthead
  * @property {number} aspect off her bow, to starboard positive, of who looks
  * @property {number} span of her length, seen abeam
@@ -19,7 +19,7 @@
  *   x: (beside: number) => number, y: (elevation: number) => number }} Canvas where she is drawn
  */
 
-// Bow, shoulders and quarters: along her of half a length, beside her of half a beam.
+// Bow, shoulders and quarters, in half lengths and half beams.
 const PLAN = [
   [1, 0],
   [0.72, 0.72],
@@ -30,7 +30,7 @@ const PLAN = [
   [0.72, -0.72],
 ];
 const SHEER = 0.28; // by how much the deck is higher at the bow
-const AIR = 16_000; // [m] after which a ship is lost in haze to the 1/e
+const AIR = 16_000; // [m] in which haze takes a ship to the 1/e
 /** @type {Record<string, Shape>} */
 const SHAPES = {
   tanker: {
@@ -98,6 +98,11 @@ const SHAPES = {
       [-0.22, -0.1, 0.62, 7.5, 12, "#b04a32"],
     ],
     masts: [[0.16, 11.5, 18]],
+  },
+  submarine: {
+    ...{ length: 70, beam: 10, mast: 8, deck: 2, hull: "#262b31" },
+    blocks: [[0.16, 0.4, 0.24, 2, 8, "#262b31"]],
+    masts: [],
   },
 };
 const LAMPS = /** @type {Record<string, string>} */ ({
