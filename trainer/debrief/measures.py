@@ -20,7 +20,7 @@ from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
-from trainer.debrief.ships_met import look_out, meet_ships, shown_rows
+from trainer.debrief.ships_met import LookOut, look_out, meet_ships, shown_rows
 from trainer.debrief.trajectory import RowMask, Trajectory, shown_height
 from trainer.session.stations.alerts import SEEN_RANKS
 
@@ -246,12 +246,19 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Me
     its ``zero``, and a ship not marked as ``zero``. Each mark that meant no ship adds
     FALSE_MARK_PENALTY_S to their sum.
     """
-    looked_at = set(trajectory.ticks[rows].tolist())
-    look_out_report = look_out(trajectory)
-    ships = [each for each in look_out_report.ships if each.there in looked_at]
+    ticks = set(trajectory.ticks[rows].tolist())
+    step = trajectory.boat.method.step
+    return measure_detection(look_out(trajectory), ticks.__contains__, rule, step)
+
+
+def measure_detection(
+    look_out_report: LookOut, is_looked_at: Callable[[int], bool], rule: ScoreRule, step: float
+) -> Measurement:
+    """Return the same of what a look-out saw; ``step`` is that of a tick [s]."""
+    ships = [each for each in look_out_report.ships if is_looked_at(each.there)]
     if not ships:
         return Measurement(None, None, "no ship came in sight", counts=False)
-    step, score = trajectory.boat.method.step, rule.score
+    score = rule.score
     times = [
         math.inf if each.seen is None or each.marked is None else step * (each.marked - each.seen)
         for each in ships
@@ -263,7 +270,7 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Me
         seen = any(each.seen is not None for each in ships)
         why = unmarked if seen else f"nobody looked for {names}"
         return Measurement(None, ships[0].there, why)
-    wrong = sum(tick in looked_at for tick in look_out_report.false)
+    wrong = sum(map(is_looked_at, look_out_report.false))
     low, high = sorted((score.full, score.zero))
     value = float(np.clip(times, low, high).mean()) + FALSE_MARK_PENALTY_S * wrong / len(ships)
     slowest = ships[int(np.argmax(times))]

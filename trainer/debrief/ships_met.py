@@ -5,9 +5,10 @@ the run, which gives the same locations. Measures, marks, charts and
 tables ask here. A passage is what was flown to the end of a branch of a recording (``trajectory``).
 """
 
+import functools
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -17,13 +18,10 @@ from numpy.typing import NDArray
 from trainer.boat.world.contacts import contacts_in
 from trainer.boat.world.encounters import collisions_in, passed_ships
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull
-from trainer.boat.world.scope import Periscope, periscope_of
+from trainer.boat.world.scope import OPTICS_SHOWING_M, Periscope, periscope_of
 from trainer.core.kernel import Numbers
-from trainer.debrief.trajectory import (
-    RowMask,
-    Trajectory,
-    eye_heights,
-)
+from trainer.debrief.trajectory import RowMask, Trajectory, eye_heights
+from trainer.io.recording.recording import RecordedEvent
 
 WAY_ROWS: Final = 400  # rows at which the ways of ships are looked at
 
@@ -41,6 +39,13 @@ LOOK_PERIOD_S: Final = 10.0  # [s] from look to look, for what a raised mast wou
 
 
 MISSED_SIGHT_S: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
+
+
+MISSED_LOOKS: Final = math.ceil(MISSED_SIGHT_S / LOOK_PERIOD_S)
+
+
+# tick and bearing [rad] of a mark, and the true bearing [rad] of each ship near
+BearingMark = tuple[int, float, Sequence[tuple[str, float]]]
 
 
 @dataclass(frozen=True)
@@ -141,41 +146,69 @@ def look_out(trajectory: Trajectory) -> LookOut:
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return LookOut()
-    rows = np.flatnonzero(shown_rows(trajectory)[0]).tolist()
-    seen: dict[str, int] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
-        seen.setdefault(name, int(trajectory.ticks[row]))
-    first_chances = {**_could_be_seen(trajectory, scope), **seen}
-    marks, false = _marks(trajectory, scope, seen)
+    out = scope.over(trajectory.ticks)[0] >= OPTICS_SHOWING_M
+    rows = np.flatnonzero(shown_rows(trajectory)[0] & out)
+    sights = _sights(trajectory, scope, rows, eye_heights(trajectory))
+    seen = {name: ticks[0] for name, ticks in sights.items()}
+    near = [
+        (tick, bearing, scope.near(state_of(trajectory, trajectory.row(tick)), tick))
+        for _, tick, bearing in bearings_marked(trajectory.marks)
+    ]
+    return judge_look_out(_could_be_seen(trajectory, scope), seen, near)
+
+
+def judge_look_out(
+    chances: Mapping[str, int], seen: Mapping[str, int], marked: Iterable[BearingMark]
+) -> LookOut:
+    """Return what a look-out saw, missed and marked.
+
+    ``chances`` and ``seen`` have the ticks from which a ship could be seen, and was, by its name.
+    """
+    marks, false = _marks(marked, seen)
     ships = (
-        Detection(name, at, seen.get(name), marks.get(name)) for name, at in first_chances.items()
+        Detection(name, at, seen.get(name), marks.get(name))
+        for name, at in {**chances, **seen}.items()
     )
     return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
 
 
 def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
     """Return the ships that a raised mast would have shown for MISSED_SIGHT_S, by first tick."""
-    every = max(round(LOOK_PERIOD_S / trajectory.boat.method.step), 1)
-    rows = list(range(0, trajectory.ticks.size, every))
-    seen_ticks: dict[str, list[int]] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
-        seen_ticks.setdefault(name, []).append(int(trajectory.ticks[row]))
-    return {
-        name: ticks[0]
-        for name, ticks in seen_ticks.items()
-        if len(ticks) * LOOK_PERIOD_S >= MISSED_SIGHT_S
-    }
+    rows = np.arange(0, trajectory.ticks.size, look_period(trajectory.boat.method.step))
+    sights = _sights(trajectory, scope, rows, eye_heights(trajectory, up=True))
+    return {name: ticks[0] for name, ticks in sights.items() if len(ticks) >= MISSED_LOOKS}
+
+
+def look_period(step: float) -> int:
+    """Return the ticks from look to look, of ``step`` [s] each."""
+    return max(round(LOOK_PERIOD_S / step), 1)
 
 
 def _sights(
-    trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
-) -> Iterator[tuple[int, str]]:
-    """Yield each row with the name of each ship in sight. ``up``: as if the mast were all out."""
-    for row in rows:
-        mast = scope.at(int(trajectory.ticks[row]))
-        mast = scope.raised(mast) if up else mast
-        eye = scope.eye(state_of(trajectory, row), mast, float(heights[row]))
-        yield from ((row, name) for name in scope.names_in_sight(eye, mast))
+    trajectory: Trajectory, scope: Periscope, rows: NDArray[np.int64], heights: Numbers
+) -> dict[str, list[int]]:
+    """Return the ticks, among some rows, at which each ship is in sight, by its name.
+
+    What is seen first comes first, and at one tick the nearest.
+    """
+    contacts = contacts_in(trajectory.boat)
+    sights: dict[str, list[tuple[int, float]]] = {}
+    ticks = trajectory.ticks[rows]
+    for indices, fleet in contacts.stretches(ticks) if contacts else ():
+        chosen = rows[indices]
+        column = functools.partial(_column_at, trajectory, chosen)
+        ranges = scope.distances_in_sight(fleet, ticks[indices], column, heights[chosen])
+        for ship, its in zip(fleet.order, ranges, strict=True):
+            there = np.flatnonzero(np.isfinite(its))
+            pairs = zip(ticks[indices][there].tolist(), its[there].tolist(), strict=True)
+            sights.setdefault(ship.name, []).extend(pairs)
+    found = sorted((pairs[0], name) for name, pairs in sights.items() if pairs)
+    return {name: [tick for tick, _ in sights[name]] for _, name in found}
+
+
+def _column_at(trajectory: Trajectory, rows: NDArray[np.int64], name: str) -> Numbers:
+    """Return a field of the state at some rows."""
+    return trajectory.columns[name][rows]
 
 
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
@@ -184,16 +217,15 @@ def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
 
 
 def _marks(
-    trajectory: Trajectory, scope: Periscope, seen: Mapping[str, int]
+    marked: Iterable[BearingMark], seen: Mapping[str, int]
 ) -> tuple[dict[str, int], tuple[int, ...]]:
     """Return the tick of each ship's first mark, and those of marks that mean no ship seen."""
     marks: dict[str, int] = {}
     false = []
-    for tick, bearing in _bearings_marked(trajectory):
-        state = state_of(trajectory, trajectory.row(tick))
+    for tick, bearing, near in marked:
         off = {
             name: abs(math.remainder(true - bearing, math.tau))
-            for name, true in scope.near(state, tick)
+            for name, true in near
             if seen.get(name, math.inf) <= tick
         }
         nearest = min(off, key=lambda name: off[name], default="")
@@ -204,13 +236,15 @@ def _marks(
     return marks, tuple(false)
 
 
-def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
-    """Yield tick and bearing [rad] of each ship that the crew has marked.
+def bearings_marked(
+    marks: Sequence[RecordedEvent],
+) -> Iterator[tuple[RecordedEvent, int, float]]:
+    """Yield each mark of a ship by the crew, its tick and its bearing [rad].
 
     The marks are those of the periscope's station. If it made none, all other marks count.
     """
-    said = [(each, BEARING_MARK.match(each.text)) for each in trajectory.marks]
+    said = [(each, BEARING_MARK.match(each.text)) for each in marks]
     crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT_ROLE]
     for mark, match in crew or said:
         if match:
-            yield mark.tick, math.radians(float(match[1]))
+            yield mark, mark.tick, math.radians(float(match[1]))
