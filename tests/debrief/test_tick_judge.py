@@ -69,11 +69,12 @@ def flight_of(name: str, seed: int) -> Trajectory:
     given: dict[int, list[RecordedOrder]] = {}
     words = WORDS + (name in OF_SHIPS) * (3 * LOOK_OUT_WORDS) + (name in OF_GROUND) * DOWN_WORDS
     for _ in range(int(drawn.choice((1, 3, 30)))):
-        tick, giver = int(drawn.integers(last)), (CREW, LOOK_OUT)[int(drawn.integers(2))]
-        text = str(drawn.choice(words))
-        number = bearing_drawn(boat, tick, drawn) if "mark" in text else int(drawn.integers(1, 31))
-        order = RecordedOrder(0, 1, tick, giver, text.format(number), None, None, "")
-        given.setdefault(tick, []).append(order)
+        tick, text, giver = int(drawn.integers(last)), str(drawn.choice(words)), CREW
+        if "mark" in text:
+            text = text.format(bearing_drawn(boat, tick, drawn))
+            giver = (CREW, LOOK_OUT)[int(drawn.integers(2))]
+        text = text.format(drawn.integers(1, 31))
+        given.setdefault(tick, []).append(RecordedOrder(0, 1, tick, giver, text, None, None, ""))
     due = entries_due(boat, plan.schedule)
     for tick, until in stretches(0, last, {*due, *given}):
         flight.give_scheduled(due.get(tick, ()))
@@ -156,6 +157,21 @@ def test_the_marks_at_a_tick_are_those_of_a_record_that_ends_there(name: str) ->
             totals.append(ours)
 
     assert max(totals) > 10.0
+
+
+@pytest.mark.parametrize(("name", "seed"), [("bottoming", 1), ("crossing-traffic", 16)])
+def test_ground_and_ships_are_judged_as_the_debrief_judges_them(name: str, seed: int) -> None:
+    flown = flight_of(name, seed)
+    last = len(flown.ticks) - 1
+
+    for end, ours, theirs in compared(name, flown, [*range(last // 3, last, 97), last]):
+        assert ours == pytest.approx(theirs, abs=LIKENESS), end
+
+    plan, nobody = planned(name), nobody_in(name)
+    crew = fly_rehearsal(plan, plan.crew).trajectory
+    *_, (_, ours, theirs) = compared(name, crew, ends_of(crew, 3, 1))
+    assert ours == pytest.approx(theirs, abs=LIKENESS)
+    assert ours > judged(flown, plan, nobody) + 20.0
 
 
 @pytest.mark.slow

@@ -384,9 +384,7 @@ def cap_of(rules: Record, tallies: Record) -> float:
             hard = True
         else:
             lost = True
-    if hard:
-        return HARD_CAP
-    return LOST_CAP if lost else float(cap)
+    return HARD_CAP if hard else LOST_CAP if lost else float(cap)
 
 
 @inline_kernel
@@ -444,6 +442,15 @@ def total_now(rules: Record, tallies: Record, tick: int) -> float:
 
 
 @inline_kernel
+def ends_record(rules: Record, tallies: Record) -> bool:
+    """Return whether a run would have ended before this tick."""
+    for r in range(rules.size):
+        if rules[r].measure in (COLLAPSED, STRUCK) and tallies[r].extreme > 0.0:
+            return True
+    return False
+
+
+@inline_kernel
 def find_onset(rule: Row, t: Row, row: Numbers) -> bool:
     """Return whether the casualty of a rule comes at this tick."""
     if rule.since == 0.0 or t.onset > 0.0:
@@ -473,8 +480,11 @@ def take_ticks(
     for b in range(rows.shape[0]):
         if math.isnan(totals[b, TOTAL]):
             continue
-        own, t = rows[b], tallies[b]
+        own, t, last = rows[b], tallies[b], 0
         for k in range(1, rows.shape[1]):
+            if ends_record(rules, t):
+                break
+            last = k
             for r in range(rules.size):
                 rule = rules[r]
                 if rule.measure >= GATE:
@@ -486,6 +496,5 @@ def take_ticks(
                     take_row(rule, t[r], conditions, own, k - 1, ring)
                 if rule.since == 0.0 or t[r].onset > 0.0:
                     take_row(rule, t[r], conditions, own, k, ring)
-        last = rows.shape[1] - 1
         totals[b, TOTAL] = total_now(rules, t, int(own[last, TICK_COLUMN]))
         totals[b, ENDED] = 1.0 if has_ended(rules, t) else 0.0
