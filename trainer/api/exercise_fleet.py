@@ -23,8 +23,7 @@ from trainer.config.files import ConfigError
 from trainer.config.reference_crew import MARK_ORDER
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
-from trainer.debrief.rehearsal import last_tick
-from trainer.debrief.ships_met import LOOKOUT_ROLE
+from trainer.debrief.rehearsal import LOOKOUT_GIVER, last_tick
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import CREW_ORDERS
 from trainer.io.orders.grammar import Order, parse
@@ -53,7 +52,7 @@ AXIS_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 WATER_CONTROLS: Final = AXIS_CONTROLS["ballast"]
 LOOK_OUT_WORDS: Final = ("scope", MARK_ORDER)
-LOOK_OUT: Final = station(LOOKOUT_ROLE, "python")
+LOOK_OUT: Final = station(LOOKOUT_GIVER.role, "python")
 Sights = NDArray[np.float32]
 SIGHT_FIELDS: Final = (
     *USUAL_SIZES,

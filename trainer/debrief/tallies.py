@@ -325,7 +325,7 @@ def value_of(rule: Row, t: Row, tick: int) -> float:
 
 @inline_kernel
 def shown_of(rule: Row, t: Row) -> float:
-    """Return the least range [m], the time [s] that a head showed, or what was written."""
+    """Return a least range [m], the time [s] of a head, or what was written."""
     if rule.measure == CLOSEST:
         return float(t.extreme)
     return float(t.answered if rule.measure >= AGROUND else rule.step * t.extreme)

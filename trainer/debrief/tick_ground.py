@@ -36,7 +36,7 @@ class TickGrounding:
     lies: bool = False
 
     def is_fault(self, bottom: Bottom) -> bool:
-        """Return whether the boat was not meant to touch, or does not lie well, so far."""
+        """Return whether it was not meant, or is not well so far."""
         return not (bottom.bottoming and not self.spoilt and self.lies)
 
     @property
@@ -85,7 +85,7 @@ class GroundWatch:
         return not self.bottom.bottoming or grounding.spoilt or bool(late)
 
     def faults(self, index: int) -> list[TickGrounding]:
-        """Return the groundings of a boat that were not meant, or are not well, so far."""
+        """Return the groundings of a boat that are faults so far."""
         return [each for each in self.groundings[index] if each.is_fault(self.bottom)]
 
     def _awaited(self, index: int) -> bool:

@@ -107,7 +107,7 @@ class TickJudge:
         return totals.copy()
 
     def hear(self, index: int, order: RecordedOrder) -> None:
-        """Take an order that the crew of a boat gave at its tick, or a mark of a ship."""
+        """Take an order or a mark that the crew of a boat gave."""
         self._orders[index].append(order)
         if self._ships is None or order.accepted is False:
             return

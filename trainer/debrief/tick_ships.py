@@ -15,7 +15,6 @@ from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.encounters import collisions_in, passed_ships, passing_ranges
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull
 from trainer.boat.world.scope import OPTICS_SHOWING_M, Mast, Periscope, periscope_of
-from trainer.boat.world.tracks import Situation
 from trainer.config.world import WorldTables
 from trainer.core.kernel import Numbers
 from trainer.debrief.ships_met import (
@@ -68,11 +67,11 @@ class ShipWatch:
             self._scopes[index].obey(order, tick)
 
     def mark(self, index: int, mark: RecordedEvent) -> None:
-        """Take a mark of a boat's crew; it is judged by the numbers of its tick."""
+        """Take a mark of a boat's crew, to be judged by the numbers of its tick."""
         self._awaited[index].append(mark)
 
     def watch(self, rows: Numbers, which: list[int]) -> list[int]:
-        """Write what is made of ships in the next ticks; return whose look-out is judged anew.
+        """Write what is made of ships; return whose look-out is judged anew.
 
         ``rows`` [boats, 1 + ticks, columns] begin with a tick that was taken before.
         """
@@ -117,8 +116,8 @@ class ShipWatch:
         ends, places = np.unique(ticks[:, 1:], return_inverse=True)
         fleet = contacts.fleet(0)
         start, end = (
-            Situation(*(column[:, places.ravel()] for column in fleet.over(at)))
-            for at in (np.maximum(ends - 1, 0), ends)
+            now._make(column[:, places.ravel()] for column in now)
+            for now in (fleet.over(np.maximum(ends - 1, 0)), fleet.over(ends))
         )
         before, now = (
             own[:, part][..., [x, y]].reshape(-1, 2).T for part in (slice(-1), slice(1, None))

@@ -290,7 +290,7 @@ class Periscope:
         return np.where(shows, apart, math.inf)
 
     def heights_over(self, column: Callable[[str], Numbers], out: Numbers | float) -> Numbers:
-        """Return the height [m] of the head over the waves in many states, ``out`` [m] so far."""
+        """Return the heights [m] over the waves of a head that is ``out`` [m]."""
         x, foot = self.head(Mast())
         upright = np.cos(column("theta")) * np.cos(column("phi"))
         lifted = x * np.sin(column("theta")) - (foot - out) * upright
