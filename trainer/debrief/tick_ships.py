@@ -67,7 +67,7 @@ class ShipWatch:
             self._scopes[index].obey(order, tick)
 
     def mark(self, index: int, mark: RecordedEvent) -> None:
-        """Take a mark of a boat's crew, to be judged by the numbers of its tick."""
+        """Take a mark, to be judged by the numbers of its tick."""
         self._awaited[index].append(mark)
 
     def watch(self, rows: Numbers, which: list[int]) -> list[int]:
@@ -116,7 +116,7 @@ class ShipWatch:
         ends, places = np.unique(ticks[:, 1:], return_inverse=True)
         fleet = contacts.fleet(0)
         start, end = (
-            now._make(column[:, places.ravel()] for column in now)
+            type(now)(*(column[:, places.ravel()] for column in now))
             for now in (fleet.over(np.maximum(ends - 1, 0)), fleet.over(ends))
         )
         before, now = (
