@@ -43,7 +43,10 @@ WORDS = (
     "flood auxiliary {}", "pump auxiliary {}", "pump trim forward {}", "depth {}0", "course {}0",
     "drain aft", "hover on", "surface", "speed {}",
 )
-LOOK_OUT_WORDS = ("scope raise", "scope raise", "scope lower", "mark contact {}", "depth 17")
+LOOK_OUT_WORDS = (
+    *("scope raise", "scope raise", "scope lower", "mark contact {}", "depth 17"),
+    *("report no close contacts", "report contact 0{}"),
+)
 DOWN_WORDS = (
     *("depth 9{}", "flood depth-control 3", "bell stop", "hover on", "hover off", "course 35{}"),
 )

@@ -20,7 +20,7 @@ from trainer.api.fleet import Fleet, FleetOptions, Mask
 from trainer.boat.due_orders import obey_all, orders_due
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.files import ConfigError
-from trainer.config.reference_crew import MARK_ORDER
+from trainer.config.reference_crew import SAID_ORDERS
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import LOOKOUT_GIVER, last_tick
@@ -51,7 +51,7 @@ AXIS_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {
     "ballast": ("flood auxiliary", "pump trim forward"),
 }
 WATER_CONTROLS: Final = AXIS_CONTROLS["ballast"]
-LOOK_OUT_WORDS: Final = ("scope", MARK_ORDER)
+LOOK_OUT_WORDS: Final = ("scope", *SAID_ORDERS)
 LOOK_OUT: Final = station(LOOKOUT_GIVER.role, "python")
 Sights = NDArray[np.float32]
 SIGHT_FIELDS: Final = (
@@ -208,7 +208,8 @@ def look_out_order(text: str, tick: int) -> RecordedOrder:
     order = parse(text)
     if not isinstance(order, Order) or order.name not in LOOK_OUT_WORDS:
         raise ConfigError(
-            f"order(): {text!r}: a look-out takes scope raise, scope lower and mark contact 064"
+            f"order(): {text!r}: a look-out takes scope raise, scope lower, mark contact 064 and "
+            "report no close contacts"
         )
     return RecordedOrder(0, 1, tick, LOOK_OUT, text, None, None, "")
 
@@ -301,8 +302,8 @@ class ExerciseFleet:
     def order(self, index: int, text: str) -> None:
         """Have the look-out of one boat carry out what no number says.
 
-        ``text`` is ``scope raise``, ``scope lower`` or ``mark contact 064``. TrainerError for
-        another order.
+        ``text`` is ``scope raise``, ``scope lower``, ``mark contact 064`` or ``report no close
+        contacts``. TrainerError for another order.
         """
         self._judge.hear(index, look_out_order(text, int(self._at[index])))
 

@@ -7,8 +7,9 @@ meaning and limits of a severity depend on the kind.
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -28,6 +29,7 @@ from trainer.config.files import (
 from trainer.config.schema import (
     KeyForm,
     NumberLimits,
+    Rows,
     Text,
     above,
     optional,
@@ -37,6 +39,7 @@ from trainer.config.schema import (
 )
 from trainer.config.schema import Kind as FieldKind
 from trainer.core.casualties import CASUALTY_TABLE, CODES, GAUGES, KINDS, SERVO_STUCK
+from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
@@ -51,6 +54,7 @@ HEADING_FIELDS: Final[Mapping[str, FieldKind]] = {
     "note": Text(1000, "for the reader"),
 }
 KNOWN_KEYS: Final = (*HEADING_FIELDS, "casualty")
+PARTS_RULE: Final = "each part has its own degree and ramp; order a part alone with another"
 STANDARD_LIST: Final = "standard"
 CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
 # fmt: off
@@ -216,9 +220,26 @@ class CasualtyEntry:
     bias_kn: float | None = optional("kn", within(-50, 50), "log-biased")
 
 
+PART_ROWS: Final = Rows(
+    CasualtyEntry, ("note",), 2, MAX_CASUALTIES, "what breaks with one cause: each as above"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompoundEntry:
+    """Several casualties with one cause, as their table says it."""
+
+    description: str = required(Text(75, "for the list"))
+    parts: tuple[CasualtyEntry, ...] = required(PART_ROWS)
+
+
 @dataclass(frozen=True)
 class Casualty:
-    """One casualty that can be ordered by its name."""
+    """One casualty that can be ordered by its name.
+
+    One with ``parts`` stands for these, which come and go together. It is then of the kind of its
+    first part, by which it is known in marks and conditions.
+    """
 
     name: str
     kind: str
@@ -227,6 +248,17 @@ class Casualty:
     clear_ramp_s: float
     description: str
     full: float  # [SI] at severity 1, for a hard-over surface a share of its limit
+    parts: "tuple[Casualty, ...]" = ()
+
+    @property
+    def broken(self) -> "tuple[Casualty, ...]":
+        """Return its parts, or itself where it has none."""
+        return self.parts or (self,)
+
+    @property
+    def sudden(self) -> bool:
+        """Return whether it is only on or off: an order gives it neither severity nor ramp."""
+        return bool(self.parts) or self.measure.sudden
 
     @property
     def code(self) -> int:
@@ -297,7 +329,8 @@ def parse_casualties(
         within_file = position.inside("casualty")
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
-                casualties[name] = read_casualty(name, entry, within_file.inside(name), standard)
+                usual = standard or casualties  # the standard table fills its own parts
+                casualties[name] = read_casualty(name, entry, within_file.inside(name), usual)
     raise_problems(problems)
     return casualties
 
@@ -310,6 +343,8 @@ def read_casualty(
     if not CASUALTY_NAME.fullmatch(name) or name == "all":
         text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
         raise ConfigError(position.problem(text))
+    if "parts" in row:
+        return _read_compound(name, row, position, standard)
     entry = read_record(CasualtyEntry, {**_filler(row, standard), **row}, position, ("note",))
     measure = SEVERITY_MEASURES[entry.kind]
     problems = [
@@ -336,6 +371,38 @@ def read_casualty(
     )
 
 
+def _read_compound(
+    name: str, row: Mapping[str, Any], position: Position, standard: Mapping[str, Casualty]
+) -> Casualty:
+    """Return a casualty that stands for several; ConfigError with all that is wrong."""
+    problems: list[str] = []
+    parts: list[Casualty] = []
+    for i, part in enumerate(PART_ROWS.listed("parts", row["parts"], position)):
+        within_part = position.inside(f"parts[{i}]")
+        with collecting(problems):
+            read = read_casualty(name, part, within_part, standard)
+            if read.parts:
+                raise ConfigError(within_part.problem("has parts of its own; name a kind"))
+            if read.kind in [each.kind for each in parts]:
+                raise ConfigError(within_part.wrong("kind", read.kind, "is a part above too"))
+            parts.append(replace(read, name=read.kind))
+    with collecting(problems):
+        filled = [_filler(as_table(part, position), standard) | part for part in row["parts"]]
+        entry = {**row, "parts": filled}
+        said = read_record(CompoundEntry, entry, position, ("note",)).description
+    raise_problems(problems)
+    clearing = max(each.clear_ramp_s for each in parts)
+    return replace(
+        parts[0],
+        name=name,
+        severity=1.0,
+        ramp_s=0.0,
+        clear_ramp_s=clearing,
+        description=said,
+        parts=tuple(parts),
+    )
+
+
 def _filler(given: Mapping[str, Any], standard: Mapping[str, Casualty]) -> dict[str, Any]:
     """Return the values of the standard entry of the same kind, in the table's units."""
     kind = given.get("kind")
@@ -354,9 +421,20 @@ def listing(casualties: Mapping[str, Casualty]) -> str:
     lines = [f"{'name':27}{'severity':>9}{'ramp':>8}{'clear':>8}  severity is"]
     for entry in casualties.values():
         times = f"{entry.ramp_s:>6g} s{entry.clear_ramp_s:>6g} s"
-        lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {entry.measure.meaning}")
+        measure = "those of its parts" if entry.parts else entry.measure.meaning
+        lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {measure}")
         lines.append(f"    {entry.description}")
+        lines += textwrap.wrap(
+            parts_text(entry), 79, initial_indent="    ", subsequent_indent="    "
+        )
     return "\n".join(lines)
+
+
+def parts_text(casualty: Casualty) -> str:
+    """Return what a casualty breaks, part by part, "" for one without parts."""
+    degrees = ("" if each.sudden else f" {each.severity:g}" for each in casualty.parts)
+    named = (f"{each.name}{degree}" for each, degree in zip(casualty.parts, degrees, strict=True))
+    return f"breaks {', '.join(named)}" if casualty.parts else ""
 
 
 def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
@@ -371,6 +449,7 @@ def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
             "clear_ramp_s": entry.clear_ramp_s,
             "full": entry.full,
             "description": entry.description,
+            "parts": [each.name for each in entry.parts],
         }
         for entry in casualties.values()
     ]

@@ -6,7 +6,7 @@ calls a measure by its name. It is a function of the passage, of the rows that i
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Final
 
@@ -20,7 +20,14 @@ from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
-from trainer.debrief.ships_met import LookOut, look_out, meet_ships, shown_rows
+from trainer.debrief.ships_met import (
+    ContactReport,
+    LookOut,
+    look_out,
+    meet_ships,
+    reports_near_ships,
+    shown_rows,
+)
 from trainer.debrief.trajectory import RowMask, Trajectory, shown_height
 from trainer.session.stations.alerts import SEEN_RANKS
 
@@ -275,6 +282,27 @@ def measure_detection(
     value = float(np.clip(times, low, high).mean()) + FALSE_MARK_PENALTY_S * wrong / len(ships)
     slowest = ships[int(np.argmax(times))]
     return Measurement(value, slowest.there if slowest.marked is None else slowest.marked)
+
+
+def time_to_report(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
+    """Return the time [s] from a periscope's first look to a right report of contacts."""
+    shown, ticks = np.flatnonzero(shown_rows(trajectory)[0] & rows), trajectory.ticks
+    first = int(ticks[shown[0]]) if shown.size else None
+    return measure_report(first, reports_near_ships(trajectory), trajectory.boat.method.step)
+
+
+def measure_report(
+    shown: int | None, reports: Sequence[tuple[ContactReport, bool]], step: float
+) -> Measurement:
+    """Return the same of a first look and of reports, each with whether a ship was close."""
+    if shown is None:
+        return Measurement(None, None, "nobody looked")
+    told = [(each, close) for each, close in reports if each.tick >= shown]
+    right = [each.tick for each, close in told if not (each.none and close)]
+    if not right:
+        why = "a ship was close" if told else "contacts were not reported"
+        return Measurement(None, shown, why)
+    return Measurement((right[0] - shown) * step, right[0])
 
 
 def broaches(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:

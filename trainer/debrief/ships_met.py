@@ -10,18 +10,20 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.encounters import collisions_in, passed_ships
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull
 from trainer.boat.world.scope import OPTICS_SHOWING_M, Periscope, periscope_of
+from trainer.config.reference_crew import REPORT_ORDER
 from trainer.core.kernel import Numbers
+from trainer.debrief.episodes import INSTRUCTOR_ROLE
 from trainer.debrief.trajectory import RowMask, Trajectory, eye_heights
-from trainer.io.recording.recording import RecordedEvent
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 
 WAY_ROWS: Final = 400  # rows at which the ways of ships are looked at
 
@@ -30,6 +32,13 @@ BEARING_MARK: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNOR
 
 
 BEARING_TOLERANCE_RAD: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
+
+
+CONTACT_REPORT: Final = re.compile(r"\bcontacts?\b", re.IGNORECASE)
+
+
+# "no close contacts", but not "contact 045, no others"
+NO_CONTACT_REPORT: Final = re.compile(r"\D*\b(no|none)\b\D*", re.IGNORECASE)
 
 
 LOOKOUT_ROLE: Final = "scope"  # the role whose marks of ships count
@@ -214,6 +223,49 @@ def _column_at(trajectory: Trajectory, rows: NDArray[np.int64], name: str) -> Nu
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
     """Return location and attitude at a row, by their names in the core."""
     return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
+
+
+class ContactReport(NamedTuple):
+    """What a crew reported of ships near."""
+
+    tick: int
+    none: bool  # that none is close
+
+
+def contact_reports(orders: Iterable[RecordedOrder]) -> list[ContactReport]:
+    """Return the reports of contacts among a run's orders.
+
+    They are the crew's. If it made none, those of the instructor count, who is alone aboard.
+    """
+    said = [
+        (order.giver.role, ContactReport(order.tick, bool(NO_CONTACT_REPORT.fullmatch(order.text))))
+        for order in orders
+        if order.name == REPORT_ORDER
+        and order.accepted is not False
+        and CONTACT_REPORT.search(order.text)
+    ]
+    crew = [report for role, report in said if role != INSTRUCTOR_ROLE]
+    return crew or [report for _, report in said]
+
+
+def reports_near_ships(trajectory: Trajectory) -> list[tuple[ContactReport, bool]]:
+    """Return the reports of contacts of a run, each with whether a ship was close."""
+    contacts, column = contacts_in(trajectory.boat), trajectory.columns
+    reports = contact_reports(trajectory.orders)
+    rows = [trajectory.row(each.tick) for each in reports]
+    return [
+        (each, is_ship_close(contacts, each.tick, column["x"][row], column["y"][row]))
+        for each, row in zip(reports, rows, strict=True)
+    ]
+
+
+def is_ship_close(contacts: Contacts | None, tick: int, north: float, east: float) -> bool:
+    """Return whether a ship was within the exercise's ``cpa_m`` of a place [m] at a tick."""
+    if contacts is None:
+        return False
+    now = contacts.at(tick)
+    ranges = np.hypot(now.north - north, now.east - east)
+    return bool((ranges <= contacts.encounters.cpa_m).any())
 
 
 def _marks(

@@ -22,31 +22,17 @@ from trainer.debrief.measures import EDGE_SHARE, HELD_TIME_S, SLIP_COST
 
 # what a row is about: measures by their names, then what caps the marks
 MEASURE_NAMES: Final = (
-    "in-band",
-    "settled",
-    "reach",
-    "time-to",
-    "overshoot",
-    "rms",
-    "largest",
-    "highest",
-    "lowest",
-    "final",
-    "activity",
-    "hand-travel",
-    "distance",
-    "response",
-    "closest-approach",
-    "exposed",
-    "exposed-raise",
-    "aground",
-    "time-to-detect",
+    *("in-band", "settled", "reach", "time-to", "overshoot", "rms"),
+    *("largest", "highest", "lowest", "final"),
+    *("activity", "hand-travel", "distance", "response"),
+    *("closest-approach", "exposed", "exposed-raise"),
+    *("aground", "time-to-detect", "time-to-report"),
 )
 IN_BAND, SETTLED, REACH, TIME_TO, OVERSHOOT, RMS = 0, 1, 2, 3, 4, 5  # off a target
 LARGEST, HIGHEST, LOWEST, FINAL = 6, 7, 8, 9  # how far it goes
 ACTIVITY, HAND_TRAVEL, DISTANCE, RESPONSE = 10, 11, 12, 13
 CLOSEST, EXPOSED, EXPOSED_RAISE = 14, 15, 16  # of ships and the periscope
-AGROUND, TIME_TO_DETECT = 17, 18  # whose value is written by who watches ground and ships
+AGROUND, TIME_TO_DETECT, TIME_TO_REPORT = 17, 18, 19  # whose value others write
 AIMED_MEASURES: Final = MEASURE_NAMES[: RMS + 1]
 GATE, LOSS, TURNED, COLLAPSED, STRUCK = 30, 31, 32, 33, 34
 HARD, GROUNDED, LAID_BADLY = 35, 36, 37  # whose ``extreme`` is written by who watches the ground

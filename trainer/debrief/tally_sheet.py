@@ -54,7 +54,8 @@ SHOWN_ROWS: Final[Mapping[str, Mapping[str, str]]] = {
     "exposed": {"column": "head_out"},
     "exposed-raise": {"column": "head_out", "aim": "raise"},
 }
-WRITTEN_MEASURES: Final = ("aground", "time-to-detect")  # of whole windows alone
+LOOK_OUT_MEASURES: Final = ("time-to-detect", "time-to-report")
+WRITTEN_MEASURES: Final = ("aground", *LOOK_OUT_MEASURES)  # of whole windows alone
 NO_ROW: Final = {"aim": -1.0, "end": math.inf, "target": math.nan, "size": 1.0, "sense": 1.0}
 SIZELESS_LIMITS: Final = ("pitch_deg", "heel_deg")  # that hold either way
 

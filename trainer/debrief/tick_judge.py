@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 
 from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
-from trainer.config.reference_crew import MARK_ORDER
+from trainer.config.reference_crew import MARK_ORDER, REPORT_ORDER
 from trainer.core.kernel import Numbers
 from trainer.debrief import tallies
 from trainer.debrief.episodes import Episode, answer_to
 from trainer.debrief.judgement import plain_marks
-from trainer.debrief.measures import measure_detection
+from trainer.debrief.measures import Measurement, measure_detection, measure_report
 from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.debrief.ships_met import LookOut
 from trainer.debrief.tallies import TALLY, take_ticks
-from trainer.debrief.tally_sheet import SHOWN_ROWS, lay_out, passage_of
+from trainer.debrief.tally_sheet import LOOK_OUT_MEASURES, SHOWN_ROWS, lay_out, passage_of
 from trainer.debrief.tick_ground import GroundWatch, ground_reads
 from trainer.debrief.tick_ships import SEA_NAMES, ShipWatch
 from trainer.debrief.trajectory import QUANTITY_FUNCTIONS
@@ -114,6 +113,8 @@ class TickJudge:
         said = parse(order.text)
         if isinstance(said, Order) and said.name == "scope":
             self._ships.raise_or_lower(index, said, order.tick)
+        elif isinstance(said, Order) and said.name == REPORT_ORDER:
+            self._ships.report(index, order)
         elif isinstance(said, Order) and said.name == MARK_ORDER:
             giver = order.giver
             mark = (1, order.tick, MARK_ORDER, giver.words, said.subject, "", giver.role)
@@ -155,19 +156,26 @@ class TickJudge:
         """Write what ground and ships do to the boats ``which``."""
         if self._ships:
             for index in self._ships.watch(rows, which):
-                self._judge_look_out(index, self._ships.look_out(index))
+                self._judge_look_out(index, self._ships)
         if self._ground:
             for index in self._ground.watch(rows[:, 1:], which):
                 self._judge_groundings(index, self._ground)
 
-    def _judge_look_out(self, index: int, report: LookOut) -> None:
+    def _judge_look_out(self, index: int, watch: ShipWatch) -> None:
         """Write what a look-out is worth so far."""
+        step = self.plan.method.step
         for r in self._rows_of("time-to-detect"):
             looked_at = partial(is_within, self.sheet.rows[r])
-            step = self.plan.method.step
-            found = measure_detection(report, looked_at, self.sheet.rules[r], step)
-            value = np.nan if found.value is None else found.value
-            self._write(index, r, {"answered": value, "idle": not found.counts})
+            found = measure_detection(watch.look_out(index), looked_at, self.sheet.rules[r], step)
+            self._write_value(index, r, found)
+        for r in self._rows_of("time-to-report"):
+            row = self.sheet.rows[r]
+            shown = watch.first_shown(index, row["begin"], row["end"])
+            self._write_value(index, r, measure_report(shown, watch.reports(index), step))
+
+    def _write_value(self, index: int, r: int, found: Measurement) -> None:
+        value = np.nan if found.value is None else found.value
+        self._write(index, r, {"answered": value, "idle": not found.counts})
 
     def _judge_groundings(self, index: int, ground: GroundWatch) -> None:
         """Write what groundings cost and end so far."""
@@ -222,7 +230,7 @@ def asks_for_ships(plan: Plan) -> bool:
     eyes = [condition.quantity for rule in plan.scores for condition in rule.conditions]
     eyes += [condition.quantity for loss in plan.lost for condition in loss.conditions]
     eyes += [rule.measured.name for rule in plan.scores if rule.measured]
-    asked = bool(measures & {*SHOWN_ROWS, "time-to-detect"}) or "eye" in eyes
+    asked = bool(measures & {*SHOWN_ROWS, *LOOK_OUT_MEASURES}) or "eye" in eyes
     return asked or plan.limits.cpa_m_min is not None
 
 

@@ -20,13 +20,16 @@ from trainer.core.kernel import Numbers
 from trainer.debrief.ships_met import (
     MISSED_LOOKS,
     BearingMark,
+    ContactReport,
     LookOut,
     bearings_marked,
+    contact_reports,
+    is_ship_close,
     judge_look_out,
     look_period,
 )
 from trainer.io.orders.grammar import Order
-from trainer.io.recording.recording import RecordedEvent
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 
 Mask = NDArray[np.bool_]
 SEA_NAMES: Final = (*POSE_NAMES, "eta_wave")
@@ -49,16 +52,22 @@ class ShipWatch:
         self._seen = np.full(shape, -1, np.int64)  # [tick] from which the mast showed it
         self._chance = np.full(shape, -1, np.int64)  # [tick] from which it would have
         self._looks = np.zeros(shape, np.int64)  # at which it would have been in sight
-        self._awaited: list[list[RecordedEvent]] = [[] for _ in range(count)]
+        self._awaited: list[list[RecordedEvent | RecordedOrder]] = [[] for _ in range(count)]
         self._marks: list[list[tuple[RecordedEvent, Sequence[tuple[str, float]]]]] = [
             [] for _ in range(count)
         ]
+
+        self._reports: list[list[tuple[RecordedOrder, tuple[float, float]]]] = [
+            [] for _ in range(count)
+        ]
+        self._shown: list[list[range]] = [[] for _ in range(count)]  # [ticks] of the head
 
     def begin(self, index: int) -> None:
         """Begin anew with a boat: nothing is seen, marked or raised."""
         self._seen[index] = self._chance[index] = -1
         self._looks[index] = 0
         self._awaited[index], self._marks[index] = [], []
+        self._reports[index], self._shown[index] = [], []
         self._scopes[index].forget()
 
     def raise_or_lower(self, index: int, order: Order, tick: int) -> None:
@@ -69,6 +78,23 @@ class ShipWatch:
     def mark(self, index: int, mark: RecordedEvent) -> None:
         """Take a mark, to be judged by the numbers of its tick."""
         self._awaited[index].append(mark)
+
+    def report(self, index: int, report: RecordedOrder) -> None:
+        """Take a report of a boat's crew, to be judged likewise."""
+        self._awaited[index].append(report)
+
+    def reports(self, index: int) -> list[tuple[ContactReport, bool]]:
+        """Return the reports of contacts so far, each with whether a ship was close."""
+        places = {order.tick: place for order, place in self._reports[index]}
+        return [
+            (each, is_ship_close(self.contacts, each.tick, *places[each.tick]))
+            for each in contact_reports(order for order, _ in self._reports[index])
+        ]
+
+    def first_shown(self, index: int, begin: float, end: float) -> int | None:
+        """Return the first tick from ``begin`` to ``end`` at which a boat's head showed."""
+        within = (tick for each in self._shown[index] for tick in each if begin <= tick <= end)
+        return next(within, None)
 
     def watch(self, rows: Numbers, which: list[int]) -> list[int]:
         """Write what is made of ships; return whose look-out is judged anew.
@@ -150,6 +176,8 @@ class ShipWatch:
                 self._write(own[k : k + 1], "eye", heights)
                 self._write(own[k : k + 1], "head_out", shows)
                 self._write(own[k : k + 1], "raise", raised)
+                if self._show(index, ticks[k, 1:][shows].tolist()):
+                    changed.add(index)
                 seeing = np.flatnonzero(shows & (out >= OPTICS_SHOWING_M))
                 if seeing.size and self._sees(index, scope, own[k, 1 + seeing], heights[seeing]):
                     changed.add(index)
@@ -157,6 +185,17 @@ class ShipWatch:
                 self._write(own[k : k + 1], "head_out", np.zeros(1))
                 self._write(own[k : k + 1], "raise", raised)
         return changed
+
+    def _show(self, index: int, ticks: list[int]) -> bool:
+        """Take ticks at which a head showed; return whether it did not before."""
+        known = self._shown[index]
+        news = bool(ticks) and not (known and known[-1].stop == ticks[0])
+        for tick in ticks:
+            if known and known[-1].stop == tick:
+                known[-1] = range(known[-1].start, tick + 1)
+            else:
+                known.append(range(tick, tick + 1))
+        return news
 
     def _reader(self, rows: Numbers) -> Callable[[str], Numbers]:
         """Return what reads a number of the state in some rows by its name."""
@@ -199,13 +238,16 @@ class ShipWatch:
         return scope.distances_in_sight(self.contacts.fleet(0), ticks, self._reader(rows), heights)
 
     def _judge_marks(self, index: int, rows: Numbers) -> bool:
-        """Keep the marks whose ticks have come, with the bearings of their ships."""
+        """Keep the marks and reports whose ticks have come, with where the ships are."""
         ticks = rows[:, 0]
         due = [each for each in self._awaited[index] if each.tick <= ticks[-1]]
         for mark in due:
             row = rows[min(int(np.searchsorted(ticks, mark.tick)), len(rows) - 1)]
             state = {name: float(row[place]) for name, place in self._places.items()}
+            self._awaited[index].remove(mark)
+            if isinstance(mark, RecordedOrder):
+                self._reports[index].append((mark, (state["x"], state["y"])))
+                continue
             near = self._fitted.near(state, mark.tick) if self._fitted else []
             self._marks[index].append((mark, near))
-            self._awaited[index].remove(mark)
         return bool(due)
