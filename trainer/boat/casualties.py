@@ -127,8 +127,8 @@ def _insert_parts(boat: Boat, casualty: Casualty) -> Reply:
     most = boat.state.casualty.size
     if len(suffered) + len(new) > most:
         return Refused(
-            f"{casualty.name} breaks {len(new)} things, and {most} casualties at most: clear "
-            f"of {_names(suffered)}"
+            f"{casualty.name}: {len(new)} more, and {most} casualties at most: clear some of "
+            f"{_names(suffered)}"
         )
     for part in casualty.parts:
         amount, ticks = _amount(boat, part, part.severity), float(boat.ticks_in(part.ramp_s))

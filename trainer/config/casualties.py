@@ -380,9 +380,9 @@ def _read_compound(
     for i, part in enumerate(PART_ROWS.listed("parts", row["parts"], position)):
         within_part = position.inside(f"parts[{i}]")
         with collecting(problems):
-            read = read_casualty(name, part, within_part, standard)
-            if read.parts:
+            if "parts" in as_table(part, within_part):
                 raise ConfigError(within_part.problem("has parts of its own; name a kind"))
+            read = read_casualty(name, part, within_part, standard)
             if read.kind in [each.kind for each in parts]:
                 raise ConfigError(within_part.wrong("kind", read.kind, "is a part above too"))
             parts.append(replace(read, name=read.kind))
@@ -390,7 +390,7 @@ def _read_compound(
         filled = [_filler(as_table(part, position), standard) | part for part in row["parts"]]
         entry = {**row, "parts": filled}
         said = read_record(CompoundEntry, entry, position, ("note",)).description
-    raise_problems(problems)
+    raise_problems([*dict.fromkeys(problems)])  # a wrong part is read twice
     clearing = max(each.clear_ramp_s for each in parts)
     return replace(
         parts[0],

@@ -141,7 +141,7 @@ def casualties_schema() -> dict[str, Any]:
             "pattern": f"^{casualties.CASUALTY_NAME.pattern}$",
             "not": {"const": "all"},
         },
-        "additionalProperties": {"anyOf": [entry, compound]},
+        "additionalProperties": {"if": {"required": ["parts"]}, "then": compound, "else": entry},
     }
     keys = {name: describe_kind(kind) for name, kind in casualties.HEADING_FIELDS.items()}
     return file_schema("casualties", {**keys, "casualty": entries}, ("casualty",))
