@@ -28,7 +28,7 @@ from trainer.config.casualties import (
 )
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import compile_condition
-from trainer.config.files import ConfigError, Position
+from trainer.config.files import ConfigError, Position, key_of, reading_recorded, shipped_path
 from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
@@ -133,6 +133,15 @@ def test_a_condition_breaks_all_parts_at_once(boat: Boat) -> None:
     arm_casualty(boat, condition, boat.casualties["grounding-aft"])
     with pytest.raises(ConfigError, match="more than 8 triggers"):
         arm_casualty(boat, condition, boat.casualties["grounding-aft"])
+
+
+def test_a_recording_of_before_knows_single_casualties_alone() -> None:
+    standard = shipped_path("casualties", "standard")
+    with reading_recorded({key_of(standard): standard.read_text("utf-8")}):
+        assert sorted(load_casualties()) == sorted(KINDS)
+    assert {*load_casualties()} - {*KINDS} == {
+        *("grounding-forward", "grounding-aft", "collision-amidships"),
+    }
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from trainer.config.files import (
     raise_problems,
     read_text,
     shipped_path,
+    text_if_there,
 )
 from trainer.config.schema import (
     KeyForm,
@@ -56,6 +57,7 @@ HEADING_FIELDS: Final[Mapping[str, FieldKind]] = {
 KNOWN_KEYS: Final = (*HEADING_FIELDS, "casualty")
 PARTS_RULE: Final = "each part has its own degree and ramp; order a part alone with another"
 STANDARD_LIST: Final = "standard"
+COMPOUND_LIST: Final = "compound"  # of several with one cause
 CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
 # fmt: off
 PARAMETER_KEYS: Final = (
@@ -287,7 +289,9 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
     ConfigError if a file is wrong or has a name that is already taken.
     """
     shipped_table = shipped_path("casualties", STANDARD_LIST)
-    casualties = dict(_standard(read_text(shipped_table), shipped_table))
+    text, several = read_text(shipped_table), shipped_table.with_name(f"{COMPOUND_LIST}.toml")
+    # a recording of before has only the standard table
+    casualties = dict(_shipped(text, shipped_table, text_if_there(several), several))
     for path in map(Path, paths):
         for name, casualty in parse_casualties(read_text(path), path, casualties).items():
             if name in casualties:
@@ -300,9 +304,14 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
 
 
 @cache
-def _standard(text: str, path: Path) -> Mapping[str, Casualty]:
-    """Return the casualties of the shipped table, cached for the next exercise."""
-    return parse_casualties(text, path, {})
+def _shipped(
+    text: str, path: Path, compound: str | None, compound_path: Path
+) -> Mapping[str, Casualty]:
+    """Return the casualties of the shipped tables, cached for the next exercise."""
+    standard = parse_casualties(text, path, {})
+    if compound is None:
+        return standard
+    return {**standard, **parse_casualties(compound, compound_path, standard)}
 
 
 def parse_casualties(
@@ -329,8 +338,7 @@ def parse_casualties(
         within_file = position.inside("casualty")
         for name, entry in as_table(table["casualty"], within_file).items():
             with collecting(problems):
-                usual = standard or casualties  # the standard table fills its own parts
-                casualties[name] = read_casualty(name, entry, within_file.inside(name), usual)
+                casualties[name] = read_casualty(name, entry, within_file.inside(name), standard)
     raise_problems(problems)
     return casualties
 
