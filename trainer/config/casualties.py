@@ -259,7 +259,7 @@ class Casualty:
 
     @property
     def sudden(self) -> bool:
-        """Return whether it is only on or off: an order gives it neither severity nor ramp."""
+        """Return whether an order gives it neither severity nor ramp."""
         return bool(self.parts) or self.measure.sudden
 
     @property

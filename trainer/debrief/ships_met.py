@@ -260,7 +260,7 @@ def reports_near_ships(trajectory: Trajectory) -> list[tuple[ContactReport, bool
 
 
 def is_ship_close(contacts: Contacts | None, tick: int, north: float, east: float) -> bool:
-    """Return whether a ship was within the exercise's ``cpa_m`` of a place [m] at a tick."""
+    """Return whether a ship was within ``cpa_m`` of a place [m] at a tick."""
     if contacts is None:
         return False
     now = contacts.at(tick)
