@@ -294,7 +294,7 @@ def time_to_report(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> M
 def measure_report(
     shown: int | None, reports: Sequence[tuple[ContactReport, bool]], step: float
 ) -> Measurement:
-    """Return the same of a first look and of reports, each with whether a ship was close."""
+    """Return the same of a first look, and reports with whether a ship was close."""
     if shown is None:
         return Measurement(None, None, "nobody looked")
     told = [(each, close) for each, close in reports if each.tick >= shown]
