@@ -204,10 +204,16 @@ def test_a_world_that_acts_is_written_before_each_tick_of_a_step() -> None:
     assert boats[0].snapshot().time == 100.0
     assert rows.tolist() == [boats[1].state[name] for name in reads]
     assert rows[1] > 50.0
-    before = boats[0].state
+    before = boats[0].state  # as it stays where a number is refused
     with pytest.raises(trainer.TrainerError, match="stern must be"):
         steered.step([np.nan])
     assert boats[0].state == before
+    for boat in boats:
+        boat.order("current set 180 drift 1")  # its ramp begins
+    boats[0].by_number(["flood auxiliary"], reads, 5).step([1000.0])  # once, not at each tick
+    boats[1].order("flood auxiliary 1")
+    boats[1].run(2.5)
+    assert boats[0].state == boats[1].state
 
 
 def test_an_angle_is_turned_to_the_nearest_as_ieee_has_it() -> None:

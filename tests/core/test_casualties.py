@@ -1,5 +1,6 @@
 """What breaks: how it comes on, what it does, how it is cleared, and what sets it off."""
 
+import contextlib
 import json
 import math
 import re
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.boats import fly, make_boat, start_bb2, start_boat, take_ticks
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import (
@@ -20,6 +22,7 @@ from trainer.boat.casualties import (
     insert_casualty,
     instrument_readings,
 )
+from trainer.cli.main import cli
 from trainer.config.casualties import (
     as_json,
     listing,
@@ -33,6 +36,7 @@ from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
+from trainer.io.recording.recording import Recording
 from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 
@@ -142,6 +146,18 @@ def test_a_recording_of_before_knows_single_casualties_alone() -> None:
     assert {*load_casualties()} - {*KINDS} == {
         *("grounding-forward", "grounding-aft", "collision-amidships"),
     }
+
+
+def test_a_run_with_several_of_one_cause_replays_to_the_bit(tmp_path: Path) -> None:
+    record, orders = tmp_path / "r.trainer", tmp_path / "o.txt"
+    orders.write_text("5 casualty grounding-forward\n20 clear grounding-forward\n")
+    words = ["run", "--vessel", "bb2", "--orders", orders, "--record", record, "--duration", 40]
+    type_command(cli, *words, "--headless", "--speed", "max")
+
+    assert "the same to the last bit" in type_command(cli, "replay", record).output
+    with contextlib.closing(Recording.reopen(record)) as recording:
+        texts = [each.text for each in recording.orders(1)]
+    assert texts == ["casualty grounding-forward", "clear grounding-forward"]
 
 
 @pytest.mark.parametrize(

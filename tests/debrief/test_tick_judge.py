@@ -12,9 +12,11 @@ from trainer.api.boat import plan_boat
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import entries_due
 from trainer.boat.reference_crew import ReferenceCrew
+from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.files import shipped_names
 from trainer.core.kernel import Numbers
+from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import (
     ByReference,
@@ -23,6 +25,7 @@ from trainer.debrief.rehearsal import (
     last_tick,
     stretches,
 )
+from trainer.debrief.tick_ground import GroundWatch, ground_reads
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import Giver, GiverKind
@@ -175,6 +178,38 @@ def test_ground_and_ships_are_judged_as_the_debrief_judges_them(name: str, seed:
     *_, (_, ours, theirs) = compared(name, crew, ends_of(crew, 3, 1))
     assert ours == pytest.approx(theirs, abs=LIKENESS)
     assert ours > judged(flown, plan, nobody) + 20.0
+
+
+def test_who_runs_into_a_ship_that_ends_it_has_ended() -> None:
+    flown = flight_of("crossing-traffic", 16)
+    judge = TickJudge(planned("crossing-traffic"))
+    rows = rows_of(judge, flown)
+    judge.begin(0, rows[0], {})
+    judge.look(rows[None, 1:-1])
+    assert not judge.ended[0]
+
+    judge.look(rows[None, -1:])
+
+    assert judge.ended[0]
+
+
+@pytest.mark.parametrize(("name", "seed"), [("bottoming", 5), ("bottoming", 9), ("canyon", 18)])
+def test_groundings_tick_by_tick_are_those_of_the_record(name: str, seed: int) -> None:
+    flown, boat = flight_of(name, seed), planned(name).launch_boat()
+    bottom, reads = ground_under(boat), ("tick", *ground_reads(boat))
+    assert bottom
+    watch = GroundWatch(boat, bottom, 1, reads)
+    columns = {"tick": flown.ticks.astype(float), **flown.columns}
+    rows = np.array([columns[each] for each in reads]).T
+    watch.begin(0, rows[0])
+    for begun in range(0, len(rows), 10):
+        watch.watch(rows[None, begun : begun + 10], [0])
+
+    theirs = groundings(flown)
+    ours = [(each.tick, each.touch, each.hard) for each in watch.groundings[0]]
+    assert ours == [(each.row, each.touch, each.hard) for each in theirs]
+    assert len(watch.faults(0)) == sum(each.at_fault for each in theirs)
+    assert len(ours) > 1
 
 
 @pytest.mark.slow
