@@ -89,7 +89,7 @@ def test_several_of_one_cause_come_and_go_by_one_order(boat: Boat) -> None:
     answer = insert_casualty(boat, "grounding forward")
 
     assert answer == (
-        "casualty grounding-forward: breaks flooding-forward 0.5, bow-servo-stuck -0.3333, "
+        "casualty grounding-forward: breaks flooding-forward 0.5, bow-servo-stuck -0.33, "
         "oil-leak-bow 1.2, log-stuck"
     )
     for each in (boat, apart):

@@ -17,6 +17,7 @@ from trainer.config.casualties import (
     SEVERITY_MEASURES,
     Casualty,
     Count,
+    parts_lines,
     parts_text,
     severity_rule,
 )
@@ -256,12 +257,8 @@ def casualty_listing(boat: Boat) -> list[str]:
     for name, degree, says in available_casualties(boat):
         casualty = boat.casualties[name]
         whole = _amount(boat, casualty, casualty.severity)
-        effect = (
-            f"    ({parts_text(casualty)})" * bool(casualty.parts)
-            if casualty.sudden
-            else f"    ({describe_amount(boat, casualty.kind, whole)})"
-        )
-        lines += [f"{name} {degree}".rstrip() + effect, f"    {says}"]
+        effect = "" if casualty.sudden else f"    ({describe_amount(boat, casualty.kind, whole)})"
+        lines += [f"{name} {degree}".rstrip() + effect, f"    {says}", *parts_lines(casualty)]
     return lines
 
 

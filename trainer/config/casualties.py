@@ -432,17 +432,26 @@ def listing(casualties: Mapping[str, Casualty]) -> str:
         measure = "those of its parts" if entry.parts else entry.measure.meaning
         lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {measure}")
         lines.append(f"    {entry.description}")
-        lines += textwrap.wrap(
-            parts_text(entry), 79, initial_indent="    ", subsequent_indent="    "
-        )
+        lines += parts_lines(entry)
     return "\n".join(lines)
 
 
 def parts_text(casualty: Casualty) -> str:
     """Return what a casualty breaks, part by part, "" for one without parts."""
-    degrees = ("" if each.sudden else f" {each.severity:g}" for each in casualty.parts)
+    degrees = ("" if each.sudden else f" {each.severity:.2g}" for each in casualty.parts)
     named = (f"{each.name}{degree}" for each, degree in zip(casualty.parts, degrees, strict=True))
     return f"breaks {', '.join(named)}" if casualty.parts else ""
+
+
+def parts_lines(casualty: Casualty) -> list[str]:
+    """Return the same as indented lines of 79 columns, none for one without parts."""
+    return textwrap.wrap(
+        parts_text(casualty),
+        79,
+        initial_indent="    ",
+        subsequent_indent="    ",
+        break_on_hyphens=False,
+    )
 
 
 def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
