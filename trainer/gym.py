@@ -24,6 +24,7 @@ from trainer.api.exercise_fleet import (
     SIGHT_NAMES,
     ExerciseFleet,
     drill_of,
+    look_out_order,
     start_of,
 )
 from trainer.boat.due_orders import obey_all
@@ -102,6 +103,10 @@ class ExerciseEnv(gymnasium.Env[Seen, Actions]):
         over = not lost and self._tick >= drill.last
         info = {"marks": self._marks} if lost or over else {}
         return drill.sights(row[None, count:])[0], self._marks - marks, lost, over, info
+
+    def order(self, text: str) -> None:
+        """Have the look-out carry out ``scope raise``, ``scope lower`` or ``mark contact 064``."""
+        self._judge.hear(0, look_out_order(text, self._tick))
 
 
 class ExerciseVectorEnv(VectorEnv[Seen, Actions, Any]):

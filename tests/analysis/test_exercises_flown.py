@@ -167,7 +167,12 @@ def test_two_minutes_after_something_asks_for_an_answer_it_is_too_late(name: str
 
 def useless_crews(plan: Plan) -> Iterator[Crew]:
     """Yield who gives one useless answer to one casualty of an exercise that is to be answered."""
-    onsets = {e.order.subject: e.seconds for e in plan.schedule if e.order.name == "casualty"}
+    onsets = {
+        part.name: entry.seconds
+        for entry in plan.schedule
+        if entry.order.name == "casualty"
+        for part in plan.casualties[entry.order.subject].broken
+    }
     for rule in plan.scores:
         onset = onsets.get(rule.score.casualty or "")
         wanted = [word for word in USELESS if word in (rule.score.orders or USELESS)]

@@ -52,6 +52,30 @@ def test_every_boat_flies_as_it_does_alone(generator: str, count: int, tmp_path:
     assert len({row.tobytes() for row in seen}) == count
 
 
+@pytest.mark.parametrize(
+    "current", ["set_deg = 90\ndrift_kn = 2", "table = [[0, 90, 2], [80, 90, 0]]"]
+)
+def test_a_world_that_acts_moves_each_boat_as_it_does_alone(current: str, tmp_path: Path) -> None:
+    text = shipped_path("seas", "sea-state-4").read_text("utf-8")
+    (tmp_path / "sea.toml").write_text(f"{text}\n[current]\n{current}\n", "utf-8")
+    sea = str(tmp_path / "sea.toml")
+    fleet = sail(3, sea, ticks=4, each_tick=True, threads=2)
+    boats = [trainer.Boat("bb2", speed=8, depth=40, sea=sea, seed=1 + each) for each in range(3)]
+    alone = [boat.by_number(ORDERS, READS, 4) for boat in boats]
+    chance = np.random.default_rng(6)
+
+    for _ in range(15):
+        values = drawn(chance, fleet)
+        rows = fleet.step(values)
+        ends = [each.step(row).tolist() for each, row in zip(alone, values, strict=True)]
+        assert rows[:, -1].tolist() == ends
+
+    for each, boat in enumerate(boats):
+        boat.restore(fleet.snapshot(each))
+        assert boat.state["water_east"] > 0.5
+    assert len({*rows[0, :, 0].tolist()}) == 4  # after each tick another depth
+
+
 def test_threads_and_rows_of_each_tick_change_no_bit() -> None:
     one, two = sail(7), sail(7, threads=3, ticks=4, each_tick=True)
     chance = np.random.default_rng(4)

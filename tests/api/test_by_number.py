@@ -186,9 +186,34 @@ def test_what_numbers_cannot_do_is_refused_by_name(tmp_path: object) -> None:
         pytest.raises(trainer.TrainerError, match="by_number: not with record="),
     ):
         kept.by_number(["stern"], ["z"])
-    boat.order("current set 090 drift 2")
-    with pytest.raises(trainer.TrainerError, match="a raised periscope are moved by run"):
-        boat.by_number(["stern"], ["z"]).step([0.0])
+
+
+def test_a_world_that_acts_is_written_before_each_tick_of_a_step() -> None:
+    reads = ["x", "y", "z"]
+    boats = [trainer.Boat("bb2", speed=6, depth=30) for _ in range(2)]
+    steered = boats[0].by_number(["stern"], reads, 5)
+    for boat in boats:
+        boat.order("current set 090 drift 2")
+    boats[1].order("stern planes rise 2")
+    wide = np.radians(2.0)
+
+    for _ in range(40):  # over the ramp of the current, and while it stands
+        rows = steered.step([wide])
+
+    boats[1].run(100.0)
+    assert boats[0].snapshot().time == 100.0
+    assert rows.tolist() == [boats[1].state[name] for name in reads]
+    assert rows[1] > 50.0
+    before = boats[0].state  # as it stays where a number is refused
+    with pytest.raises(trainer.TrainerError, match="stern must be"):
+        steered.step([np.nan])
+    assert boats[0].state == before
+    for boat in boats:
+        boat.order("current set 180 drift 1")  # its ramp begins
+    boats[0].by_number(["flood auxiliary"], reads, 5).step([1000.0])  # once, not at each tick
+    boats[1].order("flood auxiliary 1")
+    boats[1].run(2.5)
+    assert boats[0].state == boats[1].state
 
 
 def test_an_angle_is_turned_to_the_nearest_as_ieee_has_it() -> None:

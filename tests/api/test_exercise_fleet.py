@@ -18,9 +18,10 @@ from trainer.units import KNOT
 
 LIKENESS = 1e-9  # [%]
 FLOWN = (
-    "backing", "course-changes", "crash-stop", "depth-changes", "emergency-deep",
-    "first-depth-change", "heavy-boat", "hover-by-pump", "ordered-bubble", "periscope-depth",
-    "periscope-sea-3", "steady-course", "surface-and-steer", "visitor-dive",
+    "backing", "bottoming", "canyon", "course-changes", "crash-stop", "crossing-traffic",
+    "depth-changes", "emergency-deep", "first-depth-change", "heavy-boat", "hover-by-pump",
+    "ordered-bubble", "periscope-approach", "periscope-depth", "periscope-sea-3", "steady-course",
+    "surface-and-steer", "visitor-dive",
 )  # fmt: skip
 
 
@@ -64,14 +65,15 @@ def marks_by_debrief(fleet: trainer.ExerciseFleet, actions: Numbers, draw: int) 
 
 
 def fly_and_compare(name: str, count: int) -> set[float]:
-    """Return the marks of drawn flights, each that of the debrief; boats that are lost aside."""
+    """Return the marks of drawn flights, each that of the debrief, also where a flight is lost."""
     fleet, draws = fleet_of(name, count), list(range(count))
     actions, earned = fly_drawn(fleet, draws)
-    whole = np.flatnonzero(~fleet.lost).tolist()
-    for index in whole:
-        theirs = marks_by_debrief(fleet, actions[:, index], draws[index])
+    sound = np.flatnonzero(fleet._fleet.status == 0).tolist()  # noqa: SLF001  to the last tick
+    for index in sound:
+        steps = int(fleet._at[index]) // fleet.drill.ticks  # noqa: SLF001  when it was over
+        theirs = marks_by_debrief(fleet, actions[:steps, index], draws[index])
         assert earned[index] == pytest.approx(theirs, abs=LIKENESS), index
-    assert whole
+    assert sound
     assert fleet.over.all()
     return set(earned.round(6).tolist())
 
@@ -84,6 +86,27 @@ def test_what_boats_earn_from_step_to_step_is_the_debrief_s_mark() -> None:
 @pytest.mark.parametrize("name", FLOWN)
 def test_twenty_flights_by_numbers_earn_the_debrief_s_marks(name: str) -> None:
     fly_and_compare(name, 20)
+
+
+def test_a_look_out_marks_ships_in_words_and_alone_is_paid_for_it() -> None:
+    fleet = fleet_of("crossing-traffic", 2)
+    fleet.reset()
+    rudder = np.zeros((2, 1))
+    for _ in range(3):
+        fleet.step(rudder)
+    fleet.order(1, "scope raise")
+    for _ in range(3):
+        fleet.step(rudder)
+    before = fleet.marks.copy()
+    for bearing in ("064", "332", "309"):
+        fleet.order(1, f"mark contact {bearing}")
+
+    fleet.step(rudder)
+
+    assert fleet.marks[1] > before[1] + 5.0
+    assert fleet.marks[0] == before[0]
+    with pytest.raises(trainer.TrainerError, match="'rudder left 5': a look-out takes scope raise"):
+        fleet.order(1, "rudder left 5")
 
 
 def test_a_boat_that_begins_anew_leaves_the_others_as_they_are() -> None:
@@ -138,8 +161,6 @@ def test_a_number_that_is_none_moves_no_boat() -> None:
     [
         ("watch", None, "an answer is an order in words"),
         ("gyro-stuck", None, "its casualties deceive the gauges"),
-        ("bottoming", None, "aground takes more than one boat's numbers"),
-        ("crossing-traffic", None, "closest-approach takes more than one boat's numbers"),
         ("first-depth-change", 7.0, "a step of 7 s has an order, or the end, within it at 60 s"),
         ("first-depth-change", 0.7, "a step of 0.7 s is no whole number of ticks"),
         ("first-deep-change", None, "nearest is first-depth-change"),

@@ -15,6 +15,7 @@ import trainer.gym
 
 PLANES = "trainer/first-depth-change-v0"
 SEA = "trainer/emergency-deep-v0"
+CURRENT = "trainer/canyon-v0"
 
 
 def test_gymnasium_makes_an_exercise_by_its_module() -> None:
@@ -25,7 +26,7 @@ def test_gymnasium_makes_an_exercise_by_its_module() -> None:
     assert "trainer/watch-v0" in gymnasium.registry
 
 
-@pytest.mark.parametrize("name", [PLANES, SEA])
+@pytest.mark.parametrize("name", [PLANES, SEA, CURRENT])
 def test_gymnasium_s_checker_has_neither_error_nor_warning(name: str) -> None:
     check_env(gymnasium.make(name).unwrapped)
 

@@ -1,5 +1,6 @@
 """What breaks: how it comes on, what it does, how it is cleared, and what sets it off."""
 
+import contextlib
 import json
 import math
 import re
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.boats import fly, make_boat, start_bb2, start_boat, take_ticks
 from helpers.places import ROOT
+from helpers.typed import type_command
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import (
@@ -20,6 +22,7 @@ from trainer.boat.casualties import (
     insert_casualty,
     instrument_readings,
 )
+from trainer.cli.main import cli
 from trainer.config.casualties import (
     as_json,
     listing,
@@ -28,11 +31,12 @@ from trainer.config.casualties import (
 )
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import compile_condition
-from trainer.config.files import ConfigError, Position
+from trainer.config.files import ConfigError, Position, key_of, reading_recorded, shipped_path
 from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
+from trainer.io.recording.recording import Recording
 from trainer.session.stations.status import status_lines
 from trainer.session.time.ledger import Ledger
 
@@ -66,6 +70,113 @@ def reason(answer: str | Refused) -> str:
 
 
 # How a casualty comes and goes
+
+
+def kinds(boat: Boat) -> list[str]:
+    return [each.kind for each in active_casualties(boat)]
+
+
+def test_several_of_one_cause_come_and_go_by_one_order(boat: Boat) -> None:
+    apart = start_bb2()
+    for name, *numbers in (
+        ("flooding-forward", 0.5, 0.0),
+        ("bow-servo-stuck",),
+        ("oil-leak-bow", 1.2),
+        ("log-stuck",),
+    ):
+        begun(apart, name, *numbers)
+
+    answer = insert_casualty(boat, "grounding forward")
+
+    assert answer == (
+        "casualty grounding-forward: breaks flooding-forward 0.5, bow-servo-stuck -0.33, "
+        "oil-leak-bow 1.2, log-stuck"
+    )
+    for each in (boat, apart):
+        take_ticks(each, 60)
+    assert boat.plain.tobytes() == apart.plain.tobytes()
+    assert clear_casualty(boat, "grounding-forward") == "clearing grounding-forward within 30 s"
+    take_ticks(boat, 61)
+    assert kinds(boat) == []
+    assert "there is no grounding-forward" in reason(clear_casualty(boat, "grounding-forward"))
+
+
+def test_several_of_one_cause_come_whole_or_not_at_all(boat: Boat) -> None:
+    for name in ("rudder-slow", "stern-slow", "depth-gauge-noisy", "gyro-noisy", "log-stuck"):
+        begun(boat, name)
+    before = boat.snapshot().tobytes()
+    for numbers, told in (
+        ((2.0,), "grounding-forward: each part has its own degree and ramp"),
+        ((None, 5.0), "order a part alone with another"),
+    ):
+        assert told in reason(insert_casualty(boat, "grounding-forward", *numbers))
+    bare = make_boat("remus100")
+    assert "grounding-forward: " in reason(insert_casualty(bare, "grounding-forward"))
+    assert boat.snapshot().tobytes() == before
+
+    begun(boat, "grounding-forward")  # the log is one of its own already
+
+    assert len(kinds(boat)) == MAX_CASUALTIES
+    before = boat.snapshot().tobytes()
+    answer = insert_casualty(boat, "collision-amidships")
+    assert "collision-amidships: 3 more, and 8 casualties at most: clear some of" in reason(answer)
+    assert boat.snapshot().tobytes() == before
+    clear_casualty(boat, "oil-leak-bow")  # one part alone
+    assert kinds(boat)[0] == "rudder-slow"
+
+
+def test_a_condition_breaks_all_parts_at_once(boat: Boat) -> None:
+    condition = compile_condition("depth > 60.5", HERE)
+    arm_casualty(boat, condition, boat.casualties["grounding-forward"])
+    assert kinds(boat) == []
+
+    boat.state.z = 61.0
+    take_ticks(boat, 1)
+
+    assert kinds(boat) == ["flooding-forward", "bow-servo-stuck", "oil-leak-bow", "log-stuck"]
+    arm_casualty(boat, condition, boat.casualties["grounding-aft"])
+    with pytest.raises(ConfigError, match="more than 8 triggers"):
+        arm_casualty(boat, condition, boat.casualties["grounding-aft"])
+
+
+def test_a_recording_of_before_knows_single_casualties_alone() -> None:
+    standard = shipped_path("casualties", "standard")
+    with reading_recorded({key_of(standard): standard.read_text("utf-8")}):
+        assert sorted(load_casualties()) == sorted(KINDS)
+    assert {*load_casualties()} - {*KINDS} == {
+        *("grounding-forward", "grounding-aft", "collision-amidships"),
+    }
+
+
+def test_a_run_with_several_of_one_cause_replays_to_the_bit(tmp_path: Path) -> None:
+    record, orders = tmp_path / "r.trainer", tmp_path / "o.txt"
+    orders.write_text("5 casualty grounding-forward\n20 clear grounding-forward\n")
+    words = ["run", "--vessel", "bb2", "--orders", orders, "--record", record, "--duration", 40]
+    type_command(cli, *words, "--headless", "--speed", "max")
+
+    assert "the same to the last bit" in type_command(cli, "replay", record).output
+    with contextlib.closing(Recording.reopen(record)) as recording:
+        texts = [each.text for each in recording.orders(1)]
+    assert texts == ["casualty grounding-forward", "clear grounding-forward"]
+
+
+@pytest.mark.parametrize(
+    ("parts", "told"),
+    [
+        ('[{ kind = "log-stuck" }]', "must be 2 to 8 tables"),
+        ('[{ kind = "log-stuck" }, { kind = "log-stuck" }]', "is a part above too"),
+        ('[{ kind = "log-stuck" }, { kind = "log-stock" }]', "nearest is log-stuck"),
+        ('[{ kind = "log-stuck", severity = 2 }, { kind = "gyro-stuck" }]', "its severity is 1"),
+        ('[{ kind = "log-stuck", hole_m2 = 2 }, { kind = "gyro-stuck" }]', "hole_m2 means nothing"),
+        ('[{ kind = "log-stuck" }, { parts = [{}, {}] }]', "has parts of its own; name a kind"),
+        ('[{ kind = "log-stuck" }, { kind = "gyro-stuck" }]\nramp_s = 5', "ramp_s"),
+    ],
+)
+def test_wrong_parts_are_refused_with_their_place(parts: str, told: str) -> None:
+    text = f'[casualty.own]\ndescription = "x"\nparts = {parts}\n'
+    with pytest.raises(ConfigError, match=told) as refused:
+        parse_casualties(text, Path("own.toml"), load_casualties())
+    assert "own.toml: [casualty.own" in str(refused.value)
 
 
 @pytest.mark.laws
@@ -746,7 +857,8 @@ def test_the_list_is_narrow_and_complete() -> None:
 
     assert max(map(len, text.splitlines())) <= 79
     assert all(name in text for name in KINDS)
-    assert len(json.loads(json.dumps(as_json(casualties)))) == len(KINDS)
+    alone = [each for each in json.loads(json.dumps(as_json(casualties))) if not each["parts"]]
+    assert sorted(each["name"] for each in alone) == sorted(KINDS)
 
 
 def test_the_examples_of_the_manual_load() -> None:

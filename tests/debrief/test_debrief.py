@@ -293,6 +293,7 @@ def shows(vessel: Any, row: dict[str, float]) -> float:
 
 def test_every_measure_is_judged_in_one_run(kept: Kept) -> None:
     around = {"aground", "closest-approach", "exposed", "exposed-raise", "time-to-detect"}
+    around |= {"time-to-report"}
     around |= {"alert-response"}  # below; the others in tests/boat/world
     assert {keys["measure"] for keys in RULES} == set(SCORE_MEASURES) - around
     values = [each.attained.value for each in kept.voyage.debrief.card.scores]

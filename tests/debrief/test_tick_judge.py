@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 
 from trainer.api.boat import plan_boat
+from trainer.boat.boat import Boat
 from trainer.boat.due_orders import entries_due
 from trainer.boat.reference_crew import ReferenceCrew
-from trainer.config.files import ConfigError, shipped_names
+from trainer.boat.world.bottom import ground_under
+from trainer.boat.world.contacts import contacts_in
+from trainer.config.files import shipped_names
 from trainer.core.kernel import Numbers
+from trainer.debrief.groundings import groundings
 from trainer.debrief.judgement import judge_run
 from trainer.debrief.rehearsal import (
     ByReference,
@@ -21,17 +25,18 @@ from trainer.debrief.rehearsal import (
     last_tick,
     stretches,
 )
+from trainer.debrief.tick_ground import GroundWatch, ground_reads
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import Trajectory
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan
 
-BY_DEBRIEF_ALONE = (  # ground and ships
-    *("bottoming", "canyon", "crossing-traffic", "periscope-approach"),
-)
-BY_NUMBERS = [name for name in shipped_names("exercises") if name not in BY_DEBRIEF_ALONE]
+EXERCISES = shipped_names("exercises")
+OF_SHIPS = "crossing-traffic", "periscope-approach"
+OF_GROUND = "bottoming", "canyon"
 CREW = Giver(GiverKind.STATION, "planesman", "tester")
+LOOK_OUT = Giver(GiverKind.STATION, "scope", "tester")
 LIKENESS = 1e-9  # [%]
 # fmt: off
 WORDS = (
@@ -40,6 +45,13 @@ WORDS = (
     "rudder auto", "bell stop", "bell back full", "blow all", "emergency blow", "vent all open",
     "flood auxiliary {}", "pump auxiliary {}", "pump trim forward {}", "depth {}0", "course {}0",
     "drain aft", "hover on", "surface", "speed {}",
+)
+LOOK_OUT_WORDS = (
+    *("scope raise", "scope raise", "scope lower", "mark contact {}", "depth 17"),
+    *("report no close contacts", "report contact 0{}"),
+)
+DOWN_WORDS = (
+    *("depth 9{}", "flood depth-control 3", "bell stop", "hover on", "hover off", "course 35{}"),
 )
 # fmt: on
 
@@ -61,10 +73,14 @@ def flight_of(name: str, seed: int) -> Trajectory:
     crew = ReferenceCrew(boat, plan.crew, None) if seed % 2 else None
     flight = Flight(plan, boat, ByReference(crew))
     given: dict[int, list[RecordedOrder]] = {}
+    words = WORDS + (name in OF_SHIPS) * (3 * LOOK_OUT_WORDS) + (name in OF_GROUND) * DOWN_WORDS
     for _ in range(int(drawn.choice((1, 3, 30)))):
-        tick = int(drawn.integers(last))
-        text = str(drawn.choice(WORDS)).format(drawn.integers(1, 31))
-        given.setdefault(tick, []).append(RecordedOrder(0, 1, tick, CREW, text, None, None, ""))
+        tick, text, giver = int(drawn.integers(last)), str(drawn.choice(words)), CREW
+        if "mark" in text:
+            text = text.format(bearing_drawn(boat, tick, drawn))
+            giver = (CREW, LOOK_OUT)[int(drawn.integers(2))]
+        text = text.format(drawn.integers(1, 31))
+        given.setdefault(tick, []).append(RecordedOrder(0, 1, tick, giver, text, None, None, ""))
     due = entries_due(boat, plan.schedule)
     for tick, until in stretches(0, last, {*due, *given}):
         flight.give_scheduled(due.get(tick, ()))
@@ -72,6 +88,14 @@ def flight_of(name: str, seed: int) -> Trajectory:
         if not flight.fly_to(until):
             break
     return flight.rehearsal().trajectory
+
+
+def bearing_drawn(boat: Boat, tick: int, drawn: np.random.Generator) -> int:
+    """Return a bearing [deg] at which a ship may be seen from the start."""
+    contacts = contacts_in(boat)
+    ship = drawn.choice(np.array(contacts.seen(tick), object)) if contacts else None
+    true = math.degrees(math.atan2(ship.east, ship.north)) if ship else 0.0
+    return round(true + float(drawn.choice((0.0, 30.0)))) % 360
 
 
 def cut(flown: Trajectory, row: int) -> Trajectory:
@@ -83,6 +107,7 @@ def cut(flown: Trajectory, row: int) -> Trajectory:
         lateness=flown.lateness[: row + 1],
         work=flown.work[: row + 1],
         orders=tuple(each for each in flown.orders if each.tick < row),
+        marks=tuple(each for each in flown.marks if each.tick < row),
     )
 
 
@@ -95,7 +120,7 @@ def compared(name: str, flown: Trajectory, ends: list[int]) -> Iterator[tuple[in
     """Yield each end with the judge's total and the debrief's."""
     plan, nobody = planned(name), nobody_in(name)
     judge = TickJudge(plan)
-    rows, heard, begun = rows_of(judge, flown), list(flown.orders), 0
+    rows, heard, begun = rows_of(judge, flown), heard_in(flown), 0
     yield 0, judge.begin(0, rows[0], nobody), judged(cut(flown, 0), plan, nobody)
     for end in ends:
         while heard and heard[0].tick < end:
@@ -103,6 +128,18 @@ def compared(name: str, flown: Trajectory, ends: list[int]) -> Iterator[tuple[in
         total = float(judge.look(rows[None, begun + 1 : end + 1])[0])
         begun = end
         yield end, total, judged(cut(flown, end), plan, nobody)
+
+
+def heard_in(flown: Trajectory) -> list[RecordedOrder]:
+    """Return the orders and marks of a flight, by their ticks."""
+    marks = [
+        RecordedOrder(
+            0, 1, each.tick, Giver(GiverKind.STATION, each.role, ""), text, None, None, ""
+        )
+        for each in flown.marks
+        for text in [f"mark {each.text}"]
+    ]
+    return sorted((*flown.orders, *marks), key=lambda each: each.tick)
 
 
 def judged(flown: Trajectory, plan: Plan, nobody: dict[str, float]) -> float:
@@ -128,8 +165,55 @@ def test_the_marks_at_a_tick_are_those_of_a_record_that_ends_there(name: str) ->
     assert max(totals) > 10.0
 
 
+@pytest.mark.parametrize(("name", "seed"), [("bottoming", 1), ("crossing-traffic", 16)])
+def test_ground_and_ships_are_judged_as_the_debrief_judges_them(name: str, seed: int) -> None:
+    flown = flight_of(name, seed)
+    last = len(flown.ticks) - 1
+
+    for end, ours, theirs in compared(name, flown, [*range(last // 3, last, 97), last]):
+        assert ours == pytest.approx(theirs, abs=LIKENESS), end
+
+    plan, nobody = planned(name), nobody_in(name)
+    crew = fly_rehearsal(plan, plan.crew).trajectory
+    *_, (_, ours, theirs) = compared(name, crew, ends_of(crew, 3, 1))
+    assert ours == pytest.approx(theirs, abs=LIKENESS)
+    assert ours > judged(flown, plan, nobody) + 20.0
+
+
+def test_who_runs_into_a_ship_that_ends_it_has_ended() -> None:
+    flown = flight_of("crossing-traffic", 16)
+    judge = TickJudge(planned("crossing-traffic"))
+    rows = rows_of(judge, flown)
+    judge.begin(0, rows[0], {})
+    judge.look(rows[None, 1:-1])
+    assert not judge.ended[0]
+
+    judge.look(rows[None, -1:])
+
+    assert judge.ended[0]
+
+
+@pytest.mark.parametrize(("name", "seed"), [("bottoming", 5), ("bottoming", 9), ("canyon", 18)])
+def test_groundings_tick_by_tick_are_those_of_the_record(name: str, seed: int) -> None:
+    flown, boat = flight_of(name, seed), planned(name).launch_boat()
+    bottom, reads = ground_under(boat), ("tick", *ground_reads(boat))
+    assert bottom
+    watch = GroundWatch(boat, bottom, 1, reads)
+    columns = {"tick": flown.ticks.astype(float), **flown.columns}
+    rows = np.array([columns[each] for each in reads]).T
+    watch.begin(0, rows[0])
+    for begun in range(0, len(rows), 10):
+        watch.watch(rows[None, begun : begun + 10], [0])
+
+    theirs = groundings(flown)
+    ours = [(each.tick, each.touch, each.hard) for each in watch.groundings[0]]
+    assert ours == [(each.row, each.touch, each.hard) for each in theirs]
+    assert len(watch.faults(0)) == sum(each.at_fault for each in theirs)
+    assert len(ours) > 1
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", BY_NUMBERS)
+@pytest.mark.parametrize("name", EXERCISES)
 def test_twenty_flights_have_the_debrief_s_marks_all_along(name: str) -> None:
     totals = set()
     for seed in range(20):
@@ -139,12 +223,6 @@ def test_twenty_flights_have_the_debrief_s_marks_all_along(name: str) -> None:
             totals.add(round(ours, 3))
 
     assert len(totals) > 5
-
-
-@pytest.mark.parametrize("name", BY_DEBRIEF_ALONE)
-def test_what_ground_and_ships_decide_is_left_to_the_debrief_by_name(name: str) -> None:
-    with pytest.raises(ConfigError, match="only the debrief judges it"):
-        TickJudge(planned(name))
 
 
 def test_boats_side_by_side_are_judged_as_each_alone() -> None:

@@ -17,7 +17,7 @@ from trainer.config import check_case, contacts, exercise, hull, reference_crew,
 from trainer.config import plant_records as plant
 from trainer.config import vessel_records as vessel
 from trainer.config.bottom import BottomTable
-from trainer.config.casualties import SEVERITY_MEASURES, CasualtyEntry
+from trainer.config.casualties import SEVERITY_MEASURES, CasualtyEntry, CompoundEntry
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.current import Current, Tide
 from trainer.config.derivatives import DerivativesFile
@@ -227,7 +227,9 @@ def measure_table() -> str:
 
 TABLES: Final[Mapping[str, Callable[[], str]]] = {  # by the page, or what it is of
     "ballast": lambda: tables_of(BALLAST_RECORDS),
-    "casualties": lambda: tables_of({"casualty.NAME": CasualtyEntry}),
+    "casualties": lambda: tables_of(
+        {"casualty.NAME": CasualtyEntry, "casualty.NAME], with parts": CompoundEntry}
+    ).replace("], with parts]`", "]`, with parts"),
     "casualty-kinds": kind_table,
     "casualty-quantities": quantity_table,
     "check-cases": lambda: tables_of(CHECK_CASE_RECORDS),

@@ -119,7 +119,7 @@ def test_what_is_read_is_remembered_under_a_key_that_no_machine_s_paths_are_in(
     assert set(texts) == {
         *("drill.toml", "boat.toml", "swell.toml", "table.toml", "orders.txt"),
         *("configs/defaults.toml", "configs/sea-defaults.toml"),
-        "configs/casualties/standard.toml",
+        *("configs/casualties/standard.toml", "configs/casualties/compound.toml"),
     }
     assert texts["swell.toml"] == SWELL
 

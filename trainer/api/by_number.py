@@ -5,8 +5,8 @@ One call obeys a row of numbers, advances, and reads a row of the state, in mach
 """
 
 import threading
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from trainer.boat.boat import Boat
 from trainer.boat.effects import NumberedOrder, numbered_orders
 from trainer.boat.machine_code import EMPTY_CHART, bind
+from trainer.boat.world.bottom import TICK_OFFSET
+from trainer.boat.world.world import World
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.entry import CONST, NUMBER, OVER, PLACE, RULE_COLUMNS, SHORT, SHORTER, steer
 from trainer.core.kernel import Numbers
@@ -28,6 +30,7 @@ WRITE_CODES: Final = {
     "shorter": SHORTER,
 }
 MAX_TICKS: Final = 1_000_000  # of a step
+NO_RULES: Final = np.empty((0, RULE_COLUMNS))  # for a tick without orders
 
 
 class BoatByNumber:
@@ -61,15 +64,14 @@ class BoatByNumber:
         # a step takes little more than its tick: so what it calls is found once
         self._copy, self._acquire, self._release = self._out[0, 1:].copy, lock.acquire, lock.release
         chart = EMPTY_CHART if boat.chart is None else boat.chart
-        arguments = (
-            (*boat.records, chart),
-            rules_of(chosen),
-            self._values,
-            offsets,
-            ticks,
-            self._out,
+        boats, rules = (*boat.records, chart), rules_of(chosen)
+        self._steer = bind(steer, boats, rules, self._values, offsets, ticks, self._out)
+        self._one = np.zeros((1, 1 + len(reads)))
+        first, further = (
+            bind(steer, boats, each, self._values, offsets, 1, self._one)
+            for each in (rules, NO_RULES)
         )
-        self._steer = bind(steer, *arguments)
+        self._in_world = WorldSteps([boat.plain], first, further, self._one, self._out)
         self.places = offsets.astype(np.int64)  # of what is read, in a state
 
     def step(self, values: ArrayLike) -> Numbers:
@@ -85,12 +87,14 @@ class BoatByNumber:
                 "another thread is at this boat: one call at a time; give each thread its own boat"
             )
         try:
-            if self._boat.tick is not self._boat.advance:
-                raise ConfigError(
-                    "step(): a current, ships or a raised periscope are moved by run()"
-                )
             self._row[...] = values
-            if self._steer():
+            world = self._boat.world
+            resting = (
+                self._steer()
+                if self._boat.tick is self._boat.advance
+                else self._refused() or self._in_world.step(world, self.ticks, self._steer)
+            )
+            if resting:
                 raise ConfigError(self._reason())
             return self._copy()
         finally:
@@ -108,6 +112,13 @@ class BoatByNumber:
         given: Numbers = np.clip(np.asarray(values, float), self.low, self.high)
         return given
 
+    def _refused(self) -> int:
+        """Return 1 where a value is refused, before the world is written for it."""
+        wrong = np.flatnonzero(~((self.low <= self._row) & (self._row <= self.high)))
+        if wrong.size:
+            self._out[0, 0] = -1.0 - wrong[0]
+        return int(wrong.size > 0)
+
     def _reason(self) -> str:
         """Return why the last step was not done; the next one may be."""
         status, self._out[0, 0] = int(self._out[0, 0]), 0.0
@@ -116,6 +127,49 @@ class BoatByNumber:
         k = -status - 1
         limits = f"{self.low[k]:.6g} to {self.high[k]:.6g}"
         return f"step(): {self.orders[k]} must be {limits}, not {self._row[k]:.6g}"
+
+
+class WorldSteps:
+    """Steps of boats in a world that acts: it is written before each tick.
+
+    ``plains`` are their states as plain numbers. ``first`` obeys and does one tick of all boats,
+    ``further`` one tick; both write status and reads to ``one``, whence they come to ``out``.
+    """
+
+    def __init__(
+        self,
+        plains: Sequence[Any],
+        first: Callable[[], object],
+        further: Callable[[], object],
+        one: Numbers,
+        out: Numbers,
+    ) -> None:
+        self._plains, self._first, self._further = plains, first, further
+        self._one, self._out = one, out
+
+    def step(self, world: World, ticks: int, whole: Callable[[], object]) -> int:
+        """Do a step of so many ticks; return how many boats rest.
+
+        ``whole`` does all of it in one call, where the world stands still for so long.
+        """
+        one, out = self._one, self._out
+        one[:, 0] = out[:, 0]
+        going = [plain for plain, rests in zip(self._plains, one[:, 0], strict=True) if not rests]
+        if going and world.stands(int(min(plain[TICK_OFFSET] for plain in going))):
+            for plain in going:
+                world.write(plain)
+            whole()
+            return int(np.count_nonzero(out[:, 0]))
+        count = one.shape[1] - 1
+        for k in range(ticks):
+            for plain, rests in zip(self._plains, one[:, 0].tolist(), strict=True):
+                if not rests:
+                    world.write(plain)
+            (self._further if k else self._first)()
+            at = 1 + k * count if out.shape[1] > 1 + count else 1
+            out[:, at : at + count] = one[:, 1:]
+        out[:, 0] = one[:, 0]
+        return int(np.count_nonzero(out[:, 0]))
 
 
 def rules_of(orders: Sequence[NumberedOrder]) -> Numbers:

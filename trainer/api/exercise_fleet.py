@@ -18,13 +18,17 @@ from trainer.api.boat import plan_boat
 from trainer.api.by_number import choose_orders
 from trainer.api.fleet import Fleet, FleetOptions, Mask
 from trainer.boat.due_orders import obey_all, orders_due
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.files import ConfigError
+from trainer.config.reference_crew import SAID_ORDERS
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
-from trainer.debrief.rehearsal import last_tick
+from trainer.debrief.rehearsal import LOOKOUT_GIVER, last_tick
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import CREW_ORDERS
-from trainer.io.orders.grammar import Order
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import station
+from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan
 
 SEED_COUNT: Final = 64  # seas of an exercise, which take turns
@@ -47,6 +51,8 @@ AXIS_CONTROLS: Final[Mapping[str, tuple[str, ...]]] = {
     "ballast": ("flood auxiliary", "pump trim forward"),
 }
 WATER_CONTROLS: Final = AXIS_CONTROLS["ballast"]
+LOOK_OUT_WORDS: Final = ("scope", *SAID_ORDERS)
+LOOK_OUT: Final = station(LOOKOUT_GIVER.role, "python")
 Sights = NDArray[np.float32]
 SIGHT_FIELDS: Final = (
     *USUAL_SIZES,
@@ -140,8 +146,6 @@ def drill_of(exercise: str | Path, step_s: float | None = None) -> Drill:
     plan = planned(exercise)
     judge, boat = TickJudge(plan), plan.launch_boat()
     refuse_words(plan)
-    if boat.world.acts:
-        raise ConfigError(f"{plan.title}: a current and ships are moved by run() of one Boat alone")
     controls = tuple(name for axis in plan.hand for name in AXIS_CONTROLS[axis])
     surfaces = (name for name in controls if name in SURFACES)
     lacking = {name for name in surfaces if not boat.carries(name)}
@@ -175,6 +179,12 @@ def refuse_words(plan: Plan) -> None:
                 f"{plan.title}: {rule.score.name}: an answer is an order in words, and numbers are "
                 "given at every step"
             )
+    for entry in plan.schedule:
+        if entry.order.name in WORLD_PARTS:
+            raise ConfigError(
+                f"{plan.title}: its schedule orders {entry.order.text}, and the world is one for "
+                "all boats"
+            )
     if plan.hides:
         raise ConfigError(f"{plan.title}: its casualties deceive the gauges, and numbers do not")
 
@@ -191,6 +201,17 @@ def step_ticks(plan: Plan, step_s: float | None, moments: set[int]) -> int:
     if whole:
         why = f"has an order, or the end, within it at {min(within) * plan.method.step:g} s"
     raise ConfigError(f"{plan.title}: a step of {seconds:g} s {why}")
+
+
+def look_out_order(text: str, tick: int) -> RecordedOrder:
+    """Return an order to the look-out as it is given; ConfigError for another one."""
+    order = parse(text)
+    if not isinstance(order, Order) or order.name not in LOOK_OUT_WORDS:
+        raise ConfigError(
+            f"order(): {text!r}: a look-out takes scope raise, scope lower, mark contact 064 and "
+            "report no close contacts"
+        )
+    return RecordedOrder(0, 1, tick, LOOK_OUT, text, None, None, "")
 
 
 @dataclass(frozen=True)
@@ -225,7 +246,7 @@ class ExerciseFleet:
     right, rise, ahead, in and forward are positive. A step lasts ``step_s``, 5, 2 or 1 s without
     it. What is seen are the ``sights``, by usual sizes, and held to 10 of them.
 
-    TrainerError naming why an exercise cannot be flown so, as one with ships or casualties.
+    TrainerError naming why an exercise cannot be flown so, as one that asks for an answer.
     """
 
     def __init__(
@@ -277,6 +298,14 @@ class ExerciseFleet:
         self._seen[chosen] = self.drill.sights(rows[:, count:])
         self._at[chosen], self.lost[chosen] = 0, False
         return self._seen.copy()
+
+    def order(self, index: int, text: str) -> None:
+        """Have the look-out of one boat carry out what no number says.
+
+        ``text`` is ``scope raise``, ``scope lower``, ``mark contact 064`` or ``report no close
+        contacts``. TrainerError for another order.
+        """
+        self._judge.hear(index, look_out_order(text, int(self._at[index])))
 
     def step(self, actions: ArrayLike) -> Sights:
         """Obey an action for each boat, advance, judge; return what is seen [count, sights]."""

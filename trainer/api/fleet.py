@@ -7,6 +7,7 @@ alone, whatever it does.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, Self, TypedDict, Unpack
@@ -15,7 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.api.boat import BoatOptions, Snapshot, plan_boat
-from trainer.api.by_number import choose_orders, choose_reads, refuse_ticks, rules_of
+from trainer.api.by_number import (
+    NO_RULES,
+    WorldSteps,
+    choose_orders,
+    choose_reads,
+    refuse_ticks,
+    rules_of,
+)
 from trainer.boat.boat import Boat as CoreBoat
 from trainer.boat.due_orders import obey_all
 from trainer.boat.machine_code import EMPTY_CHART, bind
@@ -59,7 +67,8 @@ class Fleet:
     them boat i has the seed 1 + i. The other keywords are those of ``Boat``. So many ``threads``
     share the boats.
 
-    TrainerError in the words of the command line, and for a sea with a current or ships.
+    TrainerError in the words of the command line. In a sea with a current or ships that pull, each
+    tick takes longer, because they are written before it.
     """
 
     def __init__(
@@ -106,8 +115,6 @@ class Fleet:
         refuse_ticks(ticks)
         rows = ticks if options.get("each_tick") else 1
         self.plan, self._boat = plan, boat
-        if boat.world.acts:
-            raise ConfigError("Fleet: a current and ships are moved by run() of one Boat alone")
         chosen, (orders, reads) = choose_orders(boat, names[0]), names
         self.orders, self.reads, self.ticks, self.count = tuple(orders), tuple(reads), ticks, count
         self.low = np.array([order.low for order in chosen])
@@ -118,13 +125,28 @@ class Fleet:
         self._out = np.zeros((count, 1 + rows * len(reads)))
         self._offsets = choose_reads(reads)
         self._whole = self._states.view(float).reshape(count, STATE_SIZE)
-        self._calls = [*self._bound(rules_of(chosen), threads)]
+        rules, self._one = rules_of(chosen), np.zeros((count, 1 + len(reads)))
+        self._calls = self._bound(rules, threads, ticks, self._out)
+        tick_calls = (self._bound(each, threads, 1, self._one) for each in (rules, NO_RULES))
+        first, further = (partial(self._run, calls) for calls in tick_calls)
+        plains = [row.data for row in self._whole] if boat.world.acts else []
+        self._in_world = WorldSteps(plains, first, further, self._one, self._out)
         self._crew = ThreadPoolExecutor(threads) if threads > 1 else None
         self.reset(seeds=options.get("seeds") or range(1, count + 1))
 
-    def _bound(self, rules: Numbers, threads: int) -> Sequence[Callable[[], int]]:
+    def _run(self, calls: Sequence[Callable[[], int]]) -> None:
+        """Have each thread do its call."""
+        if self._crew:
+            list(self._crew.map(lambda call: call(), calls))
+        else:
+            calls[0]()
+
+    def _bound(
+        self, rules: Numbers, threads: int, ticks: int, out: Numbers
+    ) -> Sequence[Callable[[], int]]:
         """Return the call of each thread, for boats in a row."""
         records, calls = self._boat.records, []
+        chart = EMPTY_CHART if self._boat.chart is None else self._boat.chart
         own = self.plan.sea.sea.generator == "cosines"  # which keeps in it what a seed has drawn
         ends = np.linspace(0, self.count, min(threads, self.count) + 1).astype(int).tolist()
         for begin, end in pairwise(ends):
@@ -137,8 +159,8 @@ class Fleet:
                 self._states[begin:end],
                 scratch,
             )
-            rows = self._values[begin:end], self._offsets, self.ticks, self._out[begin:end]
-            calls.append(bind(steer, (*boats, EMPTY_CHART), rules, *rows))
+            rows = self._values[begin:end], self._offsets, ticks, out[begin:end]
+            calls.append(bind(steer, (*boats, chart), rules, *rows))
         return calls
 
     @property
@@ -174,10 +196,10 @@ class Fleet:
                 f"{given[boat, order]:.6g}"
             )
         self._values[:] = given
-        if self._crew:
-            list(self._crew.map(lambda call: call(), self._calls))
+        if self._boat.world.acts:
+            self._in_world.step(self._boat.world, self.ticks, partial(self._run, self._calls))
         else:
-            self._calls[0]()
+            self._run(self._calls)
         return self._seen()
 
     def clip(self, values: ArrayLike) -> Numbers:

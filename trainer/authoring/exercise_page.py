@@ -365,6 +365,7 @@ def _notes(plan: Plan, boat: Boat) -> Iterator[str]:
     end = plan.duration
     broken = {entry.order.subject for entry in plan.schedule if entry.order.name == "casualty"}
     broken |= {each.casualty.name for each in plan.armed}
+    broken |= {part.name for name in broken for part in plan.casualties[name].broken}
     if not plan.scores:
         yield "nothing is scored: trainer debrief will give no marks"
     for rule in plan.scores:

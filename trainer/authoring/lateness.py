@@ -56,7 +56,8 @@ def is_urgent(plan: Plan) -> bool:
     orders = (each.order for each in plan.schedule)
     subjects = {each.subject for each in orders if each.name == "casualty"}
     subjects |= {each.casualty.name for each in plan.armed}
-    return any(plan.casualties[name].kind in URGENT_KINDS for name in subjects)
+    broken = (each for name in subjects for each in plan.casualties[name].broken)
+    return any(each.kind in URGENT_KINDS for each in broken)
 
 
 def fly_ladders(plan: Plan, judge: Callable[[Rehearsal], Scorecard]) -> tuple[Ladder, ...]:

@@ -18,7 +18,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, RuleProgress
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew
+from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
 from trainer.debrief.controls import control_of
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.io.orders.grammar import Order
@@ -160,7 +160,7 @@ class Operator(Trainee):
 
     def _carry_out(self, progress: RuleProgress) -> GivenOrder:
         order = progress.rule.order
-        if order.name not in (*CREW_HANDS, MARK_ORDER) and progress.rule in self.crew.rules:
+        if order.name not in (*CREW_HANDS, *SAID_ORDERS) and progress.rule in self.crew.rules:
             if self.draws.random() < self.person.omitted_share:
                 self.count(progress)
                 later = order_later(order.text, self.boat.time + FORGOTTEN_S)

@@ -26,7 +26,7 @@ from trainer.boat.reference_crew import (
 )
 from trainer.config.reference_crew import (
     CREW_HANDS,
-    MARK_ORDER,
+    SAID_ORDERS,
     Crew,
     CrewRow,
     CrewRule,
@@ -183,7 +183,7 @@ class Trainee(ReferenceCrew):
 
     def _carry_out(self, progress: RuleProgress) -> GivenOrder:
         order = progress.rule.order
-        if order.name in (*CREW_HANDS, MARK_ORDER):
+        if order.name in (*CREW_HANDS, *SAID_ORDERS):
             return super()._carry_out(progress)
         self.count(progress)
         return self._say(order.text)

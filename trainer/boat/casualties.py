@@ -13,9 +13,12 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.plant_effects import lacking_plant
 from trainer.config.casualties import (
     GAUGE_UNITS,
+    PARTS_RULE,
     SEVERITY_MEASURES,
     Casualty,
     Count,
+    parts_lines,
+    parts_text,
     severity_rule,
 )
 from trainer.config.condition import PLANT_QUANTITIES, STATE_QUANTITIES
@@ -107,6 +110,8 @@ def insert_casualty(
     if isinstance(chosen, Refused):
         return chosen
     casualty, wanted, ramp = chosen
+    if casualty.parts:
+        return _insert_parts(boat, casualty)
     amount = _amount(boat, casualty, wanted)
     ticks = float(boat.ticks_in(ramp))  # whole, so that a replay has the same
     if not casualties_module.begin(casualty.code, amount, ticks, boat.records.state):
@@ -114,6 +119,22 @@ def insert_casualty(
         return Refused(f"{len(suffered)} casualties at most: clear one of {_names(suffered)}")
     degree = "" if casualty.measure.sudden else f", {describe_amount(boat, casualty.kind, amount)}"
     return f"casualty {casualty.name}{degree}{_within(ramp)}"
+
+
+def _insert_parts(boat: Boat, casualty: Casualty) -> Reply:
+    """Begin all parts of a casualty at the next tick, or none."""
+    suffered = active_casualties(boat)
+    new = {each.kind for each in casualty.parts} - {each.kind for each in suffered}
+    most = boat.state.casualty.size
+    if len(suffered) + len(new) > most:
+        return Refused(
+            f"{casualty.name}: {len(new)} more, and {most} casualties at most: clear some of "
+            f"{_names(suffered)}"
+        )
+    for part in casualty.parts:
+        amount, ticks = _amount(boat, part, part.severity), float(boat.ticks_in(part.ramp_s))
+        casualties_module.begin(part.code, amount, ticks, boat.records.state)
+    return f"casualty {casualty.name}: {parts_text(casualty)}"
 
 
 def ordered_casualty(order: Order) -> tuple[str, float | None, float | None]:
@@ -151,8 +172,10 @@ def clear_casualty(boat: Boat, name: str) -> Reply:
     casualty = find_casualty(boat, name)
     if isinstance(casualty, Refused):
         return casualty
-    if not _end(boat, casualty):
-        return Refused(f"there is no {casualty.kind}; active: {_names(active_casualties(boat))}")
+    ended = [_end(boat, each) for each in casualty.broken]
+    if not any(ended):
+        absent = casualty.name if casualty.parts else casualty.kind
+        return Refused(f"there is no {absent}; active: {_names(active_casualties(boat))}")
     return f"clearing {casualty.name}{_within(casualty.clear_ramp_s)}"
 
 
@@ -234,12 +257,8 @@ def casualty_listing(boat: Boat) -> list[str]:
     for name, degree, says in available_casualties(boat):
         casualty = boat.casualties[name]
         whole = _amount(boat, casualty, casualty.severity)
-        effect = (
-            ""
-            if casualty.measure.sudden
-            else f"    ({describe_amount(boat, casualty.kind, whole)})"
-        )
-        lines += [f"{name} {degree}".rstrip() + effect, f"    {says}"]
+        effect = "" if casualty.sudden else f"    ({describe_amount(boat, casualty.kind, whole)})"
+        lines += [f"{name} {degree}".rstrip() + effect, f"    {says}", *parts_lines(casualty)]
     return lines
 
 
@@ -251,11 +270,11 @@ def available_casualties(boat: Boat) -> list[tuple[str, str, str]]:
     return [
         (
             casualty.name,
-            "" if casualty.measure.sudden else f"{casualty.severity:g} ramp {casualty.ramp_s:g}",
+            "" if casualty.sudden else f"{casualty.severity:g} ramp {casualty.ramp_s:g}",
             casualty.description,
         )
         for casualty in boat.casualties.values()
-        if _carries(boat, casualty.kind)
+        if all(_carries(boat, each.kind) for each in casualty.broken)
     ]
 
 
@@ -267,7 +286,7 @@ def degrees(boat: Boat) -> list[Degree]:
 
 def degree_of(boat: Boat, casualty: Casualty) -> Degree | None:
     """Return the usual degree of a casualty, None where it can have no other."""
-    if casualty.measure.sudden:
+    if casualty.sudden:
         return None
     size = size_of(boat, casualty.kind, _amount(boat, casualty, casualty.severity))
     return Degree(casualty.name, casualty.severity, casualty.ramp_s, size) if size else None
@@ -295,22 +314,22 @@ def arm_casualty(boat: Boat, condition: Condition, casualty: Casualty, rule: str
         raise ConfigError(where.problem(f"casualty {casualty.name}: {wrong}"))
     m = boat.records.scheme[0]
     unarmed = [i for i in range(m.trigger_kind.size) if m.trigger_kind[i] == 0.0]
-    if not unarmed:
+    if len(unarmed) < len(casualty.broken):
         raise ConfigError(where.problem(f"more than {m.trigger_kind.size} triggers"))
-    i = unarmed[0]
     # what turns the threshold [SI] into that of the field of the state
     factor = scale_of(boat, condition.quantity)
     if factor == 0.0:
         problem = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
         raise ConfigError(condition.position.problem(problem))
-    m.trigger_place[i] = STATE_OFFSETS[STATE_QUANTITIES[condition.quantity].field]
-    m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
-    m.trigger_threshold[i] = _whole(condition.threshold * factor)
-    m.trigger_strict[i] = condition.strict
-    m.trigger_amount[i] = _amount(boat, casualty, casualty.severity)
-    m.trigger_ticks[i] = boat.ticks_in(casualty.ramp_s)
-    m.trigger_again[i] = rule == "again"
-    m.trigger_kind[i] = casualty.code
+    for i, part in zip(unarmed, casualty.broken, strict=False):
+        m.trigger_place[i] = STATE_OFFSETS[STATE_QUANTITIES[condition.quantity].field]
+        m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
+        m.trigger_threshold[i] = _whole(condition.threshold * factor)
+        m.trigger_strict[i] = condition.strict
+        m.trigger_amount[i] = _amount(boat, part, part.severity)
+        m.trigger_ticks[i] = boat.ticks_in(part.ramp_s)
+        m.trigger_again[i] = rule == "again"
+        m.trigger_kind[i] = part.code
 
 
 def _names(casualties: list[ActiveCasualty]) -> str:
@@ -371,6 +390,8 @@ def _end(boat: Boat, casualty: Casualty) -> int:
 
 def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refused | None:
     """Return why this cannot happen to the boat, None if it can."""
+    if casualty.parts:
+        return _wrong_parts(boat, casualty, severity, ramp)
     if not _carries(boat, casualty.kind):
         if kind_row(casualty.kind).plant and not boat.has_plant:
             return lacking_plant(boat)
@@ -379,8 +400,16 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refu
         return Refused(f"severity {severity:g}: {severity_rule(casualty.kind)}")
     if not 0.0 <= ramp <= MAX_RAMP_S:
         return Refused(f"ramp {ramp:g} s: must be 0 to {MAX_RAMP_S:g} s")
-    ramped = casualty.measure.sudden and ramp
+    ramped = casualty.sudden and ramp
     return Refused(f"{casualty.kind} comes at once: it has no ramp") if ramped else None
+
+
+def _wrong_parts(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> Refused | None:
+    """Return why a casualty of several cannot happen to the boat, None if it can."""
+    if severity != 1.0 or ramp:
+        return Refused(f"{casualty.name}: {PARTS_RULE}")
+    found = (_wrong(boat, each, each.severity, each.ramp_s) for each in casualty.parts)
+    return next((Refused(f"{casualty.name}: {each.reason}") for each in found if each), None)
 
 
 def _carries(boat: Boat, kind: str) -> bool:

@@ -15,7 +15,7 @@ from trainer.boat.crew_hands import TIME_ROUNDING_S
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew
+from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
 from trainer.io.orders.grammar import Order, Refused
 
 
@@ -82,7 +82,8 @@ class MuteCrew:
         The order is tried, and the boat put back.
         """
         boat = self.crew.boat
-        if order.name == MARK_ORDER or order.name in WORLD_PARTS:  # which no copy of a state undoes
+        # what is said, or moves what no copy of a state undoes
+        if order.name in SAID_ORDERS or order.name in WORLD_PARTS:
             return False
         before = boat.snapshot()
         refused = isinstance(obey_order(boat, order), Refused)

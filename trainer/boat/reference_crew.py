@@ -32,7 +32,7 @@ from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.scope import eye_height
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import Condition
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, Crew, CrewRule
+from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, SAID_ORDERS, Crew, CrewRule
 from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Reply, parse
@@ -355,6 +355,8 @@ class ReferenceCrew:
             return GivenOrder(order.text, order.text)
         if order.name == MARK_ORDER:
             return GivenOrder(order.text, f"marked at {self.boat.time:g} s")
+        if order.name in SAID_ORDERS:
+            return GivenOrder(order.text, "reported")
         return GivenOrder(order.text, self.order(order))
 
     def _switch(self, order: Order) -> None:

@@ -7,8 +7,9 @@ meaning and limits of a severity depend on the kind.
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -24,10 +25,12 @@ from trainer.config.files import (
     raise_problems,
     read_text,
     shipped_path,
+    text_if_there,
 )
 from trainer.config.schema import (
     KeyForm,
     NumberLimits,
+    Rows,
     Text,
     above,
     optional,
@@ -37,6 +40,7 @@ from trainer.config.schema import (
 )
 from trainer.config.schema import Kind as FieldKind
 from trainer.core.casualties import CASUALTY_TABLE, CODES, GAUGES, KINDS, SERVO_STUCK
+from trainer.core.state import MAX_CASUALTIES
 from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
@@ -51,7 +55,9 @@ HEADING_FIELDS: Final[Mapping[str, FieldKind]] = {
     "note": Text(1000, "for the reader"),
 }
 KNOWN_KEYS: Final = (*HEADING_FIELDS, "casualty")
+PARTS_RULE: Final = "each part has its own degree and ramp; order a part alone with another"
 STANDARD_LIST: Final = "standard"
+COMPOUND_LIST: Final = "compound"  # of several with one cause
 CASUALTY_NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
 # fmt: off
 PARAMETER_KEYS: Final = (
@@ -216,9 +222,26 @@ class CasualtyEntry:
     bias_kn: float | None = optional("kn", within(-50, 50), "log-biased")
 
 
+PART_ROWS: Final = Rows(
+    CasualtyEntry, ("note",), 2, MAX_CASUALTIES, "what breaks with one cause: each as above"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompoundEntry:
+    """Several casualties with one cause, as their table says it."""
+
+    description: str = required(Text(75, "for the list"))
+    parts: tuple[CasualtyEntry, ...] = required(PART_ROWS)
+
+
 @dataclass(frozen=True)
 class Casualty:
-    """One casualty that can be ordered by its name."""
+    """One casualty that can be ordered by its name.
+
+    One with ``parts`` stands for these, which come and go together. It is then of the kind of its
+    first part, by which it is known in marks and conditions.
+    """
 
     name: str
     kind: str
@@ -227,6 +250,17 @@ class Casualty:
     clear_ramp_s: float
     description: str
     full: float  # [SI] at severity 1, for a hard-over surface a share of its limit
+    parts: "tuple[Casualty, ...]" = ()
+
+    @property
+    def broken(self) -> "tuple[Casualty, ...]":
+        """Return its parts, or itself where it has none."""
+        return self.parts or (self,)
+
+    @property
+    def sudden(self) -> bool:
+        """Return whether an order gives it neither severity nor ramp."""
+        return bool(self.parts) or self.measure.sudden
 
     @property
     def code(self) -> int:
@@ -255,7 +289,9 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
     ConfigError if a file is wrong or has a name that is already taken.
     """
     shipped_table = shipped_path("casualties", STANDARD_LIST)
-    casualties = dict(_standard(read_text(shipped_table), shipped_table))
+    text, several = read_text(shipped_table), shipped_table.with_name(f"{COMPOUND_LIST}.toml")
+    # a recording of before has only the standard table
+    casualties = dict(_shipped(text, shipped_table, text_if_there(several), several))
     for path in map(Path, paths):
         for name, casualty in parse_casualties(read_text(path), path, casualties).items():
             if name in casualties:
@@ -268,9 +304,14 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
 
 
 @cache
-def _standard(text: str, path: Path) -> Mapping[str, Casualty]:
-    """Return the casualties of the shipped table, cached for the next exercise."""
-    return parse_casualties(text, path, {})
+def _shipped(
+    text: str, path: Path, compound: str | None, compound_path: Path
+) -> Mapping[str, Casualty]:
+    """Return the casualties of the shipped tables, cached for the next exercise."""
+    standard = parse_casualties(text, path, {})
+    if compound is None:
+        return standard
+    return {**standard, **parse_casualties(compound, compound_path, standard)}
 
 
 def parse_casualties(
@@ -310,6 +351,8 @@ def read_casualty(
     if not CASUALTY_NAME.fullmatch(name) or name == "all":
         text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
         raise ConfigError(position.problem(text))
+    if "parts" in row:
+        return _read_compound(name, row, position, standard)
     entry = read_record(CasualtyEntry, {**_filler(row, standard), **row}, position, ("note",))
     measure = SEVERITY_MEASURES[entry.kind]
     problems = [
@@ -336,6 +379,38 @@ def read_casualty(
     )
 
 
+def _read_compound(
+    name: str, row: Mapping[str, Any], position: Position, standard: Mapping[str, Casualty]
+) -> Casualty:
+    """Return a casualty that stands for several; ConfigError with all that is wrong."""
+    problems: list[str] = []
+    parts: list[Casualty] = []
+    for i, part in enumerate(PART_ROWS.listed("parts", row["parts"], position)):
+        within_part = position.inside(f"parts[{i}]")
+        with collecting(problems):
+            if "parts" in as_table(part, within_part):
+                raise ConfigError(within_part.problem("has parts of its own; name a kind"))
+            read = read_casualty(name, part, within_part, standard)
+            if read.kind in [each.kind for each in parts]:
+                raise ConfigError(within_part.wrong("kind", read.kind, "is a part above too"))
+            parts.append(replace(read, name=read.kind))
+    with collecting(problems):
+        filled = [_filler(as_table(part, position), standard) | part for part in row["parts"]]
+        entry = {**row, "parts": filled}
+        said = read_record(CompoundEntry, entry, position, ("note",)).description
+    raise_problems([*dict.fromkeys(problems)])  # a wrong part is read twice
+    clearing = max(each.clear_ramp_s for each in parts)
+    return replace(
+        parts[0],
+        name=name,
+        severity=1.0,
+        ramp_s=0.0,
+        clear_ramp_s=clearing,
+        description=said,
+        parts=tuple(parts),
+    )
+
+
 def _filler(given: Mapping[str, Any], standard: Mapping[str, Casualty]) -> dict[str, Any]:
     """Return the values of the standard entry of the same kind, in the table's units."""
     kind = given.get("kind")
@@ -354,9 +429,29 @@ def listing(casualties: Mapping[str, Casualty]) -> str:
     lines = [f"{'name':27}{'severity':>9}{'ramp':>8}{'clear':>8}  severity is"]
     for entry in casualties.values():
         times = f"{entry.ramp_s:>6g} s{entry.clear_ramp_s:>6g} s"
-        lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {entry.measure.meaning}")
+        measure = "those of its parts" if entry.parts else entry.measure.meaning
+        lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {measure}")
         lines.append(f"    {entry.description}")
+        lines += parts_lines(entry)
     return "\n".join(lines)
+
+
+def parts_text(casualty: Casualty) -> str:
+    """Return what a casualty breaks, part by part, "" for one without parts."""
+    degrees = ("" if each.sudden else f" {each.severity:.2g}" for each in casualty.parts)
+    named = (f"{each.name}{degree}" for each, degree in zip(casualty.parts, degrees, strict=True))
+    return f"breaks {', '.join(named)}" if casualty.parts else ""
+
+
+def parts_lines(casualty: Casualty) -> list[str]:
+    """Return the same as indented lines of 79 columns, none for one without parts."""
+    return textwrap.wrap(
+        parts_text(casualty),
+        79,
+        initial_indent="    ",
+        subsequent_indent="    ",
+        break_on_hyphens=False,
+    )
 
 
 def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
@@ -371,6 +466,7 @@ def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
             "clear_ramp_s": entry.clear_ramp_s,
             "full": entry.full,
             "description": entry.description,
+            "parts": [each.name for each in entry.parts],
         }
         for entry in casualties.values()
     ]

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.casualties import Casualty, load_casualties, severity_rule
+from trainer.config.casualties import PARTS_RULE, Casualty, load_casualties, severity_rule
 from trainer.config.derived import Condition, Loss, compile_condition, compile_losses
 from trainer.config.files import (
     ConfigError,
@@ -512,9 +512,12 @@ def _known_casualty(
         ramp_s=entry.ramp_s if row.ramp_s is None else row.ramp_s,
     )
     problems = []
-    if entry.severity not in entry.measure.limits:
+    for key, value in (("severity", row.severity), ("ramp_s", row.ramp_s)):
+        if entry.parts and value is not None:
+            problems.append(position.wrong(key, value, f"{entry.name}: {PARTS_RULE}"))
+    if not entry.parts and entry.severity not in entry.measure.limits:
         problems.append(position.wrong("severity", entry.severity, severity_rule(entry.kind)))
-    if entry.measure.sudden and entry.ramp_s:
+    if not entry.parts and entry.sudden and entry.ramp_s:
         problems.append(position.wrong("ramp_s", entry.ramp_s, f"{entry.kind} comes at once"))
     if (row.at_s is None) == (row.when is None):
         problems.append(position.problem("give one of at_s, when"))

@@ -133,13 +133,15 @@ def casualties_schema() -> dict[str, Any]:
     """
     supplied = [item.name for item in fields(casualties.CasualtyEntry) if item.name != "kind"]
     entry = record_schema(casualties.CasualtyEntry, ("note",), supplied)
+    compound = record_schema(casualties.CompoundEntry, ("note",))
+    compound["properties"]["parts"]["items"] = entry
     entries = {
         "type": "object",
         "propertyNames": {
             "pattern": f"^{casualties.CASUALTY_NAME.pattern}$",
             "not": {"const": "all"},
         },
-        "additionalProperties": entry,
+        "additionalProperties": {"if": {"required": ["parts"]}, "then": compound, "else": entry},
     }
     keys = {name: describe_kind(kind) for name, kind in casualties.HEADING_FIELDS.items()}
     return file_schema("casualties", {**keys, "casualty": entries}, ("casualty",))

@@ -28,6 +28,8 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import MAX_TIME_S
 
 MARK_ORDER: Final = "mark"  # of a ship that is seen
+REPORT_ORDER: Final = "report"
+SAID_ORDERS: Final = (MARK_ORDER, REPORT_ORDER)  # which move nothing of the boat
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
 UNSEEN_QUANTITIES: Final = (  # by any gauge; of a fire its smoke is seen
     *("heavy", "speed_over_ground", "north", "east"),
@@ -185,6 +187,6 @@ def parse_crew_order(text: str, position: Position) -> Order:
         )
     if not isinstance(order, Order):
         raise ConfigError(position.wrong("order", text, order.reason if order else "is no order"))
-    if order.name not in (*ANSWER_ORDERS, MARK_ORDER):
+    if order.name not in (*ANSWER_ORDERS, *SAID_ORDERS):
         raise ConfigError(position.wrong("order", text, "no crew orders that"))
     return order

@@ -153,6 +153,13 @@ SCORE_MEASURES: Final[Mapping[str, ScoreMeasure]] = {
         "where none was marked",
         "the slowest mark",
     ),
+    "time-to-report": ScoreMeasure(
+        "s",
+        "time from when the periscope's head first shows to the crew's first right report of "
+        "contacts: `report no close contacts`, as long as no ship is within `cpa_m` of [contacts]; "
+        "one that names a contact, such as `report contact 045`, is right at all times",
+        "the report",
+    ),
     "broaches": ScoreMeasure(
         "-",
         "times that sail or deck came out of the sea, main ballast not being blown",

@@ -20,7 +20,7 @@ import numpy as np
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
-from trainer.config.reference_crew import MARK_ORDER
+from trainer.config.reference_crew import MARK_ORDER, SAID_ORDERS
 from trainer.debrief.attainable_changes import (
     MarkChange,
 )
@@ -200,7 +200,7 @@ class RunExplorer:
         for tick in sorted(each for each in self.departures if begin <= each <= end):
             for late in self.pending(tick):
                 text = late.rule.order.text
-                if late.rule.order.name == MARK_ORDER:  # no order of the boat's
+                if late.rule.order.name in SAID_ORDERS:  # no order of the boat's
                     return late
                 if text not in known and tick < self.last:
                     if any(each.text == text for each in self.reference_orders(tick)):

@@ -92,6 +92,7 @@ def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
         "casualties": [
             casualty_numbers(boat, boat.casualties[name], degree)
             for name, degree, _ in casualties.available_casualties(boat)
+            if not boat.casualties[name].parts  # a page alone breaks one thing at a time
         ],
         "calms": developed_seas(boat),
         "ramp_s": boat.sea.sea.ramp_s,
@@ -315,6 +316,8 @@ def happening_of(recorded: RecordedOrder, boat: Boat, plan: Plan) -> str:
     if order is None or order.name != "casualty" or order.subject not in boat.casualties:
         return ""
     casualty = boat.casualties[order.subject]
+    if casualty.parts:
+        return plain(f"{clause_of(casualty.description)}|")
     severity = order.numbers[0] if order.numbers else casualty.severity
     numbers = casualty_numbers(boat, replace(casualty, severity=severity), "")
     return plain(f"{clause_of(casualty.description)}|{numbers['told']}")

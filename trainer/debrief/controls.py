@@ -51,7 +51,7 @@ MOVING_AXES: Final[Mapping[str, tuple[str, ...]]] = {
         or name in PLANT_QUANTITIES
     },
     "hand-travel": ("planes", "rudder"),
-    "time-to-detect": (SCOPE_AXIS,),
+    **dict.fromkeys(("time-to-detect", "time-to-report"), (SCOPE_AXIS,)),
 }
 ORDERED_AXES: Final = {**STEERED_BY_HAND, "speed": "speed"}  # that carry out an order to the crew
 ALIKE_RAD: Final = math.radians(2.0)  # estimate: less is not worth an order to most hands

@@ -6,7 +6,7 @@ calls a measure by its name. It is a function of the passage, of the rows that i
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Final
 
@@ -20,7 +20,14 @@ from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.episodes import answer_to, first_spell
 from trainer.debrief.groundings import groundings
-from trainer.debrief.ships_met import look_out, meet_ships, shown_rows
+from trainer.debrief.ships_met import (
+    ContactReport,
+    LookOut,
+    look_out,
+    meet_ships,
+    reports_near_ships,
+    shown_rows,
+)
 from trainer.debrief.trajectory import RowMask, Trajectory, shown_height
 from trainer.session.stations.alerts import SEEN_RANKS
 
@@ -246,12 +253,19 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Me
     its ``zero``, and a ship not marked as ``zero``. Each mark that meant no ship adds
     FALSE_MARK_PENALTY_S to their sum.
     """
-    looked_at = set(trajectory.ticks[rows].tolist())
-    look_out_report = look_out(trajectory)
-    ships = [each for each in look_out_report.ships if each.there in looked_at]
+    ticks = set(trajectory.ticks[rows].tolist())
+    step = trajectory.boat.method.step
+    return measure_detection(look_out(trajectory), ticks.__contains__, rule, step)
+
+
+def measure_detection(
+    look_out_report: LookOut, is_looked_at: Callable[[int], bool], rule: ScoreRule, step: float
+) -> Measurement:
+    """Return the same of what a look-out saw; ``step`` is that of a tick [s]."""
+    ships = [each for each in look_out_report.ships if is_looked_at(each.there)]
     if not ships:
         return Measurement(None, None, "no ship came in sight", counts=False)
-    step, score = trajectory.boat.method.step, rule.score
+    score = rule.score
     times = [
         math.inf if each.seen is None or each.marked is None else step * (each.marked - each.seen)
         for each in ships
@@ -263,11 +277,32 @@ def time_to_detect(trajectory: Trajectory, rows: RowMask, rule: ScoreRule) -> Me
         seen = any(each.seen is not None for each in ships)
         why = unmarked if seen else f"nobody looked for {names}"
         return Measurement(None, ships[0].there, why)
-    wrong = sum(tick in looked_at for tick in look_out_report.false)
+    wrong = sum(map(is_looked_at, look_out_report.false))
     low, high = sorted((score.full, score.zero))
     value = float(np.clip(times, low, high).mean()) + FALSE_MARK_PENALTY_S * wrong / len(ships)
     slowest = ships[int(np.argmax(times))]
     return Measurement(value, slowest.there if slowest.marked is None else slowest.marked)
+
+
+def time_to_report(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:
+    """Return the time [s] from a periscope's first look to a right report of contacts."""
+    shown, ticks = np.flatnonzero(shown_rows(trajectory)[0] & rows), trajectory.ticks
+    first = int(ticks[shown[0]]) if shown.size else None
+    return measure_report(first, reports_near_ships(trajectory), trajectory.boat.method.step)
+
+
+def measure_report(
+    shown: int | None, reports: Sequence[tuple[ContactReport, bool]], step: float
+) -> Measurement:
+    """Return the same of a first look, and reports with whether a ship was close."""
+    if shown is None:
+        return Measurement(None, None, "nobody looked")
+    told = [(each, close) for each, close in reports if each.tick >= shown]
+    right = [each.tick for each, close in told if not (each.none and close)]
+    if not right:
+        why = "a ship was close" if told else "contacts were not reported"
+        return Measurement(None, shown, why)
+    return Measurement((right[0] - shown) * step, right[0])
 
 
 def broaches(trajectory: Trajectory, rows: RowMask, _rule: ScoreRule) -> Measurement:

@@ -5,25 +5,25 @@ the run, which gives the same locations. Measures, marks, charts and
 tables ask here. A passage is what was flown to the end of a branch of a recording (``trajectory``).
 """
 
+import functools
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.world.contacts import contacts_in
+from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.encounters import collisions_in, passed_ships
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull
-from trainer.boat.world.scope import Periscope, periscope_of
+from trainer.boat.world.scope import OPTICS_SHOWING_M, Periscope, periscope_of
+from trainer.config.reference_crew import REPORT_ORDER
 from trainer.core.kernel import Numbers
-from trainer.debrief.trajectory import (
-    RowMask,
-    Trajectory,
-    eye_heights,
-)
+from trainer.debrief.episodes import INSTRUCTOR_ROLE
+from trainer.debrief.trajectory import RowMask, Trajectory, eye_heights
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 
 WAY_ROWS: Final = 400  # rows at which the ways of ships are looked at
 
@@ -34,6 +34,13 @@ BEARING_MARK: Final = re.compile(r"contact\b.*?(\d{1,3}(?:\.\d+)?)\s*", re.IGNOR
 BEARING_TOLERANCE_RAD: Final = math.radians(3.0)  # [rad] between a mark's bearing and the ship's
 
 
+CONTACT_REPORT: Final = re.compile(r"\bcontacts?\b", re.IGNORECASE)
+
+
+# "no close contacts", but not "contact 045, no others"
+NO_CONTACT_REPORT: Final = re.compile(r"\D*\b(no|none)\b\D*", re.IGNORECASE)
+
+
 LOOKOUT_ROLE: Final = "scope"  # the role whose marks of ships count
 
 
@@ -41,6 +48,13 @@ LOOK_PERIOD_S: Final = 10.0  # [s] from look to look, for what a raised mast wou
 
 
 MISSED_SIGHT_S: Final = 120.0  # [s] that a ship would have been in sight for, to be missed
+
+
+MISSED_LOOKS: Final = math.ceil(MISSED_SIGHT_S / LOOK_PERIOD_S)
+
+
+# tick and bearing [rad] of a mark, and the true bearing [rad] of each ship near
+BearingMark = tuple[int, float, Sequence[tuple[str, float]]]
 
 
 @dataclass(frozen=True)
@@ -141,41 +155,69 @@ def look_out(trajectory: Trajectory) -> LookOut:
     scope = periscope_of(trajectory.boat)
     if scope is None:
         return LookOut()
-    rows = np.flatnonzero(shown_rows(trajectory)[0]).tolist()
-    seen: dict[str, int] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory), up=False):
-        seen.setdefault(name, int(trajectory.ticks[row]))
-    first_chances = {**_could_be_seen(trajectory, scope), **seen}
-    marks, false = _marks(trajectory, scope, seen)
+    out = scope.over(trajectory.ticks)[0] >= OPTICS_SHOWING_M
+    rows = np.flatnonzero(shown_rows(trajectory)[0] & out)
+    sights = _sights(trajectory, scope, rows, eye_heights(trajectory))
+    seen = {name: ticks[0] for name, ticks in sights.items()}
+    near = [
+        (tick, bearing, scope.near(state_of(trajectory, trajectory.row(tick)), tick))
+        for _, tick, bearing in bearings_marked(trajectory.marks)
+    ]
+    return judge_look_out(_could_be_seen(trajectory, scope), seen, near)
+
+
+def judge_look_out(
+    chances: Mapping[str, int], seen: Mapping[str, int], marked: Iterable[BearingMark]
+) -> LookOut:
+    """Return what a look-out saw, missed and marked.
+
+    ``chances`` and ``seen`` have the ticks from which a ship could be seen, and was, by its name.
+    """
+    marks, false = _marks(marked, seen)
     ships = (
-        Detection(name, at, seen.get(name), marks.get(name)) for name, at in first_chances.items()
+        Detection(name, at, seen.get(name), marks.get(name))
+        for name, at in {**chances, **seen}.items()
     )
     return LookOut(tuple(sorted(ships, key=lambda each: each.there)), false)
 
 
 def _could_be_seen(trajectory: Trajectory, scope: Periscope) -> dict[str, int]:
     """Return the ships that a raised mast would have shown for MISSED_SIGHT_S, by first tick."""
-    every = max(round(LOOK_PERIOD_S / trajectory.boat.method.step), 1)
-    rows = list(range(0, trajectory.ticks.size, every))
-    seen_ticks: dict[str, list[int]] = {}
-    for row, name in _sights(trajectory, scope, rows, eye_heights(trajectory, up=True), up=True):
-        seen_ticks.setdefault(name, []).append(int(trajectory.ticks[row]))
-    return {
-        name: ticks[0]
-        for name, ticks in seen_ticks.items()
-        if len(ticks) * LOOK_PERIOD_S >= MISSED_SIGHT_S
-    }
+    rows = np.arange(0, trajectory.ticks.size, look_period(trajectory.boat.method.step))
+    sights = _sights(trajectory, scope, rows, eye_heights(trajectory, up=True))
+    return {name: ticks[0] for name, ticks in sights.items() if len(ticks) >= MISSED_LOOKS}
+
+
+def look_period(step: float) -> int:
+    """Return the ticks from look to look, of ``step`` [s] each."""
+    return max(round(LOOK_PERIOD_S / step), 1)
 
 
 def _sights(
-    trajectory: Trajectory, scope: Periscope, rows: list[int], heights: Numbers, *, up: bool
-) -> Iterator[tuple[int, str]]:
-    """Yield each row with the name of each ship in sight. ``up``: as if the mast were all out."""
-    for row in rows:
-        mast = scope.at(int(trajectory.ticks[row]))
-        mast = scope.raised(mast) if up else mast
-        eye = scope.eye(state_of(trajectory, row), mast, float(heights[row]))
-        yield from ((row, name) for name in scope.names_in_sight(eye, mast))
+    trajectory: Trajectory, scope: Periscope, rows: NDArray[np.int64], heights: Numbers
+) -> dict[str, list[int]]:
+    """Return the ticks, among some rows, at which each ship is in sight, by its name.
+
+    What is seen first comes first, and at one tick the nearest.
+    """
+    contacts = contacts_in(trajectory.boat)
+    sights: dict[str, list[tuple[int, float]]] = {}
+    ticks = trajectory.ticks[rows]
+    for indices, fleet in contacts.stretches(ticks) if contacts else ():
+        chosen = rows[indices]
+        column = functools.partial(_column_at, trajectory, chosen)
+        ranges = scope.distances_in_sight(fleet, ticks[indices], column, heights[chosen])
+        for ship, its in zip(fleet.order, ranges, strict=True):
+            there = np.flatnonzero(np.isfinite(its))
+            pairs = zip(ticks[indices][there].tolist(), its[there].tolist(), strict=True)
+            sights.setdefault(ship.name, []).extend(pairs)
+    found = sorted((pairs[0], name) for name, pairs in sights.items() if pairs)
+    return {name: [tick for tick, _ in sights[name]] for _, name in found}
+
+
+def _column_at(trajectory: Trajectory, rows: NDArray[np.int64], name: str) -> Numbers:
+    """Return a field of the state at some rows."""
+    return trajectory.columns[name][rows]
 
 
 def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
@@ -183,17 +225,59 @@ def state_of(trajectory: Trajectory, row: int) -> dict[str, float]:
     return {name: float(trajectory.columns[name][row]) for name in ("x", "y", "psi", "theta")}
 
 
+class ContactReport(NamedTuple):
+    """What a crew reported of ships near."""
+
+    tick: int
+    none: bool  # that none is close
+
+
+def contact_reports(orders: Iterable[RecordedOrder]) -> list[ContactReport]:
+    """Return the reports of contacts among a run's orders.
+
+    They are the crew's. If it made none, those of the instructor count, who is alone aboard.
+    """
+    said = [
+        (order.giver.role, ContactReport(order.tick, bool(NO_CONTACT_REPORT.fullmatch(order.text))))
+        for order in orders
+        if order.name == REPORT_ORDER
+        and order.accepted is not False
+        and CONTACT_REPORT.search(order.text)
+    ]
+    crew = [report for role, report in said if role != INSTRUCTOR_ROLE]
+    return crew or [report for _, report in said]
+
+
+def reports_near_ships(trajectory: Trajectory) -> list[tuple[ContactReport, bool]]:
+    """Return the reports of contacts of a run, each with whether a ship was close."""
+    contacts, column = contacts_in(trajectory.boat), trajectory.columns
+    reports = contact_reports(trajectory.orders)
+    rows = [trajectory.row(each.tick) for each in reports]
+    return [
+        (each, is_ship_close(contacts, each.tick, column["x"][row], column["y"][row]))
+        for each, row in zip(reports, rows, strict=True)
+    ]
+
+
+def is_ship_close(contacts: Contacts | None, tick: int, north: float, east: float) -> bool:
+    """Return whether a ship was within ``cpa_m`` of a place [m] at a tick."""
+    if contacts is None:
+        return False
+    now = contacts.at(tick)
+    ranges = np.hypot(now.north - north, now.east - east)
+    return bool((ranges <= contacts.encounters.cpa_m).any())
+
+
 def _marks(
-    trajectory: Trajectory, scope: Periscope, seen: Mapping[str, int]
+    marked: Iterable[BearingMark], seen: Mapping[str, int]
 ) -> tuple[dict[str, int], tuple[int, ...]]:
     """Return the tick of each ship's first mark, and those of marks that mean no ship seen."""
     marks: dict[str, int] = {}
     false = []
-    for tick, bearing in _bearings_marked(trajectory):
-        state = state_of(trajectory, trajectory.row(tick))
+    for tick, bearing, near in marked:
         off = {
             name: abs(math.remainder(true - bearing, math.tau))
-            for name, true in scope.near(state, tick)
+            for name, true in near
             if seen.get(name, math.inf) <= tick
         }
         nearest = min(off, key=lambda name: off[name], default="")
@@ -204,13 +288,15 @@ def _marks(
     return marks, tuple(false)
 
 
-def _bearings_marked(trajectory: Trajectory) -> Iterator[tuple[int, float]]:
-    """Yield tick and bearing [rad] of each ship that the crew has marked.
+def bearings_marked(
+    marks: Sequence[RecordedEvent],
+) -> Iterator[tuple[RecordedEvent, int, float]]:
+    """Yield each mark of a ship by the crew, its tick and its bearing [rad].
 
     The marks are those of the periscope's station. If it made none, all other marks count.
     """
-    said = [(each, BEARING_MARK.match(each.text)) for each in trajectory.marks]
+    said = [(each, BEARING_MARK.match(each.text)) for each in marks]
     crew = [(mark, found) for mark, found in said if mark.role == LOOKOUT_ROLE]
     for mark, match in crew or said:
         if match:
-            yield mark.tick, math.radians(float(match[1]))
+            yield mark, mark.tick, math.radians(float(match[1]))

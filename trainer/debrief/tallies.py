@@ -11,6 +11,7 @@ from typing import Any, Final
 from trainer.core.kernel import Numbers, Record, inline_kernel, kernel, record_dtype
 from trainer.debrief.gates import FULL_BREACH_S, GATE_CAP, GATE_TIME_S
 from trainer.debrief.judgement import (
+    HARD_CAP,
     KEEPING_SHARE,
     LOST_CAP,
     MAX_NOBODY_PERCENT,
@@ -21,26 +22,20 @@ from trainer.debrief.measures import EDGE_SHARE, HELD_TIME_S, SLIP_COST
 
 # what a row is about: measures by their names, then what caps the marks
 MEASURE_NAMES: Final = (
-    "in-band",
-    "settled",
-    "reach",
-    "time-to",
-    "overshoot",
-    "rms",
-    "largest",
-    "highest",
-    "lowest",
-    "final",
-    "activity",
-    "hand-travel",
-    "distance",
-    "response",
+    *("in-band", "settled", "reach", "time-to", "overshoot", "rms"),
+    *("largest", "highest", "lowest", "final"),
+    *("activity", "hand-travel", "distance", "response"),
+    *("closest-approach", "exposed", "exposed-raise"),
+    *("aground", "time-to-detect", "time-to-report"),
 )
 IN_BAND, SETTLED, REACH, TIME_TO, OVERSHOOT, RMS = 0, 1, 2, 3, 4, 5  # off a target
 LARGEST, HIGHEST, LOWEST, FINAL = 6, 7, 8, 9  # how far it goes
 ACTIVITY, HAND_TRAVEL, DISTANCE, RESPONSE = 10, 11, 12, 13
+CLOSEST, EXPOSED, EXPOSED_RAISE = 14, 15, 16  # of ships and the periscope
+AGROUND, TIME_TO_DETECT, TIME_TO_REPORT = 17, 18, 19  # whose value others write
 AIMED_MEASURES: Final = MEASURE_NAMES[: RMS + 1]
-GATE, LOSS, TURNED, COLLAPSED = 20, 21, 22, 23
+GATE, LOSS, TURNED, COLLAPSED, STRUCK = 30, 31, 32, 33, 34
+HARD, GROUNDED, LAID_BADLY = 35, 36, 37  # whose ``extreme`` is written by who watches the ground
 TASK, ANSWER, KEEPING = 0, 1, 2
 TICK_COLUMN: Final = 0  # of a row of numbers
 TOTAL, ENDED = 0, 1  # columns of the totals
@@ -49,13 +44,13 @@ FEW_SHARE: Final = 4  # a condition holds for a while from this part of a short 
 Row = Any  # one row of a record array
 
 TALLY_RULE: Final = record_dtype(
-    "measure",  # [-] IN_BAND to COLLAPSED
+    "measure",  # [-] IN_BAND to LAID_BADLY
     "part",  # [-] TASK, ANSWER or KEEPING
     "column",  # [-] of the quantity
     "size",  # [SI] of its unit
     "around",  # [unit] after which it is the same again, 0 for never
     "target",  # [unit] NaN: the quantity itself; of a cap its limit
-    "aim",  # [-] column of what is ordered, -1 where the target is a number
+    "aim",  # [-] column of what is ordered, -1 where the target is a number; or of the raises
     "band",  # [unit] of a collapse the reach of the hull [m]
     "begin",  # [ticks] from the start, or from the casualty on
     "end",  # [ticks]
@@ -100,7 +95,8 @@ TALLY: Final = record_dtype(
     "inside",  # [-] 1: at the last tick
     "travel",  # [ticks]
     "onset",  # [ticks] of the casualty and one, 0 for not yet
-    "answered",  # [s] after its onset, NaN for not
+    "answered",  # [s] after its onset, or the value that was written; NaN for none
+    "idle",  # [-] 1: there is nothing that this value could be of, so that it does not count
     "marks",  # [%] NaN: it does not count
     "earned",  # [%] NaN: it does not count, or earns nothing
 )
@@ -211,6 +207,19 @@ def take_extreme(rule: Row, t: Row, row: Numbers) -> None:
 
 
 @inline_kernel
+def take_shown(rule: Row, t: Row, row: Numbers) -> None:
+    """Take the nearest ship into account, or the periscope's head."""
+    value = row[int(rule.column)]
+    if rule.measure == CLOSEST:
+        t.extreme = value if t.rows == 1.0 else min(t.extreme, value)
+        return
+    if rule.measure == EXPOSED_RAISE and row[int(rule.aim)] != t.last_off:
+        t.last_off, t.sum = row[int(rule.aim)], 0.0
+    t.sum += value
+    t.extreme = max(t.extreme, t.sum)
+
+
+@inline_kernel
 def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring: Numbers) -> None:
     """Take one tick into account for a rule whose window it may be in."""
     row, since, was = rows[k], max(t.onset - 1.0, 0.0), t.previous
@@ -223,7 +232,10 @@ def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring:
     if t.rows == 0.0:
         t.first_tick = tick
     t.rows, t.previous, t.last_tick = t.rows + 1.0, 1.0, tick
-    if measure >= ACTIVITY:
+    if measure >= CLOSEST:
+        if measure < AGROUND:
+            take_shown(rule, t, row)
+    elif measure >= ACTIVITY:
         if was > 0.0:
             take_way(rule, t, rows, k)
     elif measure >= LARGEST:
@@ -251,7 +263,7 @@ def take_cap(rule: Row, t: Row, conditions: Record, row: Numbers) -> None:
         t.rows = t.rows + 1.0 if all_hold(rule, conditions, row) else 0.0
         if t.rows > 0.0 and (t.rows - 1.0) * rule.step >= rule.needed - 1e-9:
             t.extreme = 1.0
-    elif measure == TURNED:
+    elif measure in (TURNED, STRUCK):
         if abs(value) > rule.target:
             t.extreme = 1.0
     elif value + rule.band * abs(math.sin(row[int(rule.aim)])) >= rule.target:
@@ -292,13 +304,31 @@ def value_of(rule: Row, t: Row, tick: int) -> float:
         value = math.nan if value < -rule.band else max(value, 0.0)
     elif measure == RMS:
         value = math.nan if t.rows < few else math.sqrt(t.sum / t.rows)
+    if measure >= CLOSEST:
+        return shown_of(rule, t)
     return way_of(rule, t) if measure >= ACTIVITY else value
+
+
+@inline_kernel
+def shown_of(rule: Row, t: Row) -> float:
+    """Return a least range [m], the time [s] of a head, or what was written."""
+    if rule.measure == CLOSEST:
+        return float(t.extreme)
+    return float(t.answered if rule.measure >= AGROUND else rule.step * t.extreme)
 
 
 @inline_kernel
 def way_of(rule: Row, t: Row) -> float:
     """Return the way [m], or the pace [deg/min]."""
     return float(t.sum if rule.measure == DISTANCE else 60.0 * t.sum / (t.travel * rule.step))
+
+
+@inline_kernel
+def is_idle(measure: int, t: Row) -> bool:
+    """Return whether there is nothing that a value could be of."""
+    if measure in (ACTIVITY, HAND_TRAVEL):
+        return bool(t.travel == 0.0)
+    return bool(t.idle > 0.0 or (measure == CLOSEST and math.isinf(t.extreme)))
 
 
 @inline_kernel
@@ -311,7 +341,7 @@ def marks_now(rule: Row, t: Row, tick: int) -> float:
         value = float(t.answered)
     elif t.rows == 0.0:
         return 0.0
-    elif (measure in (ACTIVITY, HAND_TRAVEL)) and t.travel == 0.0:
+    elif is_idle(measure, t):
         return math.nan
     else:
         value = value_of(rule, t, tick)
@@ -324,7 +354,7 @@ def marks_now(rule: Row, t: Row, tick: int) -> float:
 @inline_kernel
 def cap_of(rules: Record, tallies: Record) -> float:
     """Return the most that is left [%]; -1 where the boat turned over."""
-    cap, lost = 100.0, False
+    cap, lost, hard = 100.0, False, False
     for r in range(rules.size):
         rule, t = rules[r], tallies[r]
         if rule.measure < GATE or t.extreme == 0.0:
@@ -334,9 +364,25 @@ def cap_of(rules: Record, tallies: Record) -> float:
         if rule.measure == GATE:
             share = rule.step * t.sum / (rule.band * FULL_BREACH_S)
             cap = min(cap, 100.0 - (100.0 - GATE_CAP) * min(share, 1.0))
+        elif rule.measure == LAID_BADLY:
+            cap = min(cap, GATE_CAP)
+        elif rule.measure == HARD:
+            hard = True
         else:
             lost = True
-    return LOST_CAP if lost else float(cap)
+    return HARD_CAP if hard else LOST_CAP if lost else float(cap)
+
+
+@inline_kernel
+def has_ended(rules: Record, tallies: Record) -> bool:
+    """Return whether the boat or the exercise is lost for good."""
+    for r in range(rules.size):
+        measure, t = rules[r].measure, tallies[r]
+        if measure <= GATE or measure == LAID_BADLY or t.extreme == 0.0:
+            continue
+        if measure != GROUNDED or t.held > 0.0:  # a boat that was laid down may yet come to lie
+            return True
+    return False
 
 
 @inline_kernel
@@ -382,6 +428,15 @@ def total_now(rules: Record, tallies: Record, tick: int) -> float:
 
 
 @inline_kernel
+def ends_record(rules: Record, tallies: Record) -> bool:
+    """Return whether a run would have ended before this tick."""
+    for r in range(rules.size):
+        if rules[r].measure in (COLLAPSED, STRUCK) and tallies[r].extreme > 0.0:
+            return True
+    return False
+
+
+@inline_kernel
 def find_onset(rule: Row, t: Row, row: Numbers) -> bool:
     """Return whether the casualty of a rule comes at this tick."""
     if rule.since == 0.0 or t.onset > 0.0:
@@ -411,18 +466,21 @@ def take_ticks(
     for b in range(rows.shape[0]):
         if math.isnan(totals[b, TOTAL]):
             continue
-        own, t = rows[b], tallies[b]
+        own, t, last = rows[b], tallies[b], 0
         for k in range(1, rows.shape[1]):
+            if ends_record(rules, t):
+                break
+            last = k
             for r in range(rules.size):
                 rule = rules[r]
                 if rule.measure >= GATE:
-                    take_cap(rule, t[r], conditions, own[k])
+                    if rule.measure < HARD:
+                        take_cap(rule, t[r], conditions, own[k])
                     continue
                 ring = rings[b, int(rule.ring)]
                 if find_onset(rule, t[r], own[k]) and own[k, TICK_COLUMN] > 0.0:
                     take_row(rule, t[r], conditions, own, k - 1, ring)
                 if rule.since == 0.0 or t[r].onset > 0.0:
                     take_row(rule, t[r], conditions, own, k, ring)
-        last = rows.shape[1] - 1
         totals[b, TOTAL] = total_now(rules, t, int(own[last, TICK_COLUMN]))
-        totals[b, ENDED] = 1.0 if cap_of(rules, t) <= LOST_CAP else 0.0
+        totals[b, ENDED] = 1.0 if has_ended(rules, t) else 0.0

@@ -47,6 +47,15 @@ TRAVEL_COLUMNS: Final = (
     *(f"{name}_by_hand" for name in SURFACES),
 )
 WAY_COLUMNS: Final = ("x", "y")
+# what is made of a boat's numbers, the ships near and its periscope
+SHIP_COLUMNS: Final = ("nearest", "struck", "head_out", "raise", "eye")
+SHOWN_ROWS: Final[Mapping[str, Mapping[str, str]]] = {
+    "closest-approach": {"column": "nearest"},
+    "exposed": {"column": "head_out"},
+    "exposed-raise": {"column": "head_out", "aim": "raise"},
+}
+LOOK_OUT_MEASURES: Final = ("time-to-detect", "time-to-report")
+WRITTEN_MEASURES: Final = ("aground", *LOOK_OUT_MEASURES)  # of whole windows alone
 NO_ROW: Final = {"aim": -1.0, "end": math.inf, "target": math.nan, "size": 1.0, "sense": 1.0}
 SIZELESS_LIMITS: Final = ("pitch_deg", "heel_deg")  # that hold either way
 
@@ -62,12 +71,16 @@ class TallySheet:
     conditions: Any  # of TALLY_CONDITION
     reads: tuple[str, ...]  # fields of the state, the tick first
     derived: tuple[str, ...]  # quantities that are made from them, in the columns behind
+    of_ships: tuple[str, ...]  # and those of SHIP_COLUMNS, behind these
     window: int  # [ticks] in which a boat has to have settled
     rings: int  # how many rows remember such a window
 
 
-def lay_out(plan: Plan, boat: Boat, width: str) -> TallySheet:
-    """Return the sheet of a plan; ConfigError naming what numbers of one boat cannot judge."""
+def lay_out(plan: Plan, boat: Boat, width: str, also: Sequence[str] = ()) -> TallySheet:
+    """Return the sheet of a plan, which reads ``also`` these fields of the state.
+
+    ConfigError naming what numbers cannot judge.
+    """
     refuse_plan(plan)
     rules = tuple(
         each for each in widen_rules(plan.scores, width) if not missing_quantities(boat, each)
@@ -79,24 +92,27 @@ def lay_out(plan: Plan, boat: Boat, width: str) -> TallySheet:
     settled = [row for row in rows if row["measure"] == tallies.SETTLED]
     for ring, row in enumerate(settled):
         row |= {"ring": ring, "needed": window}
-    rows += [*_gate_rows(plan, boat), *_loss_rows(plan, boat, held)]
+    rows += [*_gate_rows(plan, boat), *_loss_rows(plan, boat, held), *_world_rows(plan)]
     named = [value for row in (*rows, *held) for value in row.values()]
     singles = [name for name in dict.fromkeys(named) if isinstance(name, str)]
     groups = [names for names in dict.fromkeys(named) if isinstance(names, tuple)]
-    derived = [name for name in singles if _is_derived(name)]
-    fields_read = ["tick", *(name for name in singles if name not in derived)]
-    fields_read += [name for name in _sources(boat, derived) if name not in fields_read]
+    of_ships = [name for name in singles if name in SHIP_COLUMNS]
+    derived = [name for name in singles if _is_derived(name) and name not in of_ships]
+    made = {*of_ships, *derived}
+    read = ["tick", *singles, *_sources(boat, derived), *also]
+    fields_read = [name for name in dict.fromkeys(read) if name not in made]
     places: dict[Any, int] = {name: i for i, name in enumerate(fields_read)}
     for group in groups:
         places[group] = len(fields_read)
         fields_read += group
-    places |= {name: len(fields_read) + i for i, name in enumerate(derived)}
+    places |= {name: len(fields_read) + i for i, name in enumerate((*derived, *of_ships))}
     return TallySheet(
         rules,
         _table(TALLY_RULE, [NO_ROW | {"step": step} | row for row in rows], places),
         _table(TALLY_CONDITION, held or [{}], places),
         tuple(fields_read),
         tuple(derived),
+        tuple(of_ships),
         window,
         max(len(settled), 1),
     )
@@ -105,14 +121,18 @@ def lay_out(plan: Plan, boat: Boat, width: str) -> TallySheet:
 def refuse_plan(plan: Plan) -> None:
     """Raise ConfigError naming what numbers of one boat cannot judge."""
     for rule in plan.scores:
-        name, settled = rule.score.measure, rule.score.measure == "settled"
-        if name not in MEASURE_NAMES or (settled and rule.conditions):
+        name, chosen = rule.score.measure, bool(rule.conditions)
+        written = name in WRITTEN_MEASURES and (chosen or rule.since is not None)
+        if name not in MEASURE_NAMES or (name == "settled" and chosen) or written:
+            only = "" if name not in MEASURE_NAMES else ", where it has a condition,"
             raise ConfigError(
-                f"{plan.title}: {rule.score.name}: {name} takes more than one boat's numbers, so "
-                "only the debrief judges it"
+                f"{plan.title}: {rule.score.name}: {name}{only} takes more than numbers tick by "
+                "tick, so only the debrief judges it"
             )
-    if plan.limits.cpa_m_min is not None or {"contacts", "contact"} & plan.around.keys():
-        raise ConfigError(f"{plan.title}: ships are not among a boat's numbers")
+    if any(entry.order.name == "contact" for entry in plan.schedule):
+        raise ConfigError(
+            f"{plan.title}: its schedule orders ships, and those of all boats are the same"
+        )
     if not plan.judged_by_tasks or plan.duration is None:
         raise ConfigError(f"{plan.title or 'no exercise'}: there are no tasks with an end to judge")
 
@@ -169,6 +189,7 @@ def _rule_row(rule: ScoreRule, boat: Boat, held: list[Row]) -> Row:
         row |= {"slots": TRAVEL_COLUMNS, "slot_count": len(SURFACES), "surfaces": sum(bits)}
     if score.measure == "distance":
         row["column"] = WAY_COLUMNS
+    row |= SHOWN_ROWS.get(score.measure, {})
     casualty = rule.casualty or rule.since
     if casualty is not None:
         codes = {"since": CODES[casualty.kind], "slot_count": len(CASUALTY_SLOTS)}
@@ -195,11 +216,14 @@ def _gate_rows(plan: Plan, boat: Boat) -> list[Row]:
     for name in (item.name for item in fields(plan.limits)):
         key, _, end = name.rpartition("_")
         limit = getattr(plan.limits, name)
-        if limit is None or key == NEAREST_RANGE or key not in LIMIT_QUANTITIES:
+        if limit is None or key not in (*LIMIT_QUANTITIES, NEAREST_RANGE):
             continue
-        what = LIMIT_QUANTITIES[key]
-        row = {"measure": tallies.GATE, "target": limit, **_column(boat, what.name)}
-        row |= {"size": row["size"] * what.size, "sense": 1.0 if end == "max" else -1.0}
+        row: Row = {"measure": tallies.GATE, "target": limit, "column": "nearest", "size": 1.0}
+        if key != NEAREST_RANGE:
+            what = LIMIT_QUANTITIES[key]
+            row |= _column(boat, what.name)
+            row["size"] *= what.size
+        row["sense"] = 1.0 if end == "max" else -1.0
         row |= {"absolute": float(key in SIZELESS_LIMITS)}
         rows.append(row | {"band": max(FULL_EXCESS * abs(limit), LEAST_EXCESS[key])})
     return rows
@@ -222,7 +246,23 @@ def _loss_rows(plan: Plan, boat: Boat, held: list[Row]) -> list[Row]:
     return rows
 
 
-class _AskedColumns(dict[str, Numbers]):
+def _world_rows(plan: Plan) -> list[Row]:
+    """Return the rows of what ground and ships end or cap, as ``judgement`` and ``gates`` do."""
+    rows: list[Row] = []
+    bottom, encounters = plan.around.get("bottom"), plan.around.get("contacts")
+    if bottom is not None:
+        rows.append({"measure": tallies.HARD, "column": "z"})
+        own = plan.world.get("bottom")
+        if own is not None and own.grounding == "end":
+            rows.append({"measure": tallies.GROUNDED, "column": "z"})
+        if own is not None and own.bottoming:
+            rows.append({"measure": tallies.LAID_BADLY, "column": "z"})
+    if encounters is not None and encounters.collision == "end":
+        rows.append({"measure": tallies.STRUCK, "column": "struck", "target": 0.5})
+    return rows
+
+
+class AskedColumns(dict[str, Numbers]):
     """Columns of a single row, which notes those that are asked for."""
 
     def __missing__(self, name: str) -> Numbers:
@@ -232,7 +272,7 @@ class _AskedColumns(dict[str, Numbers]):
 
 def _sources(boat: Boat, derived: Sequence[str]) -> list[str]:
     """Return the fields of the state from which quantities are made."""
-    columns = _AskedColumns()
+    columns = AskedColumns()
     for name in derived:
         QUANTITY_FUNCTIONS[name](passage_of(boat, columns, 1))
     return list(columns)

@@ -195,11 +195,8 @@ def eye_heights(trajectory: Trajectory, *, up: bool = False) -> Numbers:
     scope, column = periscope_of(trajectory.boat), trajectory.columns
     if scope is None:
         return np.full(trajectory.ticks.size, np.nan)
-    x, foot = scope.head(Mast())
     out = scope.raised(Mast()).out if up else scope.over(trajectory.ticks)[0]
-    upright = np.cos(column["theta"]) * np.cos(column["phi"])
-    lifted = x * np.sin(column["theta"]) - (foot - out) * upright
-    return np.asarray(lifted - column["z"] - column["eta_wave"])
+    return scope.heights_over(column.__getitem__, out)
 
 
 def keel_clearance(trajectory: Trajectory) -> Numbers:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER
+from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError
@@ -110,7 +110,7 @@ class Demonstration:
             refused = f": refused: {order.reply.reason}" if isinstance(order.reply, Refused) else ""
             what = Fact(SHOWN_KIND, order.text)
             self.session.event_log.tell(SHOWN_KIND, f"shown: {order.text}{refused}", fact=what)
-            if name_of(order.text) in (*CREW_HANDS, MARK_ORDER) or not refused:
+            if name_of(order.text) in (*CREW_HANDS, *SAID_ORDERS) or not refused:
                 self.session.shown.show_lesson(f"shown: {order.text}")
 
     def end_in_time(self) -> None:

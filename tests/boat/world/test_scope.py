@@ -44,7 +44,8 @@ from trainer.debrief.scoring import take_measure
 from trainer.debrief.ships_met import shown_rows as shown_ticks
 from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import RecordedEvent, Recording
+from trainer.io.recording.facts import station
+from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording
 from trainer.session.past.header import layout_of, plan_of
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
@@ -409,3 +410,44 @@ def test_a_remark_of_another_is_no_mark_of_the_lookout_s(tmp_path: Path) -> None
     assert attained(told, "time-to-detect") == (None, "big was not marked")
     alone = replace(passage, marks=(remark,))
     assert attained(alone, "time-to-detect")[0] is not None
+
+
+def report_time(passage: Trajectory, *said: tuple[int, str, str]) -> tuple[float | None, str]:
+    """Return what is made of reports, each with its tick and the role that gives it."""
+    orders = tuple(
+        RecordedOrder(
+            i, 1, tick, station(role, "tester"), f"report {words}", None, accepted=True, answer=""
+        )
+        for i, (tick, role, words) in enumerate(said)
+    )
+    return attained(replace(passage, orders=orders), "time-to-report")
+
+
+def test_contacts_are_reported_from_the_first_look_on(tmp_path: Path) -> None:
+    passage = flown(at_sea(tmp_path, TANKER), 60, LOOKS, {})
+    seen = int(np.flatnonzero(passage.series("eye") > 0.0)[0])
+    none = "no close contacts"
+
+    assert report_time(passage, (50, "scope", none)) == (0.5 * (50 - seen), "")
+    assert report_time(passage, (50, "diving", none)) == (0.5 * (50 - seen), "")  # who speaks
+    assert report_time(passage, (seen - 1, "scope", none)) == (None, "contacts were not reported")
+    assert report_time(passage, (50, "scope", "at 60 metres")) == (
+        None,
+        "contacts were not reported",
+    )
+    both = (40, "instructor", none), (50, "scope", "Contact bearing 029")
+    assert report_time(passage, *both) == (0.5 * (50 - seen), "")
+    assert report_time(passage, both[0]) == (0.5 * (40 - seen), "")  # alone aboard
+    deep = flown(at_sea(tmp_path, TANKER, depth=60.0), 60, {}, {})
+    assert report_time(deep, (50, "scope", none)) == (None, "nobody looked")
+
+
+def test_a_close_ship_is_to_be_named_and_who_names_one_is_right(tmp_path: Path) -> None:
+    near = TANKER.replace("[2000, 1000]", "[330, 250]")
+    passage = flown(at_sea(tmp_path, near), 60, LOOKS, {})
+    seen = int(np.flatnonzero(passage.series("eye") > 0.0)[0])
+
+    assert report_time(passage, (40, "scope", "no close contacts")) == (None, "a ship was close")
+    for words in ("contact 040 close", "one close contact", "contact 040, no others"):
+        late = (40, "scope", "no contacts"), (50, "scope", words)
+        assert report_time(passage, *late) == (0.5 * (50 - seen), ""), words

@@ -30,6 +30,7 @@ READ_NAMES: Final = ("z", "theta", "w", "q", "u", "psi")
 SEA_NAMES: Final = ("calm", "sea-state-5")
 EXERCISE_NAME: Final = "emergency-deep"  # in sea state 3
 FLEET_BOATS: Final = 256
+FLEET_TICKS: Final = (1, 10)  # of a step by threads
 EVERY_S: Final = 5.0  # [s]
 
 
@@ -56,16 +57,54 @@ class LearningCost:
 
 
 @dataclass(frozen=True)
+class FleetCost:
+    """The cost of a boat's step in a fleet, by one thread and by two."""
+
+    sea: str
+    ticks: int  # of a step
+    one: BatchCost
+    two: BatchCost
+
+    @property
+    def gain(self) -> float:
+        """Return how many times as fast two threads are."""
+        return self.one.least_ns / self.two.least_ns
+
+
+@dataclass(frozen=True)
 class NumbersCost:
-    """The costs of a step in each sea, and in an exercise."""
+    """The costs of a step in each sea, in an exercise and by threads."""
 
     seas: Sequence[StepCost]
     learning: LearningCost
+    fleets: Sequence[FleetCost]
 
 
 def time_numbers(file: VesselFile) -> NumbersCost:
     """Return what steps by numbers and by words cost."""
-    return NumbersCost([_time_in(file, sea) for sea in SEA_NAMES], _time_learning())
+    fleets = [_time_threads(file, ticks) for ticks in FLEET_TICKS]
+    return NumbersCost([_time_in(file, sea) for sea in SEA_NAMES], _time_learning(), fleets)
+
+
+def _time_threads(file: VesselFile, ticks: int) -> FleetCost:
+    """Return what a step of so many ticks costs in a fleet, by one thread and by two."""
+    sea = SEA_NAMES[-1]
+    fleets = [
+        trainer.Fleet(
+            file.path, FLEET_BOATS, orders=["stern"], reads=READ_NAMES, sea=sea, depth=100.0,
+            ticks=ticks, threads=threads,
+        )
+        for threads in (1, 2)
+    ]  # fmt: skip
+    level = np.zeros((FLEET_BOATS, 1))
+
+    def step(fleet: trainer.Fleet, count: int) -> None:
+        for _ in range(count):
+            fleet.step(level)
+        fleet.reset()  # before it is beyond the sea
+
+    costs = time_batches([partial(step, fleet) for fleet in fleets])
+    return FleetCost(sea, ticks, *(_each(cost, FLEET_BOATS) for cost in costs))
 
 
 def _time_learning() -> LearningCost:
@@ -170,4 +209,11 @@ def lines(cost: NumbersCost) -> list[str]:
         if each is not None
     ]
     said = f"In {learning.exercise}, {FLEET_BOATS} boats and one [us each, least of batches]"
-    return [head, columns, *rows, "", said, *told]
+    by_threads = f"Fleet of {FLEET_BOATS} boats in {SEA_NAMES[-1]} [us a boat's step]"
+    shared = [
+        f"  {f'{each.ticks} ticks' if each.ticks > 1 else 'a tick':18}"
+        f"{each.one.least_ns / 1e3:8.3f} by one thread{each.two.least_ns / 1e3:8.3f} by two"
+        f"{each.gain:7.2f} times"
+        for each in cost.fleets
+    ]
+    return [head, columns, *rows, "", said, *told, "", by_threads, *shared]

@@ -153,6 +153,8 @@ def casualty_inputs(boat: Boat) -> Iterator[Variable]:
     """Yield a severity, 0 for none, for each casualty of the boat."""
     before, s = boat.snapshot(), boat.state
     for name, _, meaning in casualties.available_casualties(boat):
+        if boat.casualties[name].parts:  # each part is an input
+            continue
         casualties.insert_casualty(boat, name, 1.0)
         scale, ramp = float(s.casualty_target[0]), float(s.casualty_ticks[0])
         casualties.clear_casualty(boat, name)

@@ -7,14 +7,14 @@ American Practical Navigator (2019), tables 8 and 12, as a larger earth has it.
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
-from operator import attrgetter, itemgetter
+from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from trainer.boat.world.bottom import TICK_OFFSET
-from trainer.boat.world.contact_fleet import Ticks
+from trainer.boat.world.contact_fleet import ContactFleet, Ticks
 from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.config.vessel_records import Scope
 from trainer.config.world import WorldTables
@@ -101,6 +101,14 @@ def hidden_height(distance: float, eye: float) -> float:
     """Return the height [m] that the horizon hides at a distance [m]."""
     beyond = max(distance - horizon_distance(eye), 0.0)
     return beyond * beyond / (2.0 * EARTH_RADIUS_M)
+
+
+def hidden_heights(distances: Numbers, eyes: Numbers) -> Numbers:
+    """Return the same for many distances [m] and heights [m] of the eye."""
+    horizons = np.sqrt(2.0 * EARTH_RADIUS_M * np.maximum(eyes, 0.0))
+    beyond = np.maximum(distances - horizons, 0.0)
+    hidden: Numbers = beyond * beyond / (2.0 * EARTH_RADIUS_M)
+    return hidden
 
 
 def distance_in_sight(target: ContactState, eye: Eye) -> float | None:
@@ -265,13 +273,29 @@ class Periscope:
         seen = [sight for ship in ships if (sight := look_at(ship, eye))]
         return sorted(seen, key=attrgetter("distance"))
 
-    def names_in_sight(self, eye: Eye, mast: Mast) -> list[str]:
-        """Return the names of the ships in sight all round, the nearest first."""
-        if mast.out < OPTICS_SHOWING_M:
-            return []
-        ships = ships_near(self._boat, mast.tick)
-        seen = [(far, ship.name) for ship in ships if (far := distance_in_sight(ship, eye))]
-        return [name for _, name in sorted(seen, key=itemgetter(0))]
+    def distances_in_sight(
+        self, fleet: ContactFleet, ticks: Ticks, column: Callable[[str], Numbers], heights: Numbers
+    ) -> Numbers:
+        """Return how far [m] each ship of a fleet is at ticks, a row each.
+
+        Infinity stands for a ship that is below the horizon. ``column`` has numbers of the states
+        at these ticks by name, ``heights`` [m] are those of the head over the waves.
+        """
+        ahead = self.head(Mast())[0] * np.cos(column("theta"))
+        north = column("x") + ahead * np.cos(column("psi"))
+        east = column("y") + ahead * np.sin(column("psi"))
+        now = fleet.over(ticks)
+        apart = np.maximum(np.hypot(now.north - north, now.east - east), 1.0)
+        masts = np.array([ship.type.mast for ship in fleet.order])[:, None]
+        shows = (heights > 0.0) & (hidden_heights(apart, heights) < masts)
+        return np.where(shows, apart, math.inf)
+
+    def heights_over(self, column: Callable[[str], Numbers], out: Numbers | float) -> Numbers:
+        """Return the heights [m] over the waves of a head that is ``out`` [m]."""
+        x, foot = self.head(Mast())
+        upright = np.cos(column("theta")) * np.cos(column("phi"))
+        lifted = x * np.sin(column("theta")) - (foot - out) * upright
+        return np.asarray(lifted - column("z") - column("eta_wave"))
 
     def near(self, s: Any, tick: int) -> list[tuple[str, float]]:
         """Return each ship at a tick and its true bearing [rad], seen or not."""
