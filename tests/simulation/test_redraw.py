@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from simulation import exploring
 from simulation.chains import CHAINS, comes_through, compare, plant
 from simulation.drawing import draw_script, redraw
 from simulation.exploring import MOST_WAYS, Explorer
@@ -25,6 +26,12 @@ from simulation.script import (
 from simulation.seeds import explore
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
+
+
+@pytest.fixture
+def small_trees(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let little go on from one beginning."""
+    monkeypatch.setattr(exploring, "MOST_OF_TREE", 4)
 
 
 @pytest.mark.long
@@ -66,6 +73,7 @@ def test_what_is_new_is_three_milestones_of_one_process_in_an_order_not_seen_bef
 
 @pytest.mark.process
 @pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_script_that_goes_on_in_a_child_gives_the_bytes_of_one_that_is_played_alone(
     seed: int,
@@ -103,6 +111,7 @@ def test_files_are_put_back_under_what_is_open_of_them(
 
 @pytest.mark.process
 @pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
 def test_scripts_go_on_from_where_others_came_and_hold_every_law() -> None:
     played = list(explore(2, 6, 3.0))
 
@@ -129,6 +138,7 @@ def test_a_chain_of_three_events_breaks_a_law_where_it_is_planted_alone() -> Non
 
 @pytest.mark.process
 @pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
 def test_two_ways_are_compared_by_the_same_chains() -> None:
     *lines, last = compare(0.5, 1)
 
