@@ -97,7 +97,7 @@ class Explorer:
         return self._leaves
 
     def see(self, life: int, name: str) -> None:
-        """Note a milestone of a process, and how many threes are new that end with it."""
+        """Note a milestone of a process, and how many new threes end with it."""
         number = NUMBERS.get(name)
         if number is None:
             return
@@ -115,7 +115,7 @@ class Explorer:
         row.append(number)
 
     def ways(self) -> int:
-        """Return in how many ways a process goes on, by what is new in the part that is over."""
+        """Return in how many ways a process goes on, by what is new."""
         new, self.new = self.new, 0
         before, self.mean = self.mean, FADE * self.mean + (1.0 - FADE) * new
         self.idle = 0 if new else self.idle + 1

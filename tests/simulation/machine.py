@@ -93,7 +93,7 @@ class Machine:
         self._window, self._turns_of = self.now, Counter()
 
     def redraw(self, redrawn: Sequence[tuple[int, int]]) -> None:
-        """Draw later turns by these seeds, of which those are past that the present one follows."""
+        """Draw later turns by these seeds."""
         self._redrawn = [each for each in redrawn if each[0] >= self.turns]
 
     def begin(self, call: Callable[[], object], name: str) -> Task:

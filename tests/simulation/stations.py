@@ -76,7 +76,7 @@ class Program:
                 end.close()
 
     def go_on(self, player: Player, task: Task) -> None:
-        """Say and do from here on what another player does, who has done the same so far."""
+        """Go on as another player, who has done the same so far."""
         done, _ = self.place
         if done == len(self.player.visits) < len(player.visits) and task.is_idle:
             self.place = done, 0
