@@ -37,7 +37,7 @@ flown again, and the bytes are those of a script that is played alone.
 
 ``chains`` has fifteen faults of three events in a row, by which both ways are compared
 (``--compare``). Of the processor, 600 plain seeds took 298 s and came through none. Exploring came
-through four in 34 s (at 10, 23, 34 and 34 s) and a fifth at 64 s: so at least 30, 13, 9, 9 and 5
+through four in 34 s (at 10, 23, 34 and 34 s) and a fifth at 64 s: so at least 29, 12, 8, 8 and 4
 times sooner. Of the other ten nothing is known but that both need longer. What costs most is to fly
 fast among ships.
 

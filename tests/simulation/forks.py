@@ -1,4 +1,4 @@
-"""A script goes on from one point more than once: in children, which have all of its memory.
+"""A script goes on from one point in children, which have all of its memory.
 
 SQLite forbids connections in children, because the file changes under the parent's, and because
 locks are a process's own (sqlite.org/howtocorrupt.html, 2.6). Here the parent stands still as long
@@ -56,7 +56,7 @@ class Shelf:
 
 @contextlib.contextmanager
 def garbage_kept() -> Iterator[None]:
-    """Close nothing inside the block that was lost before: a file of SQLite's would go with it."""
+    """Collect no garbage inside the block. A connection in it would take its file along."""
     gc.disable()
     yield
     gc.enable()

@@ -43,7 +43,7 @@ class Task:
         return not self.done and self.is_ready is not None and self.deadline is None
 
     def wake_at(self, since: int, seconds: float) -> None:
-        """Let it go on so long [s] after a time [ns], as if it had slept."""
+        """Let it go on so long [s] after a time [ns]."""
         self.deadline = since + math.ceil(max(seconds, 0.0) * SECOND_NS)
 
     def _run(self, machine: "Machine", call: Callable[[], object]) -> None:
