@@ -104,9 +104,9 @@ class Boundary(Stage):
     answered: bool = False
     whole: Whole | None = field(default=None)
 
-    def _let_live(self, life: Life, session: Task) -> None:
+    def _let_live(self, session: Task) -> None:
         if self.docket.life > 1:
-            super()._let_live(life, session)
+            super()._let_live(session)
             return
         machine, docket = self.machine, self.docket
         heard, longest = self.last - (self.turns < 0), machine.now + int(LONGEST_S * SECOND_NS)

@@ -1,95 +1,141 @@
 """Faults of three events in a row, by which plain seeds and exploring are compared.
 
-A chain is three milestones, which one process has to reach in this order. It is drawn by a seed
-among those that no plain seed has come through, though some came through its first two events and
-some through its last two. At the third the boat is changed, which no law allows.
+A chain is three milestones, which one process has to reach in this order. Each was chosen because
+a session has to keep all three in mind: what was left, what is ahead, what was taken over. At the
+third the boat is changed, which no law allows.
 """
 
 # ruff: noqa: SLF001  a fault lies in private parts
 
 import contextlib
-import itertools
-import time
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from random import Random
-from typing import Final
+from typing import Final, NamedTuple
 
 import pytest
 
 from simulation.drawing import draw_script
-from simulation.exploring import Explorer
-from simulation.laws import Docket
-from simulation.milestones import MILESTONES, Log
+from simulation.exploring import NUMBERS, Explorer, Row
+from simulation.milestones import Log
 from simulation.play import Change, play
 from simulation.script import Script
 from trainer.session.session import Session
 
-EVENTS: Final = 3
-CHAINS: Final = 10  # that are compared
-LONGEST_S: Final = 5.0  # that a process of a plain script lives
-MIN_ROWS: Final = 20  # processes, of whose milestones chains are drawn
+Chain = tuple[str, str, str]
+CHAINS: Final[tuple[Chain, ...]] = (
+    (
+        "L3: a take-over in a freeze",
+        "L17: a plan is due in the tick of a jump",
+        "L17: a kill with plans ahead",
+    ),
+    (
+        "L12: a restore with a casualty ramping",
+        "L1: a mark on a branch that is left",
+        "L3: a take-over in a freeze",
+    ),
+    (
+        "L3: a jump while the disk is full",
+        "L3: a take-over while time runs",
+        "L12: a restore brings a casualty back",
+    ),
+    (
+        "L12: a snapshot in a replay",
+        "L12: a restore with a casualty ramping",
+        "L17: a jump brings plans back",
+    ),
+    (
+        "L3: a replay within a replay",
+        "L3: a take-over in a freeze",
+        "L17: a plan comes",
+    ),
+    (
+        "L6: the end taken back by a restore",
+        "L17: a plan comes",
+        "L6: an exercise ends by its time",
+    ),
+    (
+        "L7: command changes hands",
+        "L3: a take-over while time runs",
+        "L17: a plan is due in the tick of a jump",
+    ),
+    (
+        "L14: a second session is refused",
+        "L3: a jump while another program writes",
+        "L3: a take-over in a freeze",
+    ),
+    (
+        "L8: the machine sleeps",
+        "L3: a replay ends by itself",
+        "L12: a restore brings a casualty back",
+    ),
+    (
+        "L2: a take-over is refused where nothing can be read",
+        "L3: a take-over in a freeze",
+        "L3: a jump forward in time",
+    ),
+    (
+        "L6: a jump while marks are made",
+        "L12: a snapshot in a replay",
+        "L6: again after the end",
+    ),
+    (
+        "L8: the time of day is set",
+        "L3: a take-over in a freeze",
+        "L12: a restore with a casualty ramping",
+    ),
+    (
+        "L11: a page comes in a replay",
+        "L3: a take-over while time runs",
+        "L17: a jump brings plans back",
+    ),
+    (
+        "L1: a mark in a replay",
+        "L3: a jump while the disk is full",
+        "L3: a kill in a replay",
+    ),
+    (
+        "L12: a restore of what an earlier process kept",
+        "L17: a plan is due in the tick of a jump",
+        "L3: a jump out of a replay",
+    ),
+)
+PLAIN_S: Final = 5.0  # that a process of a plain script lives
 FAR_SEEDS: Final = 100_000  # from where exploring draws, so that it has no plain script's luck
-Chain = tuple[str, ...]
+
+
+class Find(NamedTuple):
+    """When a chain was first come through."""
+
+    seconds: float  # of the processor
+    scripts: int
+
+
+def comes_through(row: Sequence[str], chain: Chain) -> bool:
+    """Return whether a process that reached these milestones came through a chain."""
+    left = iter(row)
+    return all(event in left for event in chain)
 
 
 @dataclass
 class Track:
-    """How far one process has come in each chain, and which chains it came through."""
+    """The milestones of each process of a script, in order."""
 
-    chains: Sequence[Chain]
-    passed: set[Chain] = field(default_factory=set)
-    _begun: int = -1  # the process
-    _events: dict[Chain, int] = field(default_factory=dict)
+    rows: dict[int, list[str]] = field(default_factory=dict)
 
-    def see(self, life: int, name: str) -> list[Chain]:
-        """Note a milestone; return the chains that end with it."""
-        if life != self._begun:  # a script has processes one after the other
-            self._begun, self._events = life, dict.fromkeys(self.chains, 0)
-        ends = []
-        for chain, events in self._events.items():
-            if events < len(chain) and chain[events] == name:
-                self._events[chain] = events + 1
-                if events + 1 == len(chain):
-                    ends.append(chain)
-        self.passed.update(ends)
-        return ends
+    def see(self, life: int, name: str) -> None:
+        """Note a milestone of a process."""
+        if name in NUMBERS:
+            self.rows.setdefault(life, []).append(name)
 
 
-def draw_chains(rows: Sequence[Sequence[str]], count: int, seed: int) -> list[Chain]:
-    """Draw chains of the milestones that processes reached for the first time, in order."""
-    pairs = Counter(pair for row in rows for pair in set(itertools.combinations(row, 2)))
-    whole = {triple for row in rows for triple in itertools.combinations(row, EVENTS)}
-    after: dict[str, list[str]] = {}
-    for first, second in pairs:
-        after.setdefault(first, []).append(second)
-    chains = [
-        (first, second, third)
-        for first, second in sorted(pairs)
-        for third in sorted(after.get(second, ()))
-        if third != first and (first, second, third) not in whole
-    ]
-    return Random(seed).sample(chains, count)  # noqa: S311  no secrets
-
-
-def rows_of(docket: Docket) -> list[list[str]]:
-    """Return the milestones that each process of a script reached, in order."""
-    rows: dict[int, list[str]] = {}
-    for name, point in docket.log.reached.items():
-        if point and name in MILESTONES:
-            rows.setdefault(point.life, []).append(name)
-    return list(rows.values())
-
-
-def tracked(track: Track, strike: Callable[[Session], object] = lambda _: None) -> Change:
-    """Return the change that tells a track of milestones. A session is struck at the third."""
+def plant(chain: Chain) -> Change:
+    """Return the fault that moves the boat where a process has come through a chain."""
 
     @contextlib.contextmanager
     def change() -> Iterator[None]:
         sessions: list[Session] = []
-        start, see = Log.see_start, Log._see
+        track, start, see = Track(), Log.see_start, Log._see
 
         def start_noted(log: Log, session: Session) -> None:
             sessions[:] = [session]
@@ -97,8 +143,9 @@ def tracked(track: Track, strike: Callable[[Session], object] = lambda _: None) 
 
         def see_noted(log: Log, name: str) -> None:
             see(log, name)
-            if track.see(log.life, name) and sessions:
-                strike(sessions[0])
+            track.see(log.life, name)
+            if name == chain[-1] and sessions and comes_through(track.rows[log.life], chain):
+                sessions[0].boat.state.z += 0.01
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(Log, "see_start", start_noted)
@@ -108,58 +155,67 @@ def tracked(track: Track, strike: Callable[[Session], object] = lambda _: None) 
     return change
 
 
-def plant(chain: Chain) -> Change:
-    """Return the fault that moves the boat where a process has come through a chain."""
-
-    def move(session: Session) -> None:
-        session.boat.state.z += 0.01
-
-    return tracked(Track([chain]), move)
+def plain_rows(seed: int) -> Iterator[Iterable[Row]]:
+    """Play plain scripts without end; yield the milestones of the processes of each."""
+    while True:
+        yield rows_of(draw_script(seed, PLAIN_S))
+        seed += 1
 
 
-def hunt(
-    chains: Sequence[Chain],
-    draw: Callable[[], Script],
-    learn: Callable[[Script, Docket], object],
-    budget: float,
-) -> tuple[dict[Chain, float], int]:
+def rows_of(script: Script) -> list[Row]:
+    """Play a script; return the milestones of its processes."""
+    track = Track()
+
+    @contextlib.contextmanager
+    def change() -> Iterator[None]:
+        see = Log._see
+
+        def see_noted(log: Log, name: str) -> None:
+            see(log, name)
+            track.see(log.life, name)
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Log, "_see", see_noted)
+            yield
+
+    play(script, change)
+    return [tuple(row) for row in track.rows.values()]
+
+
+def processor_s() -> float:
+    """Return the time [s] of the processor that this process and its children have used."""
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
+
+
+def hunt(scripts: Iterator[Iterable[Row]], seconds: float) -> tuple[dict[Chain, Find], int]:
     """Play scripts for so long [s of the processor].
 
     Return when the first came through each chain, and how many scripts were played.
     """
-    found: dict[Chain, float] = {}
-    begun, scripts = time.process_time(), 0
-    while time.process_time() - begun < budget and len(found) < len(chains):
-        script, track = draw(), Track([chain for chain in chains if chain not in found])
-        learn(script, play(script, tracked(track)))
-        scripts += 1
-        found.update(dict.fromkeys(track.passed, time.process_time() - begun))
-    return found, scripts
+    found: dict[Chain, Find] = {}
+    begun, played = processor_s(), 0
+    while processor_s() - begun < seconds and len(found) < len(CHAINS):
+        rows = next(scripts)
+        played += 1
+        now = Find(processor_s() - begun, played)
+        for chain in CHAINS:
+            if chain not in found and any(comes_through(row, chain) for row in rows):
+                found[chain] = now
+    return found, played
 
 
 def compare(seconds: float, seed: int) -> Iterator[str]:
-    """Yield a line for each chain: when each way came through it.
-
-    Each way has so long [s of the processor]; half of that is spent on drawing the chains.
-    """
-    scripts = map(partial(draw_script, longest=LONGEST_S), itertools.count(seed))
-    rows: list[list[str]] = []
-    begun = time.process_time()
-    while time.process_time() - begun < seconds / 2.0 or len(rows) < MIN_ROWS:
-        rows += rows_of(play(next(scripts)))
-    chains = draw_chains(rows, CHAINS, seed)
-    plain, plain_scripts = hunt(chains, partial(next, scripts), lambda *_: None, seconds)
-    explorer = Explorer(seed + FAR_SEEDS, LONGEST_S)
-
-    def learn(script: Script, docket: Docket) -> None:
-        explorer.learn(script, {n: point for n, point in docket.log.reached.items() if point})
-
-    explored, explored_scripts = hunt(chains, explorer.draw, learn, seconds)
-    for chain in chains:
-        times = (found.get(chain) for found in (plain, explored))
-        plain_s, explored_s = ("never" if each is None else f"{each:.1f} s" for each in times)
-        yield f"plain {plain_s:>8}, exploring {explored_s:>8}: {', then '.join(chain)}"
+    """Yield a line for each chain: when each way came through it. Each has so long [s]."""
+    rows_of(draw_script(seed, PLAIN_S))  # what is compiled once is no part of either
+    plain, plain_scripts = hunt(plain_rows(seed), seconds)
+    leaves = (leaf.rows for leaf in Explorer(seed + FAR_SEEDS, PLAIN_S).explore())
+    explored, explored_scripts = hunt(leaves, seconds)
+    for chain in CHAINS:
+        finds = (found.get(chain) for found in (plain, explored))
+        told = ["never" if find is None else f"{find.seconds:.1f} s" for find in finds]
+        yield f"plain {told[0]:>9}, exploring {told[1]:>9}: {', then '.join(chain)}"
     yield (
-        f"{len(plain)} of {CHAINS} in {plain_scripts} plain scripts, {len(explored)} in "
-        f"{explored_scripts} explored ones"
+        f"of {len(CHAINS)}, {len(plain)} in {plain_scripts} plain scripts, {len(explored)} in "
+        f"{explored_scripts} explored ones, {seconds:g} s each"
     )

@@ -76,15 +76,20 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     return script if seed % FLEET_EVERY else _among_ships(dice, script)
 
 
-def redraw(script: Script, point: Point, seed: int, longest: float) -> Script:
-    """Return a script that is the same up to a point, and then drawn anew."""
+def redraw(
+    script: Script, point: Point, seed: int, longest: float, most_lives: int = MAX_LIVES
+) -> Script:
+    """Return a script that is the same up to a point, and then drawn anew.
+
+    It has so many processes at most, or one more than that of the point.
+    """
     dice = Random(f"{seed}/redrawn")  # noqa: S311  no secrets
     rate, done = dice.choice(ORDER_RATES_HZ), point.life - bool(point.turns)
     lives = list(script.lives[:done])
     if point.turns:
         lives.append(_redraw_life(dice, script.lives[done], point, rate, longest))
     while not lives or lives[-1].ending is not Ending.SIGNAL:
-        if len(lives) >= max(MAX_LIVES, point.life + 1):
+        if len(lives) >= max(most_lives, point.life + 1):
             break
         lives.append(_draw_life(dice, script.exercise, rate, longest))
     return replace(script, lives=tuple(lives))

@@ -37,6 +37,15 @@ class Task:
         self.done = False
         self.thread = greenlet.greenlet(lambda: self._run(machine, call))
 
+    @property
+    def is_idle(self) -> bool:
+        """Return whether it waits for ever."""
+        return not self.done and self.is_ready is not None and self.deadline is None
+
+    def wake_at(self, since: int, seconds: float) -> None:
+        """Let it go on so long [s] after a time [ns]."""
+        self.deadline = since + math.ceil(max(seconds, 0.0) * SECOND_NS)
+
     def _run(self, machine: "Machine", call: Callable[[], object]) -> None:
         try:
             call()
@@ -82,6 +91,10 @@ class Machine:
         self.tasks, self.deaths, self.spinning = [], [], []
         self.turns, self._dead, self.held = 0, False, None
         self._window, self._turns_of = self.now, Counter()
+
+    def redraw(self, redrawn: Sequence[tuple[int, int]]) -> None:
+        """Draw later turns by these seeds."""
+        self._redrawn = [each for each in redrawn if each[0] >= self.turns]
 
     def begin(self, call: Callable[[], object], name: str) -> Task:
         """Begin a task."""

@@ -106,7 +106,7 @@ class Model:
     def tick(self, session: Session, before: "Before") -> None:
         """Take a tick."""
         flown = session.history.flown
-        if before.replaying or flown.replaying or flown.shows_way:
+        if before.replaying or flown.replaying or before.shown or flown.shows_way:
             self._believe(session)
             return
         due = [p for p in self.plans.values() if self._due(session, p.seconds) <= before.tick]
@@ -244,6 +244,7 @@ class Before(NamedTuple):
     tick: int
     branch: int
     replaying: bool
+    shown: bool  # by the reference crew, after whom the boat is back with the plans of before
     last_plan: int
     holder: Any
 
@@ -254,6 +255,7 @@ class Before(NamedTuple):
             session.history.tick,
             session.history.recording.branch,
             session.history.flown.replaying,
+            session.history.flown.shows_way,
             session.agenda.plans.last,
             session.conduct.command.holder,
         )

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 import os
 import re
 import tempfile
@@ -135,6 +136,11 @@ class Stage:
     _booted: int = 0  # [ns] the present process
     _ended: bool = False  # the present process
     _left: Image = NOTHING_LEFT  # of the recording, by the process before
+    at_end: Callable[["Stage"], bool] = lambda _: (
+        False
+    )  # asked when a process's time is over: more?
+    _others: list[Task] = field(default_factory=list)  # of the programs, then of the mishaps
+    _idle_since: int = 0  # [ns] when the last mishap was over
 
     def __post_init__(self) -> None:
         self.network, self.disk = Network(self.machine), Disk(self.machine)
@@ -152,11 +158,11 @@ class Stage:
         with played_on(self.machine, self.network, self.disk, self.wires) as patch:
             self.witness.watch(patch)
             self.air.watch(patch)
-            for number, life in enumerate(self.script.lives, 1):
+            for number in itertools.count(1):
                 self.docket.life = number
-                with room_for(life):
-                    goes_on = self._live(life)
-                if not goes_on or self.docket.breaches:
+                with room_for(self.life):
+                    goes_on = self._live(self.life)
+                if not goes_on or self.docket.breaches or number == len(self.script.lives):
                     break
         if self.script.recorded and not self.docket.breaches:
             check_kept(self.docket, self.disk.path, until=FOREVER_NS)
@@ -164,6 +170,24 @@ class Stage:
             if self.script.lives[0].seed % DEBRIEFED_EVERY == 0:
                 check_debriefs(self.docket, self.disk.path)
         return self.docket
+
+    @property
+    def life(self) -> Life:
+        """Return the present process of the script."""
+        return self.script.lives[self.docket.life - 1]
+
+    def go_on(self, script: Script) -> None:
+        """Go on by another script, which is the same up to here."""
+        self.script, machine = script, self.machine
+        machine.redraw(self.life.redrawn)
+        for program, player, task in zip(
+            self._programs, self.life.players, self._others, strict=False
+        ):
+            program.go_on(player, task)
+        befallen, mishaps = self._others[len(self._programs) :], self.life.mishaps
+        if befallen and befallen[0].is_idle and self._mishaps < len(mishaps):
+            befallen[0].wake_at(self._idle_since, mishaps[self._mishaps].after)
+            self._mishaps += 1
 
     def where(self) -> Point:
         """Return the present point; the beginning of the next process where this one has ended."""
@@ -180,6 +204,7 @@ class Stage:
         machine.boot(life.seed, life.interleaving, life.redrawn)
         machine.turn = LADEN_TURN_NS if life.laden else TURN_NS
         self._programs, self._mishaps, self._booted, self._ended = [], 0, machine.now, False
+        self._others = []
         self.network.boot()
         self.wires.boot()
         self.air.boot()
@@ -197,7 +222,8 @@ class Stage:
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
             session = machine.begin(lambda: self._serve(life), "session")
             others = self._begin_others(life)
-            self._let_live(life, session)
+            self._let_live(session)
+            life = self.life  # which may have been drawn anew
             self._look(session, others)
             goes_on = self._end(life, session)
             machine.kill()
@@ -211,25 +237,29 @@ class Stage:
             cable = self.wires.cable(cable_of(number)) if player.way is Way.CABLE else None
             program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
             self._programs.append(program)
-            self.machine.begin(program.run, f"{player.role} {number}")
+            self._others.append(self.machine.begin(program.run, f"{player.role} {number}"))
         if life.instruments:
             plotter = Plotter(self.machine, self.wires, self.docket, self.air)
             self.machine.begin(plotter.run, "plotter")
         if life.mishaps:
-            self.machine.begin(lambda: self._befall(life), "mishaps")
+            self._others.append(self.machine.begin(self._befall, "mishaps"))
         return len(self.machine.tasks) - 1
 
     def _hearing(self, number: int) -> Callable[[bytes], None]:
         trace, machine = self.docket.trace, self.machine
         return lambda data: trace.update(b"%d:%d:" % (number, machine.now) + data)
 
-    def _let_live(self, life: Life, session: Task) -> None:
+    def _let_live(self, session: Task) -> None:
         """Let the process live for its time, and a killed one for some turns more."""
         machine = self.machine
-        machine.run(
-            machine.now + int(life.seconds * SECOND_NS),
-            lambda: session.done or machine.deaths or self.docket.breaches,
-        )
+
+        def is_over() -> object:
+            return session.done or machine.deaths or self.docket.breaches
+
+        machine.run(self._booted + int(self.life.seconds * SECOND_NS), is_over)
+        while not is_over() and self.at_end(self):
+            machine.run(self._booted + int(self.life.seconds * SECOND_NS), is_over)
+        life = self.life
         if life.ending is not Ending.SIGNAL:  # the very turn is drawn, too
             if life.amidst:
                 self._strike_amidst(life, session)
@@ -318,10 +348,16 @@ class Stage:
         self.docket.log.see_end(session, life, unanswered=unanswered)
         check_kept(self.docket, looked, until=until, since=since)
 
-    def _befall(self, life: Life) -> None:
-        for mishap in life.mishaps:
-            self._mishaps += 1
-            self.machine.sleep(mishap.after)
+    def _befall(self) -> None:
+        """Let befall the machine what is to, then wait for more."""
+        while True:
+            if self._mishaps < len(self.life.mishaps):
+                self._mishaps += 1
+                self.machine.sleep(self.life.mishaps[self._mishaps - 1].after)
+            else:
+                self._idle_since = self.machine.now
+                self.machine.wait(lambda: False)
+            mishap = self.life.mishaps[self._mishaps - 1]
             self.docket.log.see_mishap(mishap.trouble)
             if mishap.trouble is Trouble.RIVAL:
                 self._begin_rival()

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from simulation.drawing import draw_script
-from simulation.exploring import Explorer
+from simulation.exploring import Counts, Explorer, counts_of
 from simulation.laws import Breach, Law
 from simulation.play import Change, play
-from simulation.script import Point, Script
+from simulation.script import Script
 from simulation.weights import Sample, actions_of
 
 TWICE_EVERY: Final = 10  # seeds: of these one is played again, for L4
@@ -18,16 +18,20 @@ class Played(NamedTuple):
 
     seed: int
     breaches: tuple[Breach, ...]
-    counts: dict[str, int]
+    counts: Counts
     trace: str  # the digest of all bytes
     sample: Sample  # what it did, and which milestones it reached
     script: Script
-    points: dict[str, Point]  # where it reached each first
 
 
 def play_seed(seed: int, longest: float) -> Played:
     """Play the script of a seed, no process of which lives longer [s]."""
-    return play_drawn(seed, draw_script(seed, longest))
+    script = draw_script(seed, longest)
+    docket = play(script)
+    trace = docket.trace.hexdigest()
+    breaches = (*docket.breaches, *check_again(seed, script, trace))
+    sample = Sample(actions_of(script, docket.life), frozenset(docket.log.reached))
+    return Played(seed, breaches, {"seeds": 1, **counts_of(docket)}, trace, sample, script)
 
 
 def explore(first: int, scripts: int, longest: float) -> Iterator[Played]:
@@ -35,32 +39,18 @@ def explore(first: int, scripts: int, longest: float) -> Iterator[Played]:
 
     No process of a script that begins from nothing lives longer [s].
     """
-    explorer = Explorer(first, longest)
-    for number in range(first, first + scripts):
-        played = play_drawn(number, explorer.draw())
-        explorer.learn(played.script, played.points)
-        yield played
+    leaves = Explorer(first, longest).explore()
+    for number, leaf in zip(range(first, first + scripts), leaves, strict=False):
+        breaches = (*leaf.breaches, *check_again(number, leaf.script, leaf.trace))
+        sample = Sample(actions_of(leaf.script, leaf.processes), leaf.reached)
+        counts = {"seeds": 1, **leaf.counts}
+        yield Played(number, breaches, counts, leaf.trace, sample, leaf.script)
 
 
-def play_drawn(seed: int, script: Script) -> Played:
-    """Play the script that a seed has drawn."""
-    docket = play(script)
-    breaches = list(docket.breaches)
-    trace = docket.trace.hexdigest()
-    if seed % TWICE_EVERY == 0 and play(script).trace.hexdigest() != trace:
-        breaches.append(Breach(Law.SAME_BYTES, "played again, its bytes are others"))
-    counts = {
-        "seeds": 1,
-        "processes": docket.life,
-        "kills": docket.kills,
-        "power cuts": docket.power_cuts,
-        "orders": docket.orders,
-        "answers": docket.answers,
-        "ticks": docket.ticks,
-    }
-    sample = Sample(actions_of(script, docket.life), frozenset(docket.log.reached))
-    points = {name: point for name, point in docket.log.reached.items() if point}
-    return Played(seed, tuple(breaches), counts, trace, sample, script, points)
+def check_again(number: int, script: Script, trace: str) -> Iterator[Breach]:
+    """L4: play one script in some again from its beginning, and compare its bytes."""
+    if number % TWICE_EVERY == 0 and play(script).trace.hexdigest() != trace:
+        yield Breach(Law.SAME_BYTES, "played again, its bytes are others")
 
 
 def breaks_law(script: Script, law: Law, *changes: Change) -> bool:

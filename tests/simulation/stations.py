@@ -3,6 +3,7 @@
 They say what the script has, and read what they are sent.
 """
 
+import itertools
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from socket import AF_INET, AF_UNIX
 from typing import Final
 
 from simulation.laws import Docket, Law
-from simulation.machine import Machine
+from simulation.machine import Machine, Task
 from simulation.model import INSTRUCTORS_FACTS
 from simulation.network import Network, Socket
 from simulation.script import Act, Farewell, Player, Visit, Way
@@ -41,6 +42,7 @@ class Program:
     hear: Callable[[bytes], object]  # told all that comes
     cable: Cable | None = None  # by which it comes, None for a socket
     place: tuple[int, int] = (0, 0)  # visits that are done, lines of the next that were said
+    _idle_since: int = 0  # [ns] when the last visit was done
     _end: Socket = field(init=False, repr=False)
     _asked: deque[str] = field(default_factory=deque)  # tags of whole orders on this line
     _aside: deque[str] = field(default_factory=deque)  # of those whose answer is found aside
@@ -52,22 +54,38 @@ class Program:
     _entered: bool = False  # its role was granted
 
     def run(self) -> None:
-        """Make all visits."""
-        for number, visit in enumerate(self.player.visits):
-            self.place = number, 0
-            self.machine.sleep(visit.after)
-            while (end := self._call(visit.room)) is None:
+        """Make all visits, then wait for more."""
+        for number in itertools.count():
+            if number < len(self.player.visits):
+                self.place = number, 0
+                self.machine.sleep(self.player.visits[number].after)
+            else:
+                self._idle_since = self.machine.now
+                self.machine.wait(lambda: False)
+            while (end := self._call(self._visit.room)) is None:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
             self._aside.clear()
-            self._first, self._sip = self._tag + 1, visit.sip
+            self._first, self._sip = self._tag + 1, self._visit.sip
             if self.player.way is Way.PAGE:
                 self._send(f"{carried_for(BROWSER)}\n".encode())
-            if self._say(Act(0.0, f"role {self.player.role}")) and self._act(visit):
-                self._leave(visit.farewell)
+            if self._say(Act(0.0, f"role {self.player.role}")) and self._act():
+                self._leave(self.player.visits[number].farewell)
             self.place = number + 1, -1
             if self.cable is None:
                 end.close()
+
+    def go_on(self, player: Player, task: Task) -> None:
+        """Go on as another player, who has done the same so far."""
+        done, _ = self.place
+        if done == len(self.player.visits) < len(player.visits) and task.is_idle:
+            self.place = done, 0
+            task.wake_at(self._idle_since, player.visits[done].after)
+        self.player = player
+
+    @property
+    def _visit(self) -> Visit:
+        return self.player.visits[self.place[0]]
 
     def _call(self, room: int) -> Socket | None:
         """Return an end that leads to the session, None where nobody listens."""
@@ -81,18 +99,20 @@ class Program:
             end.came.clear()  # nobody read it
         return end
 
-    def _act(self, visit: Visit) -> bool:
+    def _act(self) -> bool:
         """Say all that is to be said; return whether the line is still there."""
-        machine = self.machine
-        done, _ = self.place
-        for number, act in enumerate(visit.acts, 1):
-            if not visit.reads:
-                machine.sleep(act.after)
-            elif not self._listen(act.after):
+        done, said = self.place
+        while said < len(self._visit.acts):
+            after = self._visit.acts[said].after
+            if not self._visit.reads:
+                self.machine.sleep(after)
+            elif not self._listen(after):
                 return False
-            self.place = done, number
-            if not self._say(act):
+            said += 1
+            self.place = done, said
+            if not self._say(self._visit.acts[said - 1]):
                 return False
+        visit = self._visit
         self.place = done + 1, -1
         hears_out = visit.reads and visit.farewell is Farewell.HANGS_UP
         return not hears_out or self._listen(HEAR_OUT_S)

@@ -1,13 +1,16 @@
 """A script is played again up to a point, exactly, and goes on with other chance."""
 
+import os
 import random
 from pathlib import Path
 
 import pytest
 
-from simulation.chains import compare, draw_chains, plant
+from simulation import exploring
+from simulation.chains import CHAINS, comes_through, compare, plant
 from simulation.drawing import draw_script, redraw
-from simulation.exploring import Explorer
+from simulation.exploring import MOST_WAYS, Explorer
+from simulation.forks import Shelf
 from simulation.milestones import MILESTONES
 from simulation.play import play
 from simulation.script import (
@@ -15,7 +18,6 @@ from simulation.script import (
     Ending,
     Life,
     Player,
-    Point,
     Script,
     Visit,
     read_script,
@@ -24,6 +26,12 @@ from simulation.script import (
 from simulation.seeds import explore
 
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
+
+
+@pytest.fixture
+def small_trees(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let little go on from one beginning."""
+    monkeypatch.setattr(exploring, "MOST_OF_TREE", 4)
 
 
 @pytest.mark.long
@@ -47,32 +55,68 @@ def test_what_was_reached_before_a_point_is_reached_again_at_the_same_turn(
     assert others[0] != others[1]
 
 
-def test_a_new_pair_in_order_is_a_place_to_go_on_from_and_a_cheaper_way_replaces_it() -> None:
-    first, second = MILESTONES[:2]
-    explorer, script = Explorer(1, 5.0), draw_script(1, 5.0)
-    early, late = Point(1, 10, 1.0), Point(1, 90, 9.0)
-
-    assert explorer.learn(script, {first: early, "word run": early, second: late}) == [
-        (first,),
-        (second,),
-        (first, second),
-    ]
-    assert not explorer.learn(script, {first: early, second: late})
-    assert explorer.places[first, second].point == late
-    explorer.learn(script, {first: early, second: early})
-    assert explorer.places[first, second].point == early
-    assert explorer.learn(script, {second: early, first: late}) == [(second, first)]
-    assert explorer.counts[first, second] == 3
+def test_what_is_new_is_three_milestones_of_one_process_in_an_order_not_seen_before() -> None:
+    first, second, third = MILESTONES[:3]
+    explorer = Explorer(1, 5.0)
+    for name in (first, second, "word run", third):
+        explorer.see(1, name)
+    assert explorer.new == 1
+    explorer.see(1, second)  # after both before it, and after the third and either
+    assert explorer.new == 4
+    for name in (first, second, third):
+        explorer.see(2, name)  # another process, in the same order
+    assert explorer.new == 4
+    assert explorer.ways() == MOST_WAYS
+    assert explorer.ways() == 1  # nothing is new
+    assert explorer.ways() == 0
 
 
+@pytest.mark.process
 @pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
+@pytest.mark.parametrize("seed", [8, 9])
+def test_a_script_that_goes_on_in_a_child_gives_the_bytes_of_one_that_is_played_alone(
+    seed: int,
+) -> None:
+    leaves = Explorer(seed, 3.0).grow()
+
+    assert any(life.redrawn for leaf in leaves for life in leaf.script.lives)
+    for leaf in random.Random(seed).sample(leaves, min(len(leaves), 3)):  # noqa: S311  no secret
+        assert not leaf.breaches
+        assert play(leaf.script).trace.hexdigest() == leaf.trace
+
+
+def test_files_are_put_back_under_what_is_open_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    folder, kept, gone = Path("1"), Path("1/kept"), Path("1/gone")
+    folder.mkdir()
+    kept.write_text("before")
+    gone.write_text("here")
+    with gone.open() as held:
+        shelf = Shelf()
+        kept.write_text("after, and longer")
+        gone.unlink()
+        Path("2").mkdir()
+        Path("2/new").write_text("new")
+        shelf.put_back()
+
+        assert os.fstat(held.fileno()).st_ino == gone.stat().st_ino
+    assert kept.read_text() == "before"
+    assert sorted(map(str, Path().rglob("*"))) == ["1", "1/gone", "1/kept"]
+    assert not list(tmp_path.glob("trainer-f-*"))
+
+
+@pytest.mark.process
+@pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
 def test_scripts_go_on_from_where_others_came_and_hold_every_law() -> None:
-    played = list(explore(1, 12, 3.0))
+    played = list(explore(2, 6, 3.0))
 
     assert not [(each.seed, *map(str, each.breaches)) for each in played if each.breaches]
-    went_on = [each for each in played if any(life.redrawn for life in each.script.lives)]
-    assert went_on
-    assert len(went_on) < len(played)
+    assert any(life.redrawn for each in played for life in each.script.lives)
 
 
 @pytest.mark.long
@@ -83,8 +127,7 @@ def test_a_chain_of_three_events_breaks_a_law_where_it_is_planted_alone() -> Non
         "L17: a plan is made in a freeze",
         "L17: a plan is cancelled",
     )
-    rows = [[*chain[:2]], [*chain[1:]]]
-    assert draw_chains(rows, 1, 1) == [chain]
+    assert comes_through(["word run", *chain[:2], "word run", chain[2]], chain)
     acts = tuple(Act(0.3, each) for each in (*words, "cancel all", "step 3", "who"))
     life = Life(1, 5.0, Ending.SIGNAL, 1, (Player("instructor", (Visit(0.1, acts),)),))
     script = Script("", 0.0, 1.0, (life,))
@@ -93,10 +136,12 @@ def test_a_chain_of_three_events_breaks_a_law_where_it_is_planted_alone() -> Non
     assert not play(script, plant(chain[::-1])).breaches
 
 
+@pytest.mark.process
 @pytest.mark.long
+@pytest.mark.usefixtures("small_trees")
 def test_two_ways_are_compared_by_the_same_chains() -> None:
     *lines, last = compare(0.5, 1)
 
-    assert len(lines) == 10
+    assert len(lines) == len(CHAINS)
     assert all(line.startswith("plain ") and line.count(", then ") == 2 for line in lines)
-    assert " of 10 in " in last
+    assert last.startswith(f"of {len(CHAINS)}, ")

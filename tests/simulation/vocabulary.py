@@ -96,7 +96,10 @@ DEALT: Final = (
     "casualty oil-leak-header|step 200|rudder emergency|planes emergency|isolate main|open main",
     "casualty bus-port-lost|step 4|bus tie shut|step 20|loads shed|breaker port open|loads back",
     "casualty fire-aft|step 120|ventilation secure|fight fire aft|hydraulic pump 1 stop",
-    "run|casualty oil-leak-stern|step 40|snapshot A|isolate stern|stern hand|restore A|run",
+    (
+        "run|casualty oil-leak-stern|step 40|snapshot A|isolate stern|stern hand|restore A|run|"
+        "replay 5 s|take over|replay 5 s|freeze|take over"
+    ),
     "run|casualty bus-starboard-lost|snapshot B|bus tie shut|backtrack 2 s|restore B|run",
     "run|planes manual|stern dive 20|step 900|run|run|run|mark crushed|backtrack 20 s",
     "role helm|who|role instructor|scope raise",
