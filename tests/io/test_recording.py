@@ -717,6 +717,24 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
         assert again.latest().tick == 41
 
 
+@pytest.mark.usefixtures("impatient")
+def test_an_order_after_a_gap_and_a_new_start_is_no_number_of_those_lost(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        with locked(path):
+            fly(recording, 11, 60)
+            fly(recording, 61, 80)
+        assert eventually(lambda: recording.reachable)
+        assert recording.go_on(Moment(1, 80, state_of(80), 16, 0))
+    with closing(Recording.reopen(path)) as again:
+        assert again.order(81, HELM, "after it") == 17
+        branch = again.branch
+        assert [each.text for each in again.orders(branch, 16)] == ["after it"]
+
+
 @posix
 @pytest.mark.parametrize("remove", [Path.unlink, lambda path: path.rename(path.parent / "other")])
 def test_a_recording_that_is_not_there_any_more_is_told(

@@ -119,6 +119,7 @@ class Demonstration:
             self.end()
         except RecordingError as error:
             self.session.control.stop()
+            self.session.shown.show()
             text = f"the way has been shown, and the moment before is not to be had: {error}"
             self.session.event_log.tell("trouble", f"{text}; run tries it again")
 

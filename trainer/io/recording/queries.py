@@ -42,6 +42,10 @@ Row = tuple[Any, ...]
 E = TypeVar("E", bound=Enum)
 BRANCH_COLUMNS: Final = "id, parent, tick, after, place, why, state"
 ORDER_COLUMNS: Final = "id, branch, tick, who, text, place AS scheduled, accepted, answer"
+LAST_ORDER: Final = (
+    "SELECT coalesce(max(number), 0) AS last FROM (SELECT max(id) AS number FROM orders "
+    "UNION ALL SELECT max(after) FROM branches UNION ALL SELECT max(after) FROM snapshots)"
+)
 CREW_COLUMNS: Final = ", giver, role, plan, crew_news, crew_order"
 EVENT_COLUMNS: Final = "branch, tick, kind, who, text, wall"
 
@@ -209,8 +213,11 @@ class Past:
         return int(self._row("SELECT coalesce(max(id), 0) AS last FROM branches")[0])
 
     def last_order(self) -> int:
-        """Return the number of the latest order, 0 for none."""
-        return int(self._row("SELECT coalesce(max(id), 0) AS last FROM orders")[0])
+        """Return the number of the latest order that was given, 0 for none.
+
+        It may be lost: a branch after a gap begins after orders that are not there.
+        """
+        return int(self._row(LAST_ORDER)[0])
 
     def last_tick(self, branch: int) -> int:
         """Return the tick of the last state of a branch, its start at least."""
