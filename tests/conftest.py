@@ -80,13 +80,9 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_xdist_auto_num_workers(config: pytest.Config) -> Generator[None, int, int]:
-    """Let ``-n auto`` start one process more than there are processors, because tests wait too.
-
-    Where tests start processes and browsers they wait half of the time: two more.
-    """
-    chosen = config.option.markexpr
-    return (yield) + (2 if "process" in chosen.replace("not process", "") else 1)
+def pytest_xdist_auto_num_workers() -> Generator[None, int, int]:
+    """Let ``-n auto`` start one process more than there are processors, because tests wait too."""
+    return (yield) + 1
 
 
 def assert_done(process: subprocess.Popen[bytes]) -> None:
