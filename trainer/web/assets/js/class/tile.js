@@ -35,7 +35,7 @@ export class Tile {
     this.node = html(
       "article",
       { class: "panel tile", "data-boat": number, "aria-label": name },
-      html("header", {}, this.box, html("h2", {}, this.way), html("span", { class: "state" }), html("span", { class: "time" })),
+      html("header", {}, this.box, html("h2", {}, this.way), html("span", { class: "shown", hidden: true }, say("shown to all")), html("span", { class: "state" }), html("span", { class: "time" })),
       html("p", { class: "crew quiet" }),
       html("p", { class: "place quiet" }),
       ...this.curves.map(({ node }) => node),
