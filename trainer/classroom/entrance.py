@@ -49,7 +49,9 @@ SEAT_FORM: Final = re.compile(
     rf"(?P<boat>\d{{1,2}})\n(?P<role>[a-z]+)\n(?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})\n"
     r"(?P<name>[^\n]{0,80})"
 )
-WORD_FORM: Final = re.compile(rf"(?P<role>instructor|{WATCHER}) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})")
+WORD_FORM: Final = re.compile(
+    rf"(?P<role>instructor|{WATCHER}) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
+)
 SHOWN_FORM: Final = re.compile(r"\d{1,2}")  # a boat, or NO_BOAT
 CREW_PAGES: Final = {page.role for page in PAGES if page.role} - {"instructor"}
 NO_SEAT_TEXT: Final = "you have no seat on boat {}: choose it on the first page"

@@ -154,7 +154,7 @@ async function show() {
     return;
   }
   markShown(Number(body));
-  write(place, shown ? say("boat {0} is shown to all: {1}", shown, new URL("./wall", location.href)) : say("no boat is shown any more"));
+  write(place, shown ? say("boat {0} is shown to all: {1}", shown, new URL("./wall", location.href).href) : say("no boat is shown any more"));
 }
 
 /** Marks the boat that is shown to all. @param {number} number */
