@@ -81,7 +81,8 @@ class ShownBoat:
 
     def _shows(self, asked: HTTPConnection) -> bool:
         """Return whether the boat of a request's path is the one that is shown."""
-        return asked.path_params["boat"] == self.number != NO_BOAT
+        boat: int = asked.path_params["boat"]
+        return boat == self.number
 
 
 class LookingPage(WebSocket):
