@@ -95,6 +95,7 @@ class Watched:
     before: Spot | None = None  # the last change of how it goes
     changed: float = -math.inf  # [s] when that was
     past: bool = False  # as it was seen last
+    pace: float = 0.0  # [m/s] at which it went last, outside its past
     begun: float = 0.0  # [s] its process
     lost: Spot | None = None  # where it died: it goes straight on until the class hears it again
     last: tuple[int, int] = (0, 0)  # branch and tick, outside replays
@@ -183,6 +184,7 @@ class Sea:
             rate,
             self.now,
         )
+        boat.pace = boat.spot.way or boat.pace
 
     def _jump(self, number: int) -> None:
         """Note that a boat is elsewhere at once."""
@@ -231,7 +233,9 @@ class Sea:
                 self.enter(ClassLaw.PLACED, f"{where}, whose time runs otherwise")
             if other not in boat.shown:
                 self._show(number, other, where)
-        elif not any(fits(told, each.at(self.now), each.way) for each in self._known(there)):
+        elif not any(
+            fits(told, each.at(self.now), max(each.way, there.pace)) for each in self._known(there)
+        ):
             self.enter(ClassLaw.PLACED, f"{where}, which is at {there.spot.at(self.now)}")
 
     def _known(self, boat: Watched) -> Iterator[Spot]:
@@ -244,8 +248,7 @@ class Sea:
     def _way(self, boat: Watched) -> float:
         """Return how fast a boat goes [m/s]; in its past, how fast it went when it was heard."""
         assert boat.spot
-        past = boat.session is not None and is_past(boat.session)
-        return boat.before.way if past and boat.before else boat.spot.way
+        return boat.pace if boat.past else boat.spot.way
 
     def _show(self, number: int, other: int, where: str) -> None:
         """Note that a boat is shown to another for the first time."""

@@ -197,13 +197,18 @@ class ClassStage:
 
     def _watch(self, patch: pytest.MonkeyPatch) -> None:
         """Know the sessions, and give the class the machine's lines and threads."""
-        begin = Session.__post_init__
+        begin, tick = Session.__post_init__, Session.tick
 
         def begin_noted(session: Session, *given: Any) -> None:
             begin(session, *given)
             self.sea.begin(self.machine.process, session)
 
+        def tick_noted(session: Session) -> None:
+            tick(session)
+            self.sea.look()
+
         patch.setattr(Session, "__post_init__", begin_noted)
+        patch.setattr(Session, "tick", tick_noted)
         patch.setattr(one_sea, "threading", Threading(self.machine))
         patch.setattr(client, "dial", self._dial)
 
