@@ -1,4 +1,4 @@
-"""A class of three sessions is played by a seed: the product's sessions, and its one sea."""
+"""A class of three sessions is played by a seed, with the product's one sea."""
 
 import contextlib
 import io
@@ -191,7 +191,8 @@ class ClassStage:
             for number, path in zip(BOATS, paths, strict=True):
                 self._check_file(number, path)
             self._check_heard()
-        counts = {"classes": 1, "kills": self.kills, **self.sea.told}
+        told = {f"told {what}": count for what, count in self.sea.told.items()}
+        counts = {"classes": 1, "kills": self.kills, **told}
         breaches = tuple(map(str, self.sea.breaches))
         return ClassPlayed(script.seed, breaches, counts, self.docket.trace.hexdigest())
 

@@ -159,7 +159,8 @@ class SeaBoat:
         A session that replays would refuse the order, so it is given when that goes on.
         """
         self.parted.discard(number)
-        if self.hears and self.told.pop(number, None):
+        if self.hears and number in self.told:
+            del self.told[number]
             self.say(f"contact boat-{number} remove")
 
     def forget(self) -> None:

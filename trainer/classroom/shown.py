@@ -1,9 +1,9 @@
-"""The boat that is shown to all: its wall page, for everybody in the class, until it is taken back.
+"""The boat of a class that is shown to all, until it is taken back.
 
-A trainee sees his own boat alone. Here the instructor opens one more to all, and only to look: a
-line from such a page orders nothing, and ends when the boat is taken back. The session asks for the
-observer's word, as of any wall. ``/wall`` is the address that a projector keeps open: it leads to
-the wall of the boat that is shown now.
+A trainee sees his own boat alone. Here the instructor opens the wall of one more to all, and only
+to look: a line from such a page orders nothing, and ends when the boat is taken back. The session
+asks for the observer's word, as of any wall. ``/wall`` is the address that a projector keeps open:
+it leads to the wall of the boat that is shown now.
 """
 
 import asyncio
