@@ -1,4 +1,4 @@
-"""The laws of a class in one sea, judged by where the sessions' own boats are.
+"""The laws of a class in one sea, judged by where its boats are.
 
 ``Sea`` looks at the sessions from outside, ten times a second, and at each word that the class
 says to one. It reckons for itself where each boat lies for the others: a boat that replays lies
@@ -60,7 +60,7 @@ class Breach(NamedTuple):
 
 
 class Spot(NamedTuple):
-    """Where a boat is [m] in the class's sea, how it goes [m/s], and when [s] it was there."""
+    """Where a boat is [m] and how it goes [m/s], at a time [s]."""
 
     north: float
     east: float

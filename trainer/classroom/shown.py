@@ -29,7 +29,7 @@ TAKEN_BACK_TEXT: Final = "this boat is shown no more"
 
 
 class ShownBoat:
-    """Which boat is shown to all now, and the lines of those who look at it."""
+    """Which boat is shown to all now, and the lines of who looks."""
 
     def __init__(self, boats: Mapping[int, AnyBoat], refusals: Refusals) -> None:
         self.boats = boats
@@ -109,7 +109,7 @@ def is_look(line: str) -> bool:
 
 
 def looking_words(cookies: dict[str, str]) -> dict[str, str]:
-    """Return the words of a browser that looks, by role: a trainee's own will do for it."""
+    """Return the words of a browser that looks: a trainee's own will do."""
     words = {role: word for role, word in words_of(cookies).items() if role != "instructor"}
     return {WATCHER: words.get(WATCHER) or next(iter(words.values()), "")}
 
