@@ -67,6 +67,10 @@ PARTS: Final = {
         "whole sessions by ten thousand seeds",
         ("tests.simulation", "--seeds", "10000", "--jobs", "2", "--reached"),
     ),
+    "classes": Part(
+        "classes of three sessions in one sea, with kills and replays of each",
+        ("tests.simulation", "--class", "--seeds", "2000"),
+    ),
     "exploring": Part(
         "sessions that go on from where others came for the first time",
         ("tests.simulation", "--explore", "--seeds", "2000", "--seconds", "10"),

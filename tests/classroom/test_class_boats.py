@@ -11,7 +11,9 @@ from helpers.waiting import await_that
 from soak.session_process import Caller
 
 from trainer.classroom.fleet import Fleet
+from trainer.cli.main import cli
 from trainer.config.class_file import ClassFile
+from trainer.config.files import ConfigError
 from trainer.session.past.header import open_recording
 
 pytestmark = pytest.mark.process
@@ -175,3 +177,14 @@ def test_a_boat_that_cannot_go_to_sea_is_told_with_the_reason(tmp_path: Path) ->
     assert len(told) == 1
     assert told[0].startswith("boat 1 cannot go to sea: trainer: ")
     assert "none.toml" in told[0]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [("--boats", "2"), ("--one-sea", "500"), ("--seed", "3"), ("--own-seeds",), ("--folder", "x")],
+)
+def test_a_class_that_goes_on_is_told_nothing_that_its_file_says(
+    given: tuple[str, ...], tmp_path: Path
+) -> None:
+    with pytest.raises(ConfigError, match=f"{given[0]}: a class goes on as .*class.toml says"):
+        cli(["class", "--resume", str(tmp_path), *given], standalone_mode=False)

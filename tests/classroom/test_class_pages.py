@@ -3,6 +3,7 @@
 import http.client
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 
 import pytest
 from helpers import node
@@ -16,7 +17,7 @@ from websockets.sync.client import ClientConnection
 
 from trainer.classroom.entrance import NO_SEAT_TEXT
 from trainer.io.orders.sentences import order_sentence
-from trainer.web.bridge import REFUSED_CODE
+from trainer.web.bridge import OLDER_PAGE_CODE, REFUSED_CODE
 from trainer.web.pages import PAGES
 
 pytestmark = pytest.mark.process
@@ -122,6 +123,134 @@ def see_no_way_to_instruct(lesson: Class, cookies: str) -> None:
     assert post(lesson, "/seat", "3\nplanes\nwrong\n")[::2] == (403, "")
     with dialled(lesson.port, cookies=cookies, root="/boat/2") as line:
         assert ask(line, f"role instructor {WORD}")[0] == "no"
+
+
+def instruct(lesson: Class) -> str:
+    """Take the instructor's seat; return the browser's cookies."""
+    status, _, cookies = post(lesson, "/word", f"instructor {CHIEF}")
+    assert status == 200
+    return cookies
+
+
+@pytest.fixture
+def shown(lesson: Class) -> Iterator[str]:
+    """Show boat 3 to all, until the end of a test; return the instructor's cookies."""
+    cookies = instruct(lesson)
+    assert post(lesson, "/shown", "3", cookies)[:2] == (200, "3")
+    yield cookies
+    assert post(lesson, "/shown", "0", cookies)[:2] == (200, "0")
+
+
+def test_the_instructor_alone_shows_a_boat_to_all(lesson: Class) -> None:
+    trainee, chief = come(lesson, 2), instruct(lesson)
+    for cookies in ("", trainee):
+        assert post(lesson, "/shown", "3", cookies)[0] == 403
+    for wrong in ("4", "99", "-1", "3 ", "", "all"):
+        answered = post(lesson, "/shown", wrong, chief)[:2]
+        assert answered == (400, "say a boat, 1 to 3, or 0 for none"), wrong
+    told = request(lesson.port, "/boats", Cookie=trainee).body
+    assert told.endswith(b'"shown":0}')
+    assert b"No boat is shown now" in request(lesson.port, "/wall", Cookie=trainee).body
+    assert request(lesson.port, "/shown/3/wall", Cookie=trainee).headers["location"] == "/wall"
+    with (
+        dialled(lesson.port, cookies=trainee, root="/shown/3") as line,
+        pytest.raises(ConnectionClosed) as closed,
+    ):
+        line.recv(PATIENCE)
+    assert closed.value.rcvd
+    assert closed.value.rcvd.code == OLDER_PAGE_CODE
+
+
+def test_of_the_boat_that_is_shown_others_have_the_wall_and_nothing_else(
+    lesson: Class, shown: str
+) -> None:
+    cookies = come(lesson, 2)
+    assert request(lesson.port, "/wall", Cookie=cookies).headers["location"] == "/shown/3/wall"
+    assert b"track-chart" in request(lesson.port, "/shown/3/wall", Cookie=cookies).body
+    for path in ("/shown/1/wall", "/boat/3/wall", "/boat/3/planes", "/boat/3/debrief/x/y.html"):
+        assert request(lesson.port, path, Cookie=cookies).status == 303, path
+    for path in ("/shown/3/planes", "/shown/3/", "/shown/3/instructor", "/shown/03/line"):
+        assert request(lesson.port, path, Cookie=cookies).status == 404, path
+    wrong = f"role planes {WORD}"
+    for words in (wrong, "order depth 50", "mark me", "log 20", "freeze", "nonsense"):
+        with dialled(lesson.port, cookies=cookies, root="/shown/3") as line:
+            assert ask(line, "role observer")[0] == "ok"
+            line.send(order_sentence(words, "8"))
+            assert close_code(line) == REFUSED_CODE, words
+    with dialled(lesson.port, cookies=cookies, root="/shown/3") as line:
+        line.send("role planes " + WORD)
+        assert close_code(line) == REFUSED_CODE
+    with dialled(lesson.port, root="/shown/3") as line:  # a stranger has no word
+        assert ask(line, "role observer")[0] == "no"
+    with dialled(lesson.port, cookies=shown, root="/shown/3") as line:
+        assert ask(line, "role observer")[0] == "no"  # the instructor's opens no other role
+    with dialled(lesson.port, cookies=cookies, root="/shown/3") as line:
+        assert ask(line, "role observer")[0] == "ok"
+        assert ask(line, "subscribe gauges")[0] == "ok"
+        assert post(lesson, "/shown", "1", shown)[0] == 200
+        assert close_code(line) == OLDER_PAGE_CODE
+
+
+def close_code(line: ClientConnection) -> int:
+    """Return the code with which a line is closed."""
+    with suppress(ConnectionClosed):
+        while True:
+            line.recv(PATIENCE)
+    return int(line.close_code or 0)
+
+
+def test_all_see_the_boat_that_is_shown_until_it_is_taken_back(lesson: Class, look: Look) -> None:
+    projector, desk = look(lesson, "wall"), class_page(lesson, look, DESK)
+    expect(projector.locator("main")).to_contain_text("No boat is shown now")
+    trainee = aboard(lesson, look, 2)
+    way = trainee.locator("#shown-way")
+    desk.click("#show")
+    expect(desk.locator("#answer")).to_have_text("choose the one boat that all are to see")
+    desk.check("#choose-3")
+    desk.locator("#show").focus()
+    desk.keyboard.press("Enter")
+    expect(desk.locator("#answer")).to_have_text(f"boat 3 is shown to all: {lesson.url}/wall")
+    expect(desk.locator("#show")).to_have_attribute("aria-pressed", "true")
+    expect(tile(desk, 3).locator(".shown")).to_have_text("shown to all")
+    expect(tile(desk, 2).locator(".shown")).to_be_hidden()
+    assert desk.evaluate(EIGHT)[:2] == [True, 0]
+    projector.fill("#word input", WORD)
+    projector.press("#word input", "Enter")
+    see_wall(projector)
+    expect(way).to_have_text("Boat 3 is shown to all")
+    with trainee.expect_popup() as opened:
+        way.press("Enter")
+    see_wall(opened.value)  # by his own word
+    trainee.evaluate(node.axe())
+    assert trainee.evaluate(node.BARRIERS) == []
+    expect(tile(desk, 3).locator(".crew")).not_to_contain_text("wall")
+    desk.locator("#show").press("Enter")
+    expect(desk.locator("#answer")).to_have_text("no boat is shown any more")
+    for page in (projector, opened.value):
+        expect(page.locator("main")).to_contain_text("No boat is shown now")
+        assert page.url == f"{lesson.url}/wall"
+    expect(way).to_be_hidden()
+    projector.set_viewport_size(PHONE)  # type: ignore[arg-type]
+    projector.evaluate(node.axe())
+    assert projector.evaluate(node.BARRIERS) == []
+    assert projector.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def aboard(lesson: Class, look: Look, boat: int) -> Page:
+    """Return the page of a trainee's station."""
+    page = look(lesson)
+    page.select_option("#station", "helm")
+    page.check(f"#boat-{boat}")
+    page.fill("#token", WORD)
+    page.click("#come button")
+    expect(page.locator("#state")).to_have_text(re.compile("FROZEN|RUNNING"))
+    return page
+
+
+def see_wall(page: Page) -> None:
+    """See the wall of boat 3, with its readings."""
+    expect(page.locator("#exercise")).to_have_text("Boat 3: Deep, then shallow")
+    expect(page.locator("#depth")).to_have_text(re.compile(r"^\d+\.\d$"))
 
 
 def test_two_who_come_at_once_get_two_boats_and_a_third_joins_where_he_chooses(

@@ -3,6 +3,7 @@
 import pytest
 from helpers.orders import read_order
 
+from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Order
 from trainer.io.orders.table import FORMS, heading_word
 from trainer.io.orders.words import CREW_ROLES
@@ -14,6 +15,7 @@ from trainer.session.stations.roles import (
     Access,
     channel_refusal,
     hears_kind,
+    read_tokens,
     refusal,
 )
 
@@ -178,3 +180,8 @@ def test_each_kind_of_news_is_told_to_its_hearers_and_to_nobody_else(kinds: tupl
     for kind in kinds:
         hearing = {name for name, role in ROLES.items() if hears_kind(role, kind)}
         assert hearing == HEARERS[kinds], kind
+
+
+def test_a_word_of_the_class_is_refused_since_it_comes_by_the_instructors() -> None:
+    with pytest.raises(ConfigError, match="instructor=WORD: say that"):
+        read_tokens(("anchor", "class=lesson"))

@@ -58,6 +58,10 @@ named after the fault, and is played again by every test run.
 **That it finds anything** is shown by faults put back into the product (``mutants``), each of which
 has to break a law within a hundred seeds.
 
+**A class** (``class_play``): three sessions, each a process of its own on one machine, and the sea
+that tells them of each other (``trainer.classroom.one_sea``). ``class_laws`` looks where each boat
+is, and judges every word that the class says. ``test_class`` puts six faults into the sea.
+
 **What it cannot show.** Threads change places where one waits, sets, sends or takes a lock, and
 nowhere else: not between two bytecodes. The disk has what was last asked for and nothing later:
 not torn sectors, nor what a system writes by itself (``tests/io/test_power.py`` has these). Real

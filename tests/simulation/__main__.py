@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by t
 from helpers.progress import Bar
 
 from simulation.chains import compare
+from simulation.class_play import play_class
 from simulation.lost import find_loss
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
@@ -69,6 +70,12 @@ SEEDS_AHEAD: Final = 50  # of each process, before the oldest are told
     help="Instead compare plain seeds and exploring by chains of three events.",
 )
 @click.option(
+    "--class",
+    "of_class",
+    is_flag=True,
+    help="Instead play classes of three sessions in one sea.",
+)
+@click.option(
     "--play",
     "script",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
@@ -86,6 +93,7 @@ def simulation(
     explores: bool,
     weighs: bool,
     compared: float | None,
+    of_class: bool,
     script: Path | None,
 ) -> None:
     """Play whole sessions on a machine of one thread: stations, kills, power cuts, disks.
@@ -96,12 +104,15 @@ def simulation(
     Example:  python -m tests.simulation --seeds 500
               python -m tests.simulation --from 31 --seeds 1
               python -m tests.simulation --seeds 500 --explore
+              python -m tests.simulation --class --seeds 200
               python -m tests.simulation --play simulation-31.json
 
     Exit codes: 0 every law held, 1 one is broken, or with --reached a milestone was never reached.
     """
     if script:
         sys.exit(play_script(script))
+    if of_class:
+        sys.exit(play_classes(range(first, first + seeds)))
     if compared:
         click.echo("\n".join(compare(compared, first)))
         return
@@ -148,6 +159,24 @@ def play_seeds(seeds: range, seconds: float, jobs: int) -> Iterator[Played]:
         many = SEEDS_AHEAD * jobs
         for begin in range(0, len(seeds), many):
             yield from pool.map(play_one, seeds[begin : begin + many])
+
+
+def play_classes(seeds: range) -> int:
+    """Play classes, and print what they break. Return the exit code."""
+    totals: Counter[str] = Counter()
+    broken = []
+    with Bar("playing", len(seeds)) as bar:
+        for seed in seeds:
+            played = play_class(seed)
+            totals.update(played.counts)
+            bar.at("classes", totals["classes"])
+            if played.breaches:
+                broken.append(seed)
+                click.echo(f"seed {seed} breaks {played.breaches[0]}")
+    told = ", ".join(f"{count} {what}" for what, count in totals.items())
+    verdict = f"BROKEN by the seeds {broken}" if broken else "every law held"
+    click.echo(f"from seed {seeds[0]}: {told}: {verdict}")
+    return 1 if broken else 0
 
 
 def report_breach(played: Played) -> None:

@@ -25,6 +25,7 @@ from trainer.web.pages import (
     ENTRANCE_PAGE,
     MISSING_DEBRIEF,
     MISSING_PAGE,
+    NOTHING_SHOWN_PAGE,
     PAGES,
     render,
 )
@@ -67,7 +68,14 @@ def all_said() -> set[str]:
     """Return all that the pages say in English."""
     said = {OWN_NAME, *said_in_tab()}
     said |= {clause_of(each.description) for each in load_casualties().values()}
-    for page in (*PAGES, ENTRANCE_PAGE, CLASS_PAGE, MISSING_PAGE, MISSING_DEBRIEF):
+    for page in (
+        *PAGES,
+        ENTRANCE_PAGE,
+        CLASS_PAGE,
+        NOTHING_SHOWN_PAGE,
+        MISSING_PAGE,
+        MISSING_DEBRIEF,
+    ):
         said |= said_in_page(render(page))
     return said
 

@@ -12,19 +12,26 @@ from typing import Final
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
-from starlette.routing import Mount, Route
+from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from trainer.classroom.door import ask_role
 from trainer.classroom.fleet import AnyBoat
 from trainer.classroom.seats import EVERY_BOAT, SEAT_COOKIE, Seats
+from trainer.classroom.shown import NO_BOAT, WATCHER, ShownBoat
 from trainer.web.admission import WholeRequests
 from trainer.web.bridge import REFUSED_CODE, Bridge
 from trainer.web.front import Front
 from trainer.web.gate import Gate, Refusals
 from trainer.web.packing import Assets
-from trainer.web.pages import CLASS_PAGE, ENTRANCE_PAGE, MISSING_PAGE, PAGES
+from trainer.web.pages import (
+    CLASS_PAGE,
+    ENTRANCE_PAGE,
+    MISSING_PAGE,
+    NOTHING_SHOWN_PAGE,
+    PAGES,
+)
 from trainer.web.server import (
     MAX_TOKEN_LETTERS,
     TOKEN_AGE_S,
@@ -42,7 +49,10 @@ SEAT_FORM: Final = re.compile(
     rf"(?P<boat>\d{{1,2}})\n(?P<role>[a-z]+)\n(?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})\n"
     r"(?P<name>[^\n]{0,80})"
 )
-WORD_FORM: Final = re.compile(rf"instructor (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})")
+WORD_FORM: Final = re.compile(
+    rf"(?P<role>instructor|{WATCHER}) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
+)
+SHOWN_FORM: Final = re.compile(r"\d{1,2}")  # a boat, or NO_BOAT
 CREW_PAGES: Final = {page.role for page in PAGES if page.role} - {"instructor"}
 NO_SEAT_TEXT: Final = "you have no seat on boat {}: choose it on the first page"
 
@@ -54,6 +64,7 @@ class Entrance:
         """``guarded`` says that the boats ask for words."""
         self.boats = boats
         self.seats = Seats()
+        self.shown = ShownBoat(boats, refusals)
         self.bridges = {number: Bridge(boat.reach, refusals) for number, boat in boats.items()}
         self._guarded = guarded
 
@@ -63,11 +74,26 @@ class Entrance:
 
     async def tell_boats(self, request: Request) -> Response:
         """Answer how the boats are; only an instructor is told what has happened to them."""
-        seat = self.seats.seat_of(request.cookies)
-        instructs = seat is not None and seat.boat == EVERY_BOAT
+        seat, instructs = self.seats.seat_of(request.cookies), self._instructs(request)
         rows = [self._boat_row(boat, instructs=instructs) for boat in self.boats.values()]
-        mine = seat.boat if seat else None
-        return JSONResponse({"boats": rows, "seat": mine, "guarded": self._guarded})
+        told = {"seat": seat.boat if seat else None, "guarded": self._guarded}
+        return JSONResponse({"boats": rows, **told, "shown": self.shown.number})
+
+    async def show_boat(self, request: Request) -> Response:
+        """Show a boat to all, or none, as an instructor says."""
+        if not self._instructs(request):
+            return PlainTextResponse("the instructor shows a boat to all\n", 403)
+        said = await body_of(request)
+        number = int(said) if SHOWN_FORM.fullmatch(said) else -1
+        if number not in (NO_BOAT, *self.boats):
+            return PlainTextResponse(f"say a boat, 1 to {len(self.boats)}, or 0 for none\n", 400)
+        self.shown.show(number)
+        return PlainTextResponse(f"{number}\n")
+
+    def _instructs(self, request: Request) -> bool:
+        """Return whether a browser has the instructor's seat."""
+        seat = self.seats.seat_of(request.cookies)
+        return seat is not None and seat.boat == EVERY_BOAT
 
     def _boat_row(self, boat: AnyBoat, *, instructs: bool) -> dict[str, object]:
         number = boat.row.number
@@ -93,9 +119,18 @@ class Entrance:
     async def take_word(self, request: Request) -> Response:
         """Give a browser the instructor's seat, if a boat takes the word."""
         asked = WORD_FORM.fullmatch(await body_of(request, MAX_SEAT_BYTES))
-        if not asked:
+        if not asked or asked["role"] != "instructor":
             return PlainTextResponse("say instructor WORD\n", 400)
         return await self._admit(request, EVERY_BOAT, "instructor", asked["word"], "")
+
+    async def keep_looking_word(self, request: Request) -> Response:
+        """Keep the word of a browser that looks at the boat that is shown; its line tries it."""
+        asked = WORD_FORM.fullmatch(await body_of(request))
+        if not asked or asked["role"] != WATCHER:
+            return PlainTextResponse(f"say {WATCHER} WORD\n", 400)
+        answer = PlainTextResponse("kept\n")
+        self._keep(request, answer, TOKEN_COOKIE_PREFIX + WATCHER, asked["word"])
+        return answer
 
     async def _admit(
         self, request: Request, boat: int, role: str, word: str, name: str
@@ -184,6 +219,10 @@ def class_pages(
         return await show_missing(request)
 
     boat_pages = session_pages(entrance.bridge_of, assets)
+    wall = next(page for page in PAGES if page.name == "wall")
+    lead_to_wall, show_wall = entrance.shown.lead_to_wall(
+        answer_page(NOTHING_SHOWN_PAGE, assets), answer_page(wall, assets)
+    )
     app = Starlette(
         routes=[
             Route("/", answer_page(ENTRANCE_PAGE, assets)),
@@ -192,6 +231,11 @@ def class_pages(
             Route("/seat", entrance.take_seat, methods=["POST"]),
             Route("/word", entrance.take_word, methods=["POST"]),
             Route("/assets/{name}", answer_asset(assets)),
+            Route("/wall", lead_to_wall),
+            Route("/shown", entrance.show_boat, methods=["POST"]),
+            Route("/shown/{boat:int}/wall", show_wall),
+            Route("/shown/{boat:int}/word", entrance.keep_looking_word, methods=["POST"]),
+            WebSocketRoute("/shown/{boat:int}/line", entrance.shown.carry),
             Mount("/boat/{boat:int}", SeatedBoats(boat_pages, entrance, refusals)),
         ],
         exception_handlers={404: show_missing_page},

@@ -76,6 +76,7 @@ class SeaBoat:
     told: dict[int, Told] = field(default_factory=dict)  # by the numbers of the others
     parted: set[int] = field(default_factory=set)  # from whom it has been PARTED_M off
     jumped: bool = False  # since the class has looked last
+    outdated: bool = False  # its session has boats of before a jump
     rate: float = 0.0  # of its time, as it was heard last: 0 stands, infinite as fast as it goes
     _line: Line | None = None
     _dialled: float = -math.inf
@@ -98,9 +99,14 @@ class SeaBoat:
 
     @property
     def there(self) -> bool:
-        """Return whether it was heard, and is not lost for too long."""
+        """Return whether it was heard, and is not lost for too long.
+
+        A new line that begins in a replay has not told where the boat itself is.
+        """
         lost = not self._pace and self.clock() - self._lost > LOST_AFTER_S
-        return self._place is not None and not lost and math.isfinite(self.rate)
+        unheard = self.shows_past and not self._last[0]
+        known = self._place is not None and not (lost or unheard)
+        return known and math.isfinite(self.rate)
 
     @property
     def place(self) -> Place:
@@ -148,9 +154,13 @@ class SeaBoat:
         self.say(boat_order(number, place))
 
     def part(self, number: int) -> None:
-        """Show another boat no more, until it is PARTED_M off."""
+        """Show another boat no more, until it is PARTED_M off.
+
+        A session that replays would refuse the order, so it is given when that goes on.
+        """
         self.parted.discard(number)
-        if self.told.pop(number, None):
+        if self.hears and number in self.told:
+            del self.told[number]
             self.say(f"contact boat-{number} remove")
 
     def forget(self) -> None:
@@ -158,7 +168,12 @@ class SeaBoat:
         self.jumped = False
         self.told.clear()
         self.parted.clear()
-        if self._last[1] > 0:
+        self.outdated = self._last[1] > 0
+
+    def clear_boats(self) -> None:
+        """Take away the boats of then, once the session takes orders."""
+        if self.outdated and self.hears:
+            self.outdated = False
             self.say("contact boats gone")
 
     def end(self) -> None:
@@ -261,6 +276,7 @@ class OneSea:
                 boat.forget()
                 for other in self.boats.values():
                     other.part(number)
+            boat.clear_boats()
         for one, two in itertools.permutations(self.boats, 2):
             self._meet(self.boats[one], two)
 
@@ -278,6 +294,8 @@ class OneSea:
             boat.parted.add(number)
         if number in boat.parted:
             boat.meet(number, other)
+        else:
+            boat.part(number)
 
     def _run(self) -> None:
         while not self._ended.wait(LOOK_PERIOD_S):

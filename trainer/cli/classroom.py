@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from trainer.config.class_file import ClassFile
 
 FOLDER_PATH: Final = click.Path(file_okay=False, path_type=Path)
+CLASS_OPTIONS: Final = ("boats", "on", "seed", "own_seeds", "one_sea")  # that a class file says
 boats_option = click.option("--boats", type=int, default=3, metavar="N", help="How many, 1 to 24.")
 
 
@@ -95,12 +96,22 @@ def class_command(
     require_pages("trainer class")
     from trainer.classroom import launch
 
+    refuse_new_plan(resume)
     site = record_of(launch.ClassSite, options)
     words = words_of_class(token, site)
     if resume is not None:
         sys.exit(launch.resume_class(resume, words, site))
     planned = plan_class(exercise or "", **options)
     sys.exit(launch.begin_class(planned, options["folder"], words, site))
+
+
+def refuse_new_plan(resume: Path | None) -> None:
+    """Raise ConfigError for options that a class which goes on has in its file already."""
+    from trainer.config.class_file import CLASS_FILE_NAME
+
+    if resume is not None and (given := flags_given((*CLASS_OPTIONS, "folder"))):
+        kept = resume / CLASS_FILE_NAME
+        raise ConfigError(f"{given}: a class goes on as {kept} says: leave it out, or change that")
 
 
 def words_of_class(given: tuple[str, ...], site: "ClassSite") -> tuple[str, ...]:
@@ -143,7 +154,7 @@ def plan_class(
     )
 
     if is_class_file(name):
-        if given := flags_given(("boats", "on", "seed", "own_seeds", "one_sea")):
+        if given := flags_given(CLASS_OPTIONS):
             raise ConfigError(f"{given}: {name} is a class file, and says it itself")
         planned = load_class(Path(name))
     else:

@@ -55,6 +55,7 @@ MISSING_DEBRIEF: Final = Page(
 # of a class; its boats have all others
 ENTRANCE_PAGE: Final = Page("", "Come aboard", "", "entrance.html")
 CLASS_PAGE: Final = Page("class", "Class", "instructor", "class.html")
+NOTHING_SHOWN_PAGE: Final = Page("wall", "Wall", "", "nothing-shown.html")
 # fmt: off
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),

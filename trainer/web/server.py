@@ -10,7 +10,7 @@ import asyncio
 import logging
 import re
 import socket
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, cast
@@ -101,11 +101,7 @@ def session_pages(bridge_of: Callable[[HTTPConnection], Bridge], assets: Assets)
     """Return the pages of sessions; ``bridge_of`` finds that of a request or a page's line."""
 
     async def line(page: WebSocket) -> None:
-        await page.accept()
-        if page.query_params.get("version") != __version__:
-            await page.close(OLDER_PAGE_CODE, f"this page is not of the trainer {__version__}")
-            return
-        await bridge_of(page).carry(page, words_of(page.cookies))
+        await carry_line(page, bridge_of(page), words_of(page.cookies))
 
     show_missing = answer_page(MISSING_PAGE, assets, 404)
     show_missing_debrief = answer_page(MISSING_DEBRIEF, assets, 404)
@@ -134,6 +130,15 @@ def session_pages(bridge_of: Callable[[HTTPConnection], Bridge], assets: Assets)
         middleware=[Middleware(GZipMiddleware, minimum_size=500)],
         exception_handlers={404: show_missing_page},
     )
+
+
+async def carry_line(page: WebSocket, bridge: Bridge, words: Mapping[str, str]) -> None:
+    """Carry the line of a page of this version, with the words of its browser by role."""
+    await page.accept()
+    if page.query_params.get("version") != __version__:
+        await page.close(OLDER_PAGE_CODE, f"this page is not of the trainer {__version__}")
+        return
+    await bridge.carry(page, words)
 
 
 def answer_page(page: Page, assets: Assets, status: int = 200) -> Answer:

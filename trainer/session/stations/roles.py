@@ -332,6 +332,9 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
             if word and (near := nearest(role, ROLES)):
                 raise ConfigError(f"--token {role}=: no such role{near}")
             role, word = ANY_ROLE, text
+        if role == CLASS:
+            own = INSTRUCTOR_ROLE.name
+            raise ConfigError(f"--token {CLASS}=: a class comes by --token {own}=WORD: say that")
         if not word:
             raise ConfigError(f"--token {role}=: say {role}=WORD")
         refuse_unsayable_token(word)

@@ -6,6 +6,7 @@ import { Sound } from "./sound.js";
 import { furnishChoices } from "./choices.js";
 import { furnishBriefing } from "./briefing.js";
 import { furnishAids } from "./aids.js";
+import { followShown } from "./class/shown.js";
 import { bearing, clock, one, write } from "./draw.js";
 import { say, short } from "./words.js";
 
@@ -53,6 +54,7 @@ export function furnish(session, alerts) {
   askWord(session);
   furnishBriefing(session);
   furnishAids(session);
+  followShown();
   addEventListener("keydown", (event) => {
     if (event.key.toLowerCase() !== "a" || isTyping(event)) return;
     const first = alerts.shown.find((each) => each.owed && !each.by && each.rank !== "emergency");

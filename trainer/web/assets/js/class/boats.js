@@ -5,11 +5,12 @@ export const BOATS_PERIOD = 2000; // [ms] between looks
 /**
  * @typedef {{ number: number, name: string, crew: number, names?: string[], state?: string,
  *   resumed?: number }} BoatRow who is aboard, its state, and how often it was begun again are told to an instructor alone
- * @typedef {{ boats: BoatRow[], seat: number | null, guarded: boolean }} Boats `seat` is 0 for an instructor's
+ * @typedef {{ boats: BoatRow[], seat: number | null, guarded: boolean,
+ *   shown: number }} Boats `seat` is 0 for an instructor's, `shown` where no boat is shown to all
  */
 
-/** Asks how the boats are; null where nobody answers. @returns {Promise<Boats | null>} */
-export async function askBoats() {
-  const told = await fetch("./boats").catch(() => null);
+/** Asks how the boats are; null where nobody answers. @param {string} at where the class is @returns {Promise<Boats | null>} */
+export async function askBoats(at = "./") {
+  const told = await fetch(`${at}boats`).catch(() => null);
   return told?.ok ? told.json() : null;
 }

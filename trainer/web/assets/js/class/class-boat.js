@@ -9,6 +9,7 @@ const CHANNELS = ["motion", "orders", "diving", "steering", "engine", "time"];
 const PACE = "1 hz"; // so that eight boats cost a page what one does elsewhere
 const IDLE = 120; // [s] of the boat's time without an order of its crew
 const NOT_CREW = ["instructor", "schedule", ""]; // speakers
+const WATCHERS = ["chooser", "wall"]; // pages that nobody works, by what they are called
 const OWN = "class"; // what this page is called in a boat's list
 const NO_LINE = ["lost", "connecting", "role"];
 /** @typedef {{ rank: number, text: string }} Need the greater rank, the sooner it is to be seen */
@@ -44,7 +45,7 @@ export class ClassBoat {
 
   /** Who is aboard beside instructors: the stations, behind the names that were said. @returns {string[]} */
   get crew() {
-    const there = this.session.stations.all.filter(({ role, called }) => role !== "instructor" && called !== "chooser");
+    const there = this.session.stations.all.filter(({ role, called }) => role !== "instructor" && !WATCHERS.includes(called));
     const stations = [...new Set(there.map(({ role, called }) => called || role))];
     return stations.length ? [...(this.row.names ?? []), ...stations] : [];
   }

@@ -36,7 +36,7 @@ export class Tile {
       "article",
       { class: "panel tile", "data-boat": number, "aria-label": name },
       html("header", {}, this.box, html("h2", {}, this.way), html("span", { class: "state" }), html("span", { class: "time" })),
-      html("p", { class: "crew quiet" }),
+      html("div", { class: "aboard" }, html("p", { class: "crew quiet" }), html("span", { class: "shown", hidden: true }, say("shown to all"))),
       html("p", { class: "place quiet" }),
       ...this.curves.map(({ node }) => node),
       html("p", { class: "marks" }, html("meter", { min: 0, max: 100, "aria-label": say("Could still earn") }), html("span")),

@@ -12,12 +12,14 @@ const SORTED = 5000; // [ms] between changes of the order, so that a tile can be
 /** @type {Tile[]} by number */
 const tiles = [];
 let byNeed = true;
+let shown = 0; // the boat that is shown to all
 let sorted = -Infinity; // [ms]
 
 furnishPalette();
 furnishWord();
 furnishOrder();
 furnishWords();
+one("#show").onclick = () => void show();
 addEventListener("keydown", (event) => {
   if (isTyping(event) || !/^[1-9]$/.test(event.key)) return;
   one(`[data-boat="${event.key}"] a`).focus();
@@ -37,6 +39,7 @@ async function look() {
   }
   if (dialog.open) dialog.close();
   if (!tiles.length) begin(told.boats);
+  markShown(told.shown);
   for (const row of told.boats) Object.assign(tiles[row.number - 1].boat.row, row);
 }
 
@@ -132,6 +135,33 @@ async function give(words) {
   const done = say("{0}: obeyed by {1} of {2}", words, answers.length - refused.length, answers.length);
   write(place, [done, ...refused.map(({ number, text }) => say("boat {0}: {1}", number, text))].join(" \u00b7 "));
   return !refused.length;
+}
+
+/** Shows the chosen boat to all, or takes back the one that is shown. */
+async function show() {
+  const to = chosen();
+  const place = one("#answer");
+  place.toggleAttribute("data-refused", !shown && to.length !== 1);
+  if (!shown && to.length !== 1) {
+    write(place, say("choose the one boat that all are to see"));
+    return;
+  }
+  const body = String(shown ? 0 : to[0].boat.row.number);
+  const done = await fetch("./shown", { method: "POST", body }).catch(() => null);
+  place.toggleAttribute("data-refused", !done?.ok);
+  if (!done?.ok) {
+    write(place, (await done?.text())?.trim() ?? say("the server does not answer"));
+    return;
+  }
+  markShown(Number(body));
+  write(place, shown ? say("boat {0} is shown to all: {1}", shown, new URL("./wall", location.href).href) : say("no boat is shown any more"));
+}
+
+/** Marks the boat that is shown to all. @param {number} number */
+function markShown(number) {
+  shown = number;
+  one("#show").setAttribute("aria-pressed", String(Boolean(shown)));
+  for (const { node, boat } of tiles) one(".shown", node).hidden = boat.row.number !== shown;
 }
 
 /** Asks for the instructor's word. */

@@ -25,6 +25,8 @@ const DIGITS = 500; // [ms] between digits that change
 const TRACK = 2000; // [ms] between tracks
 const PLACES = 1200; // of the track
 
+/** The boat's number, where it is one of a class. */
+const [, boat = ""] = /\/(?:boat|shown)\/(\d+)\/wall$/.exec(location.pathname) ?? [];
 const truth = new URLSearchParams(location.search).has("truth");
 const { from, channels, words } = READ[truth ? "motion" : "gauges"];
 const link = new Link(document.documentElement.dataset.version ?? "");
@@ -83,7 +85,8 @@ function showTrack() {
 
 /** Shows the title that the crew knows, and the marks once they are released. */
 function showExercise() {
-  write(one("#exercise"), session.exercise.title || say("Free sailing"));
+  const title = session.exercise.title || say("Free sailing");
+  write(one("#exercise"), boat ? `${say("Boat {0}", boat)}: ${title}` : title);
   const { judgement, outcome } = session;
   const panel = one("#marks");
   panel.toggleAttribute("hidden", !outcome || !judgement.marks);

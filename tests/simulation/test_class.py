@@ -1,0 +1,84 @@
+"""Classes of three sessions hold every law, and a fault of the class's sea breaks one."""
+
+from collections.abc import Callable
+from typing import Final
+
+import pytest
+
+from simulation.class_play import play_class
+from simulation.mutants import with_fault
+from trainer.classroom import one_sea
+from trainer.classroom.one_sea import OneSea, SeaBoat
+
+SEEDS: Final = (4, 61, 82)  # of which two once showed a boat that was gone
+MORE: Final = 20  # within which each fault is found
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_class_with_kills_freezes_jumps_and_replays_holds_every_law(seed: int) -> None:
+    played = play_class(seed)
+
+    assert not played.breaches
+    assert played.counts["told boat"]
+
+
+@pytest.mark.long
+def test_a_class_gives_the_same_bytes_when_it_is_played_again() -> None:
+    assert play_class(1).trace == play_class(1).trace != play_class(4).trace
+
+
+def keep_then(patch: pytest.MonkeyPatch) -> None:
+    """Leave the boats of then where they are, after a jump."""
+    patch.setattr(SeaBoat, "forget", lambda boat: setattr(boat, "jumped", False))
+
+
+def take_past(patch: pytest.MonkeyPatch) -> None:
+    """Take the place of a replay for the boat's own."""
+    patch.setattr(SeaBoat, "shows_past", property(lambda _: False))
+
+
+def swap_numbers(patch: pytest.MonkeyPatch) -> None:
+    """Tell the place of one boat as another's."""
+    meet = SeaBoat.meet
+    patch.setattr(SeaBoat, "meet", lambda boat, number, other: meet(boat, number % 3 + 1, other))
+
+
+def part_nobody(patch: pytest.MonkeyPatch) -> None:
+    """Show boats to each other wherever they are."""
+    patch.setattr(one_sea, "PARTED_M", 0.0)
+
+
+def mix_times(patch: pytest.MonkeyPatch) -> None:
+    """Tell boats of each other whose times run otherwise."""
+
+    def meet(sea: OneSea, boat: SeaBoat, number: int) -> None:
+        other = sea.boats[number]
+        if boat.hears and boat.there and other.there:
+            boat.meet(number, other)
+
+    patch.setattr(OneSea, "_meet", meet)
+
+
+def part_unheard(patch: pytest.MonkeyPatch) -> None:
+    """Say to a session that replays that another boat is gone: it refuses that."""
+
+    def part(boat: SeaBoat, number: int) -> None:
+        boat.parted.discard(number)
+        if boat.told.pop(number, None):
+            boat.say(f"contact boat-{number} remove")
+
+    patch.setattr(SeaBoat, "part", part)
+
+
+FAULTS: Final = (keep_then, take_past, swap_numbers, part_nobody, mix_times, part_unheard)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
+def test_a_fault_put_into_the_sea_of_a_class_is_found(
+    fault: Callable[[pytest.MonkeyPatch], None],
+) -> None:
+    seeds = (*SEEDS, *range(1, 1 + MORE))
+
+    assert any(play_class(seed, with_fault(fault)).breaches for seed in seeds)
