@@ -33,7 +33,8 @@ from trainer.session.time.ledger import Ledger, Summary
 
 KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
-STATIONS = sorted({c for r in ROLES.values() if r.name != "instructor" for c in r.channels})
+SEEING_TRUTH = ("instructor", "class")  # the class lets nobody in but by the instructor's word
+STATIONS = sorted({c for r in ROLES.values() if r.name not in SEEING_TRUTH for c in r.channels})
 OBSERVER = ROLES["observer"]
 
 # What a station may see of the state beside the three gauges. Nothing else of it may show.
@@ -70,7 +71,7 @@ def values(frame: Frame, channel: str) -> dict[str, str]:
 
 
 def everything_stations_get(frame: Frame) -> list[str]:
-    """Return the lines of every channel of every role but the instructor's, in every form."""
+    """Return the lines of every channel of every role but those that see the truth."""
     displays: list[Display] = [display(TELETYPE_CHANNEL, OBSERVER, machine=False)]
     for channel in STATIONS:
         displays += [display(channel, OBSERVER, machine=machine) for machine in (False, True)]
@@ -80,7 +81,7 @@ def everything_stations_get(frame: Frame) -> list[str]:
         *(
             line
             for role in ROLES.values()
-            if role.name != "instructor"
+            if role.name not in SEEING_TRUTH
             for line in panel(role.channels, frame)
         ),
     ]

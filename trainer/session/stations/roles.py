@@ -62,7 +62,7 @@ PANEL_NAMES: Final = (
     *("plant", "supply"),  # of a boat with a plant
     "safe",  # of a boat with a test depth
 )
-# what only the instructor sees
+# what only the instructor sees; the class, which lets no person in, sees the first
 TRUTH_CHANNELS: Final = ("motion", "sea", "current", "casualties", "contacts", "lookout", "ledger")
 ROLE_FIRST_TEXT: Final = "say who you are first: role NAME TOKEN"
 MAX_TOKEN_GUESSES: Final = 3  # wrong tokens before a line is closed
