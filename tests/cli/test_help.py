@@ -61,6 +61,8 @@ SHORTER = (
     ("trainer class debrief FOLDER", "trainer class debrief class-kept"),
     ("trainer class --resume FOLDER", "trainer class tuesday.toml --folder kept"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
+    ("dev learn first-depth-change --seed 1", "dev learn first-depth-change --generations 1"),
+    ("--generations 20", "--generations 1"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("bench --all", "bench --same-bits"),  # minutes of measuring
     (r"(trainer boat estimate (?!new).*)", r"\1 --draws 2"),
