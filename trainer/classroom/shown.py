@@ -18,13 +18,13 @@ from starlette.websockets import WebSocket
 from trainer.classroom.fleet import AnyBoat
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order
+from trainer.io.orders.words import ORDER_WORDS
 from trainer.web.bridge import OLDER_PAGE_CODE, Bridge, RefusedError, close_page
 from trainer.web.gate import Refusals
 from trainer.web.server import Answer, carry_line, words_of
 
 NO_BOAT: Final = 0  # the number where none is shown
 WATCHER: Final = "observer"  # the role of a wall
-LOOKS: Final = {"name", "subscribe", "history", "give"}  # orders of a wall, beside its role
 TAKEN_BACK_TEXT: Final = "this boat is shown no more"
 
 
@@ -105,7 +105,7 @@ def is_look(line: str) -> bool:
     order = heard.order
     if not isinstance(order, Order):
         return False
-    return order.name in LOOKS or (order.name, order.word) == ("role", WATCHER)
+    return ORDER_WORDS[order.name].looks or (order.name, order.word) == ("role", WATCHER)
 
 
 def looking_words(cookies: dict[str, str]) -> dict[str, str]:

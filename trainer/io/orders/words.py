@@ -78,6 +78,7 @@ class OrderWord:
     anew: bool = False  # the jump undoes even what happened at the tick gone back to
     paced: bool = False  # a trainee may give it between two runs of a course, at his own pace
     in_page: bool = False  # a boat in a page obeys it, beside orders that only write numbers
+    looks: bool = False  # a page sends it that only looks at a boat, beside its role
 
     @property
     def journalled(self) -> bool:
@@ -288,7 +289,8 @@ SESSION_TOPICS: Final = (
         aid("ghost"),
         aid("predictor"))),
     Topic("take command | give | keep command", "of several instructors", (
-        command_order("command", watching=True), command_order("give"), command_order("keep"))),
+        command_order("command", watching=True), command_order("give", looks=True),
+        command_order("keep"))),
     Topic("role helm | role helm TOKEN | ready", "what a line may do; it is ready", (
         OrderWord("role", Obeyer.CHAIR, STRANGER_CONTROL, watching=True, in_replay=False),
         exercise_order("ready", control=READINESS_CONTROL))),
@@ -314,12 +316,12 @@ SESSION_TOPICS: Final = (
     Topic("briefing", "what the exercise is about", (
         question("briefing", control=COMMON_CONTROL),)),
     Topic("who | name wall | relief Berg", "stations; one called; who has the watch", (
-        question("who", control=COMMON_CONTROL), line_order("name"),
+        question("who", control=COMMON_CONTROL), line_order("name", looks=True),
         crew_order("relief", control=WATCH_CONTROL))),
     Topic("subscribe diving at 2 hz", "have a channel sent, or not", (
-        line_order("subscribe"), line_order("unsubscribe"))),
+        line_order("subscribe", looks=True), line_order("unsubscribe"))),
     Topic("history diving 60 min", "what a channel has shown so far", (
-        question("history", control=COMMON_CONTROL, in_page=True),)),
+        question("history", control=COMMON_CONTROL, in_page=True, looks=True),)),
     Topic("detach", "leave; the session goes on", (
         line_order("detach", control=STRANGER_CONTROL),)),
 )
