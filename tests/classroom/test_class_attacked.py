@@ -7,9 +7,9 @@ import threading
 import time
 
 import pytest
-from helpers.classes import class_at_sea
+from helpers.classes import class_at_sea, post
 from helpers.waiting import await_that
-from helpers.wire import ask, dialled, request
+from helpers.wire import ask, dialled
 from soak.session_process import Caller
 from websockets.exceptions import ConnectionClosed
 
@@ -33,13 +33,6 @@ def ledger_of(boat: Caller) -> tuple[int, int]:
     return int(ledger[LEDGER_TICKS]), sum(int(ledger[place]) for place in LEDGER_MISSED)
 
 
-def take_seat(port: int, url: str) -> str:
-    """Take the planes of boat 1; return the browser's cookies."""
-    answer = request(port, "/seat", "POST", "1\nplanes\n\nA. Flood", Origin=url)
-    assert answer.status == 200
-    return answer.headers["set-cookie"].partition(";")[0]
-
-
 def flood(port: int, cookies: str, ended: threading.Event, sent: list[str]) -> None:
     """Send what a page may not, and more than it may, and come again whenever it is shut out."""
     noise = ("x" * 79, order_sentence("stern dive 3", "1"), order_sentence("log 20", "2"))
@@ -58,7 +51,7 @@ def flood(port: int, cookies: str, ended: threading.Event, sent: list[str]) -> N
 def test_one_boats_flooded_page_and_anothers_full_disk_make_no_other_boat_late() -> None:
     with class_at_sea("depth-changes", "--boats", "3", boats=3) as lesson:
         boats = {number: lesson.attach(number) for number in (1, 2, 3)}
-        ended, cookies = threading.Event(), take_seat(lesson.port, lesson.url)
+        ended, cookies = threading.Event(), post(lesson, "/seat", "1\nplanes\n\nA. Flood")[2]
         sent = list[str]()
         flooding = [
             threading.Thread(target=flood, args=(lesson.port, cookies, ended, sent))
@@ -82,7 +75,7 @@ def test_one_boats_flooded_page_and_anothers_full_disk_make_no_other_boat_late()
             ended.set()
             for thread in flooding:
                 thread.join()
-        assert len(sent) > FLOOD_LINES
+        assert len(sent) > FLOOD_LINES, len(sent)
         assert any(text.startswith("NOT RECORDED") for text in heard(boats[2]))
         for number in (2, 3):
             ticks, missed = ledger_of(boats[number])

@@ -1,6 +1,5 @@
 """The pages of a class: coming aboard, what boats learn of each other, the instructor's tiles."""
 
-import http.client
 import re
 from collections.abc import Iterator
 from contextlib import suppress
@@ -8,7 +7,7 @@ from contextlib import suppress
 import pytest
 from helpers import node
 from helpers.browser import Look
-from helpers.classes import Class, class_at_sea, kill
+from helpers.classes import Class, class_at_sea, kill, post
 from helpers.waiting import PATIENCE, await_that
 from helpers.wire import ask, dialled, request
 from playwright.sync_api import Locator, Page, expect
@@ -45,18 +44,6 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Class]:
     words = ("--token", WORD, "--token", f"instructor={CHIEF}")
     with class_at_sea(str(path), *words, boats=BOATS) as begun:
         yield begun
-
-
-def post(lesson: Class, path: str, body: str, cookies: str = "") -> tuple[int, str, str]:
-    """Post as a page of the class does; return status, text and the cookies that are set."""
-    line = http.client.HTTPConnection("127.0.0.1", lesson.port, timeout=PATIENCE)
-    headers = {"Origin": lesson.url, "Cookie": cookies}
-    line.request("POST", path, body.encode(), headers)
-    got = line.getresponse()
-    kept = [value.partition(";")[0] for name, value in got.getheaders() if name == "set-cookie"]
-    text = got.read().decode()
-    line.close()
-    return got.status, text.strip(), "; ".join(kept)
 
 
 def come(lesson: Class, boat: int, role: str = "planes", name: str = "") -> str:
