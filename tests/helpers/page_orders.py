@@ -8,7 +8,7 @@ from typing import Final
 
 from helpers.document_tables import roles_with
 from trainer.io.orders.table import FORMS, WORD_SETS, Form, heading_word, spellings, word_of
-from trainer.io.orders.words import ANEW_ORDERS, CLASS, ORDER_WORDS, OrderWord
+from trainer.io.orders.words import ANEW_ORDERS, CLASS_LINE, ORDER_WORDS, OrderWord
 from trainer.session.crew.manning import REPEATING_ROLES, WORDS_AXIS
 from trainer.web.modules import ASSETS_FOLDER
 
@@ -84,7 +84,7 @@ def _long_heads(form: Form) -> list[str]:
 
 def _rule(word: OrderWord) -> dict[str, object]:
     gates = {"inReplay": word.in_replay, "afterEnd": word.after_end}
-    of_pages = [role for role in roles_with(word.name) if role != CLASS]
+    of_pages = [role for role in roles_with(word.name) if role != CLASS_LINE]
     return {"obeyer": word.obeyer.value, **gates, "roles": of_pages}
 
 

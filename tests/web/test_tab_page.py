@@ -269,7 +269,7 @@ def test_a_boat_in_a_file_begins_with_one_lever_that_dives_her(
     page.get_by_role("button", name="All instruments").click()
 
     expect(page.locator("#first-lever")).to_have_count(0)
-    expect(page.locator("#find" if size == "laptop" else "#tabs")).to_be_visible()
+    expect(page.locator("#tabs" if size.startswith("phone") else "#find")).to_be_visible()
 
 
 def test_only_the_whole_desk_begins_with_one_lever(opened: Open, drill_page: str) -> None:

@@ -19,7 +19,7 @@ from starlette.websockets import WebSocket
 from trainer.classroom.door import ask_role
 from trainer.classroom.fleet import AnyBoat
 from trainer.classroom.seats import EVERY_BOAT, SEAT_COOKIE, Seats
-from trainer.classroom.shown import NO_BOAT, WATCHER, ShownBoat
+from trainer.classroom.shown import LOOKING_ROLE, NO_BOAT, ShownBoat
 from trainer.web.admission import WholeRequests
 from trainer.web.bridge import REFUSED_CODE, Bridge
 from trainer.web.front import Front
@@ -50,7 +50,7 @@ SEAT_FORM: Final = re.compile(
     r"(?P<name>[^\n]{0,80})"
 )
 WORD_FORM: Final = re.compile(
-    rf"(?P<role>instructor|{WATCHER}) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
+    rf"(?P<role>instructor|{LOOKING_ROLE}) (?P<word>[!#%-)+-~]{{0,{MAX_TOKEN_LETTERS}}})"
 )
 SHOWN_FORM: Final = re.compile(r"\d{1,2}")  # a boat, or NO_BOAT
 CREW_PAGES: Final = {page.role for page in PAGES if page.role} - {"instructor"}
@@ -126,10 +126,10 @@ class Entrance:
     async def keep_looking_word(self, request: Request) -> Response:
         """Keep the word of a browser that looks at the boat that is shown; its line tries it."""
         asked = WORD_FORM.fullmatch(await body_of(request))
-        if not asked or asked["role"] != WATCHER:
-            return PlainTextResponse(f"say {WATCHER} WORD\n", 400)
+        if not asked or asked["role"] != LOOKING_ROLE:
+            return PlainTextResponse(f"say {LOOKING_ROLE} WORD\n", 400)
         answer = PlainTextResponse("kept\n")
-        self._keep(request, answer, TOKEN_COOKIE_PREFIX + WATCHER, asked["word"])
+        self._keep(request, answer, TOKEN_COOKIE_PREFIX + LOOKING_ROLE, asked["word"])
         return answer
 
     async def _admit(

@@ -24,7 +24,7 @@ from trainer.web.gate import Refusals
 from trainer.web.server import Answer, carry_line, words_of
 
 NO_BOAT: Final = 0  # the number where none is shown
-WATCHER: Final = "observer"  # the role of a wall
+LOOKING_ROLE: Final = "observer"  # the role of a wall
 TAKEN_BACK_TEXT: Final = "this boat is shown no more"
 
 
@@ -105,13 +105,13 @@ def is_look(line: str) -> bool:
     order = heard.order
     if not isinstance(order, Order):
         return False
-    return ORDER_WORDS[order.name].looks or (order.name, order.word) == ("role", WATCHER)
+    return ORDER_WORDS[order.name].looks or (order.name, order.word) == ("role", LOOKING_ROLE)
 
 
 def looking_words(cookies: dict[str, str]) -> dict[str, str]:
     """Return the words of a browser that looks: a trainee's own will do."""
     words = {role: word for role, word in words_of(cookies).items() if role != "instructor"}
-    return {WATCHER: words.get(WATCHER) or next(iter(words.values()), "")}
+    return {LOOKING_ROLE: words.get(LOOKING_ROLE) or next(iter(words.values()), "")}
 
 
 def redirect(request: Request, path: str) -> Response:

@@ -27,7 +27,7 @@ from trainer.debrief.ships_met import Detection, look_out, meet_ships
 from trainer.debrief.watches import named
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.words import CLASS, HAND_AXES
+from trainer.io.orders.words import CLASS_LINE, HAND_AXES
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.html import paragraph, table
@@ -561,7 +561,7 @@ def log(debrief: DebriefData) -> Markup:
 
 def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
     """Yield tick, who, what and answer of orders and events."""
-    given = (each for each in debrief.trajectory.orders if each.giver.role != CLASS)
+    given = (each for each in debrief.trajectory.orders if each.giver.role != CLASS_LINE)
     for presses in pressed_together(given, debrief.step):  # the class tells of boats all the time
         first, last = presses[0], presses[-1]
         answer: str = last.answer

@@ -16,7 +16,7 @@ from trainer.io.orders.table import FORMS_BY_WORD, WORD_SETS
 # who works the boat
 CREW_ROLES: Final = ("helm", "planes", "pilot", "ballast", "diving", "deck", "scope")
 TRAINEE: Final = "trainee"  # who trains alone: all of the crew in one, and time
-CLASS: Final = "class"  # which tells each boat where the others are
+CLASS_LINE: Final = "class"  # which tells each boat where the others are
 STRANGER: Final = "stranger"  # who has not said who it is
 HAND_AXES: Final = tuple(WORD_SETS["AXIS"].split("|"))  # what a crew may have to work by hand
 

@@ -7,7 +7,7 @@ say so. Where others are attached a line keeps its role, because they rely on wh
 from dataclasses import dataclass
 
 from trainer.io.orders.grammar import Order, Refused, Reply
-from trainer.io.orders.words import CLASS
+from trainer.io.orders.words import CLASS_LINE
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment
 from trainer.session.past.history import History
@@ -30,7 +30,7 @@ class Chair:
         """Return why a line may not take another role, None where it may."""
         if ROLES[order.word] is station.role:
             return Refused(f"you {station.role.part} already")
-        people = [each for each in self.log.stations if each.role.name != CLASS]
+        people = [each for each in self.log.stations if each.role.name != CLASS_LINE]
         others = [each for each in people if each is not station]
         attached = [each.line.name for each in others if not each.line.ended]
         kept = f"you {station.role.part}: a line keeps its role while others are attached"

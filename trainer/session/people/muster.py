@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.io.orders.words import CLASS, TRAINEE
+from trainer.io.orders.words import CLASS_LINE, TRAINEE
 from trainer.io.recording.recording import Moment
 from trainer.session.crew.manning import unmanned_axes
 from trainer.session.people.command import Command
@@ -21,7 +21,7 @@ from trainer.session.stations.station import Fact, LongAnswer, Request, Station
 QUIT_AGAIN_WITHIN_S: Final = 10.0  # [s] for the second `quit`, which ends a session for others too
 # roles that are not counted when the crew is asked whether it is ready
 NOT_CREW: Final = (
-    *(INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE, CLASS),
+    *(INSTRUCTOR_ROLE.name, STRANGER_ROLE.name, "observer", "visitor", TRAINEE, CLASS_LINE),
 )
 
 
@@ -96,7 +96,7 @@ class Muster:
     @property
     def _people(self) -> list[Station]:
         """Return all stations but that of the class, where nobody sits."""
-        return [each for each in self.log.stations if each.role.name != CLASS]
+        return [each for each in self.log.stations if each.role.name != CLASS_LINE]
 
     def _awaited(self) -> str:
         """Return who is not ready yet; if all are, the axes that have nobody to work them."""

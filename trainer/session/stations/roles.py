@@ -17,7 +17,7 @@ from trainer.config.files import ConfigError, nearest
 from trainer.io.machine import is_here
 from trainer.io.orders.grammar import HIDDEN_TOKEN, Order, Refused
 from trainer.io.orders.words import (
-    CLASS,
+    CLASS_LINE,
     COMMON_CONTROL,
     CREW_ORDERS_CONTROL,
     CREW_ROLES,
@@ -179,7 +179,7 @@ TRAINEE_ROLE: Final = Role(
 # The class itself, whose boats are in one sea: it hears where a boat is, and tells it of others.
 # It comes in by the instructor's word, because it sees the truth.
 CLASS_ROLE: Final = Role(
-    CLASS,
+    CLASS_LINE,
     "the class's",
     "are the class",
     COMMON_ORDERS | {"contact"},
@@ -189,7 +189,7 @@ CLASS_ROLE: Final = Role(
 ROLES: Final[Mapping[str, Role]] = {
     **_OTHER_ROLES,
     TRAINEE: TRAINEE_ROLE,
-    CLASS: CLASS_ROLE,
+    CLASS_LINE: CLASS_ROLE,
 }
 
 # A line that has to say a token and has not: it sees and orders nothing.
@@ -293,7 +293,7 @@ class Access:
         """
         if not self.tokens:
             return True
-        key = INSTRUCTOR_ROLE.name if role == CLASS else role
+        key = INSTRUCTOR_ROLE.name if role == CLASS_LINE else role
         wanted = self.tokens.get(key, self.tokens.get(ANY_ROLE, ""))
         return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
 
@@ -332,9 +332,11 @@ def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
             if word and (near := nearest(role, ROLES)):
                 raise ConfigError(f"--token {role}=: no such role{near}")
             role, word = ANY_ROLE, text
-        if role == CLASS:
+        if role == CLASS_LINE:
             own = INSTRUCTOR_ROLE.name
-            raise ConfigError(f"--token {CLASS}=: a class comes by --token {own}=WORD: say that")
+            raise ConfigError(
+                f"--token {CLASS_LINE}=: a class comes by --token {own}=WORD: say that"
+            )
         if not word:
             raise ConfigError(f"--token {role}=: say {role}=WORD")
         refuse_unsayable_token(word)
