@@ -206,6 +206,27 @@ def test_a_report_tells_figures_and_what_was_foretold(own: Path) -> None:
         assert words in text
 
 
+def test_a_drawn_boat_that_is_far_out_widens_no_band(
+    own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vessel, known = prior_of(own).vessel, Knowledge(*[np.zeros(2)] * 2)
+    boats = [100.0, *np.random.default_rng(1).normal(100.0, 8.0, 99), 1000.0]
+
+    def band(diameters: list[float]) -> figures.FigureBand:
+        sailed = iter(diameters)
+        with monkeypatch.context() as patch:
+            patch.setattr(figures, "figures_of", lambda _: {("diameter", "m"): next(sailed)})
+            patch.setattr(FittedVessel, "with_values", lambda self, _: self)
+            patch.setattr(Knowledge, "draw", lambda *_: None)
+            (one,) = figures.figure_bands(vessel, known, len(diameters) - 1, lambda _: None)
+        return one
+
+    found, without = band(boats), band(boats[:-1])
+    assert found.sd == pytest.approx(8.0, rel=0.15)
+    assert found.sd == pytest.approx(without.sd, rel=0.05)
+    assert (found.low, found.high) == (found.value - 1.96 * found.sd, 100.0 + 1.96 * found.sd)
+
+
 @pytest.mark.long
 def test_a_page_shows_bands_tracks_and_what_was_foretold(own: Path) -> None:
     found, truth = fitted(own)

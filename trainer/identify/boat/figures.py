@@ -29,6 +29,7 @@ from trainer.identify.boat.vessel import FittedVessel
 BAND_DRAWS: Final = 100
 BAND_DEVIATIONS: Final = 1.96  # standard deviations either way: 95 %
 BAND_PERCENT: Final = (2.5, 97.5)  # [%] likewise, where some draws cannot fly
+DEVIATION_PERCENT: Final = (15.87, 84.13)  # [%] one deviation either way of a normal middle
 MAX_LOST_SHARE: Final = 0.05  # [-] of draws: more, and the band is by percentiles
 MIN_BAND_DRAWS: Final = 5  # fewer make no band
 BEYOND_SHARE: Final = 0.1  # [-] of what was seen, by which a figure may go further
@@ -75,7 +76,7 @@ class FigureBand:
     name: str
     unit: str
     value: float | None  # None: the boat does not come to it
-    sd: float | None  # of the draws
+    sd: float | None  # of the draws: half the way from 15.9 to 84.1 % of them
     low: float | None
     high: float | None
     lost: float  # [-] share of the draws that do not come to it
@@ -167,12 +168,17 @@ def figure_bands(
 
 
 def _band(key: tuple[str, str], value: float | None, drawn: list[float | None]) -> FigureBand:
-    """Return a figure with its band, as far as the draws give one."""
+    """Return a figure with its band, as far as the draws give one.
+
+    One draw that is far out moves a standard deviation, but no percentile (P. J. Huber,
+    *Robust Statistics*, 1981, 1.2).
+    """
     values = np.array([one for one in drawn if one is not None and math.isfinite(one)])
     lost = 1.0 - len(values) / len(drawn) if drawn else 0.0
     if len(values) < MIN_BAND_DRAWS or value is None:
         return FigureBand(*key, value, None, None, None, lost)
-    sd = float(np.std(values))
+    below, above = np.percentile(values, DEVIATION_PERCENT)
+    sd = float(above - below) / 2.0
     low, high = value - BAND_DEVIATIONS * sd, value + BAND_DEVIATIONS * sd
     if lost > MAX_LOST_SHARE:
         low, high = map(float, np.percentile(values, BAND_PERCENT))
