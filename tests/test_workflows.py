@@ -99,6 +99,14 @@ def test_a_workflow_installs_groups_that_there_are() -> None:
     assert asked <= set(groups)
 
 
+INSTALLED_BY: Final = [
+    line.partition("install --quiet ")[2]
+    for path in WORKFLOWS
+    for line in RUN.findall(text_of(path.name))
+    if "install --quiet " in line
+]
+
+
 def plain_environment(**more: str) -> dict[str, str]:
     """Return the environment of this machine without what these tests set for Python."""
     return {key: said for key, said in os.environ.items() if not key.startswith("PYTHON")} | more
@@ -115,15 +123,20 @@ def run_tool(*words: str, cwd: Path, **more: str) -> str:
 
 @pytest.fixture(scope="module")
 def tools(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder of the checkers of group ``doors``, from the package index."""
+    """Return a folder of the checkers of group ``readers``, from the package index."""
     folder = tmp_path_factory.mktemp("tools")
-    groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))[
-        "dependency-groups"
-    ]
-    wanted = [each for each in groups["doors"] if each.startswith(("zizmor", "cffconvert"))]
-    run_tool(sys.executable, "-m", "venv", str(folder), cwd=ROOT)
-    run_tool(str(folder / "bin" / "pip"), "install", "--quiet", *wanted, cwd=ROOT)
+    run_tool(sys.executable, "-m", "venv", "--upgrade-deps", str(folder), cwd=ROOT)
+    run_tool(str(folder / "bin" / "pip"), "install", "--quiet", "--group", "readers", cwd=ROOT)
     return folder / "bin"
+
+
+@pytest.mark.slow
+@pytest.mark.process
+@pytest.mark.parametrize("words", INSTALLED_BY)
+def test_what_a_workflow_installs_together_goes_together(tmp_path: Path, words: str) -> None:
+    run_tool(sys.executable, "-m", "venv", "--upgrade-deps", str(tmp_path), cwd=ROOT)
+    pip = f"{tmp_path}/bin/pip install --quiet --dry-run {words}"
+    run_tool("sh", "-ec", pip, cwd=ROOT)
 
 
 @pytest.mark.slow
