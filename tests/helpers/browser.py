@@ -67,6 +67,7 @@ def instructor(shared: Served) -> Caller:
         assert caller.ask(words)[0]
     caller.ask("clear all")
     caller.news.clear()
+    caller.shown.clear()  # of the moment before
     return caller
 
 

@@ -528,10 +528,10 @@ def keys_by_size(page: Page) -> dict[tuple[int, ...], list[list[object]]]:
 def test_no_key_moves_when_an_order_an_alert_or_a_report_comes(
     shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
-    page = look(shared, name)
-    ready(page)
     assert instructor.ask("rudder left 0")[0]  # who has what is told beforehand
     step(instructor, 1)  # a page of a session that has not begun has no readings yet
+    page = look(shared, name)
+    ready(page)
     if name == "ballast":  # the readings say what tanks there are
         expect(page.locator("part-keys button")).not_to_have_count(0)
     page.evaluate("document.fonts.ready")
