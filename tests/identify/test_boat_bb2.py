@@ -17,7 +17,7 @@ from helpers.held_bands import SURE, inside, scores, told
 
 from trainer.config.vessel import load_vessel
 from trainer.identify.boat import search
-from trainer.identify.boat.figures import FigureBand, figure_bands
+from trainer.identify.boat.figures import BAND_DRAWS, FigureBand, figure_bands
 from trainer.identify.boat.filter import CHANNEL_NAMES, GROUND_CHANNEL, SPEED_CHANNEL
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.motion import STATE
@@ -57,7 +57,7 @@ def fitted(prior: Prior, seed: int) -> Fitted:
     truth = true_bb2(prior)
     boat = truth.numbers(truth.values)
     found = search.fit_trials(prior, [*map(without_unflown, four_trials(boat, seed))])
-    bands = figure_bands(prior.vessel, found.posterior, 100, lambda _: None)
+    bands = figure_bands(prior.vessel, found.posterior, BAND_DRAWS, lambda _: None)
     return Fitted(found, bands, sail(boat, zigzag(20.0, 10.0), 10.0, 600, 1000 + seed, "held out"))
 
 
@@ -122,7 +122,7 @@ def test_planes_that_only_kept_the_depth_may_mislead_with_their_readings(
     outside = []
     for one in (trial, without_depth(trial)):
         found = search.fit_trials(prior, [one])
-        bands = told(figure_bands(vessel, found.posterior, 40, lambda _: None), truth)
+        bands = told(figure_bands(vessel, found.posterior, BAND_DRAWS, lambda _: None), truth)
         vertical_ones = [each for name, each in bands.items() if "turn" not in name][3:]
         off = max(abs(each.value - each.truth) / each.sd for each in vertical_ones)
         outside.append(off > 2.5)

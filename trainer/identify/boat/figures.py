@@ -29,7 +29,9 @@ from trainer.identify.boat.vessel import FittedVessel
 BAND_DRAWS: Final = 100
 BAND_DEVIATIONS: Final = 1.96  # standard deviations either way: 95 %
 BAND_PERCENT: Final = (2.5, 97.5)  # [%] likewise, where some draws cannot fly
-DEVIATION_PERCENT: Final = (15.87, 84.13)  # [%] one deviation either way of a normal middle
+QUARTER_PERCENT: Final = (25.0, 50.0, 75.0)  # [%] of draws: the middle half, and its middle
+QUARTER_DEVIATIONS: Final = 0.6745  # standard deviations from the middle to a normal quarter
+FAR_DEVIATIONS: Final = 4.0  # of the middle half: a draw counts as no further out (estimate)
 MAX_LOST_SHARE: Final = 0.05  # [-] of draws: more, and the band is by percentiles
 MIN_BAND_DRAWS: Final = 5  # fewer make no band
 BEYOND_SHARE: Final = 0.1  # [-] of what was seen, by which a figure may go further
@@ -76,7 +78,7 @@ class FigureBand:
     name: str
     unit: str
     value: float | None  # None: the boat does not come to it
-    sd: float | None  # of the draws: half the way from 15.9 to 84.1 % of them
+    sd: float | None  # of the draws, whereof none counts as far out
     low: float | None
     high: float | None
     lost: float  # [-] share of the draws that do not come to it
@@ -170,15 +172,16 @@ def figure_bands(
 def _band(key: tuple[str, str], value: float | None, drawn: list[float | None]) -> FigureBand:
     """Return a figure with its band, as far as the draws give one.
 
-    One draw that is far out moves a standard deviation, but no percentile (P. J. Huber,
-    *Robust Statistics*, 1981, 1.2).
+    One draw that is far out would move a standard deviation as far as it likes, so none counts as
+    further out than ``FAR_DEVIATIONS`` by the middle half (P. J. Huber, *Robust Statistics*, 1981).
     """
     values = np.array([one for one in drawn if one is not None and math.isfinite(one)])
     lost = 1.0 - len(values) / len(drawn) if drawn else 0.0
     if len(values) < MIN_BAND_DRAWS or value is None:
         return FigureBand(*key, value, None, None, None, lost)
-    below, above = np.percentile(values, DEVIATION_PERCENT)
-    sd = float(above - below) / 2.0
+    first, middle, third = np.percentile(values, QUARTER_PERCENT)
+    far = FAR_DEVIATIONS * (third - first) / (2.0 * QUARTER_DEVIATIONS)
+    sd = float(np.std(values.clip(middle - far, middle + far)))
     low, high = value - BAND_DEVIATIONS * sd, value + BAND_DEVIATIONS * sd
     if lost > MAX_LOST_SHARE:
         low, high = map(float, np.percentile(values, BAND_PERCENT))
