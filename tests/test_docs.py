@@ -44,11 +44,14 @@ FIRST_IN_FOLDER = {
     "watched-boat.md": "trainer boat estimate ",
     "classroom.md": "trainer class new ",
 }
+GOES_ON = re.compile(r"--part 2/2|--join parts")  # with what the line before has written
 
 
 def cases(page: Path) -> list[str]:
     """Return what is typed in a folder each: the commands of a page, or those of one beginning."""
-    lines = commands(page)
+    lines = list[str]()
+    for line in commands(page):
+        lines += [f"{lines.pop()} && {line}" if GOES_ON.search(line) else line]
     if page.name not in FIRST_IN_FOLDER:
         return lines
     first = FIRST_IN_FOLDER[page.name]

@@ -61,6 +61,9 @@ SHORTER = (
     ("trainer class debrief FOLDER", "trainer class debrief class-kept"),
     ("trainer class --resume FOLDER", "trainer class tuesday.toml --folder kept"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
+    ("--part 3/64", "--members 2 --part 1/1"),
+    ("--join ./parts", "--members 2 --join ./parts"),
+    (" --token WORD", ""),
     ("dev learn first-depth-change --seed 1", "dev learn first-depth-change --generations 1"),
     ("--generations 20", "--generations 1"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
@@ -115,6 +118,7 @@ FIRST = {  # what is typed before
         "trainer boat manoeuvre vertical-zigzag own.toml --duration 300 --csv dive.csv",
         "cp zigzag.csv monday.csv",
         "cp zigzag.csv tuesday.csv",
+        "trainer serve --vessel own.toml --frozen",
     ),
     "trainer boat plan-trial": ("rm -f hull.toml", "trainer boat estimate new hull.toml"),
     "trainer replay": (DRILL,),
@@ -141,6 +145,7 @@ FIRST = {  # what is typed before
         "rm -rf lesson trial.toml study.toml",
         "trainer identify --example lesson",
         "cp lesson/example.csv trial.csv",
+        "sed '1s/helm/Ruder/;1s/gyro/Kurs/' trial.csv > fahrt.csv",
         "trainer boat manoeuvre zigzag-20 known.toml --duration 800 --csv zz20.csv",
         "rm -f ship.toml",
     ),
@@ -266,16 +271,20 @@ class Typist:
         line = line.replace("{address}", self.address)
         if line.startswith("trainer serve"):
             return self.serve(line)
-        if re.match(r"trainer (?:web|class (?!new|check|debrief))", line):
-            return self.browse(line)
+        if line.endswith(" --serve"):  # a run of its own, which the next line may go on with
+            done = self.serve(line)
+            self.end()
+            return done
+        if re.match(r"trainer (?:web|class (?!new|check|debrief)|boat watch .*--connect)", line):
+            return self.look_in(line)
         says = "status\ndetach\n" if self.served else "status\nquit\n"
         return typed(line, self.folder, says, **self.own)
 
-    def browse(self, line: str) -> Done:
-        """Serve pages until they are there; return what came of it, ended by Ctrl-C."""
+    def look_in(self, line: str) -> Done:
+        """Wait until there are pages, or a watch has joined; return what came of it, and end it."""
         with self._start(line) as pages:
             said = ""
-            while not re.search("pages at|attach --connect", said) and (
+            while not re.search("pages at|attach --connect|^watching", said, re.MULTILINE) and (
                 told := pages.stderr.readline() if pages.stderr else ""
             ):
                 said += told

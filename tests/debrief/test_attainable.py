@@ -451,7 +451,7 @@ def test_who_takes_over_gives_at_once_what_is_overdue() -> None:
     assert (first.text, first.tick) == ("bell astern full", 2 * 73)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_nobody_who_steers_straight_on_loses_a_task_between_two_seconds() -> None:
     curve = attainable_curve(explored("steady-course", fly_rehearsal(plan_of("steady-course"))))
     assert not any(each.falls for each in curve.changes)

@@ -48,7 +48,8 @@ def see_whole(page: Page, where: object, cut_parts: str = CUT) -> None:
 STANDS: Final = """() => {
   const all = document.querySelectorAll("*").length;
   if (window.counted !== all) [window.counted, window.since] = [all, performance.now()];
-  return performance.now() - window.since > 300;
+  const keys = [...document.querySelectorAll("part-keys")];  // some are of what a boat has
+  return keys.every((each) => each.childElementCount) && performance.now() - window.since > 300;
 }"""  # all that the first readings build is there
 
 

@@ -14,7 +14,7 @@ def test_a_first_fit_compiles_the_kernels_of_its_own_model_alone(tmp_path: Path)
     pytest.importorskip("scipy")
     subprocess.run(
         [sys.executable, "-m", "trainer", "identify", "--example"],  # its model is nomoto2
-        env=environment(XDG_CACHE_HOME=str(tmp_path)),
+        env=environment(XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR=""),
         capture_output=True,
         timeout=900,
         check=True,

@@ -123,7 +123,7 @@ def test_series_matrices_plots_and_files_come_out(ship: Any, tmp_path: Path) -> 
     ship.write(tmp_path / "ship.toml")
     assert load_nomoto(tmp_path / "ship.toml").K_per_s == pytest.approx(ship.K)
     pytest.importorskip("matplotlib")
-    assert len(ship.plot().axes) == 12
+    assert len(ship.plot().axes) == 13
     ship.plot(tmp_path / "fit.png")
     assert (tmp_path / "fit.png").read_bytes()[:4] == b"\x89PNG"
 

@@ -65,7 +65,9 @@ def test_the_ghost_is_the_reference_crews_run_from_the_start(allowing: Crewed) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("role", sorted(ROLES))
+@pytest.mark.parametrize(
+    "role", sorted(name for name, role in ROLES.items() if {*AIDS} <= {*role.channels})
+)
 def test_no_role_sees_anything_of_an_aid_that_is_off(allowing: Crewed, role: str) -> None:
     line = allowing.instructor if role == "instructor" else allowing.comes(role)
     for channel in AIDS:

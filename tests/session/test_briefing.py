@@ -103,7 +103,8 @@ def secrets(plan: Plan, name: str) -> set[str]:
     broken |= {each.row.name for each in exercise.drawn}
     broken |= {e.order.subject for e in plan.schedule if e.order.name in ("casualty", "clear")}
     told = {line.strip() for line in plan.instructor.splitlines() if len(line.split()) > 2}
-    tasks = {rule.score.name for rule in plan.scores if rule.casualty or rule.since}
+    scores = {rule.score.name for rule in plan.scores if rule.casualty or rule.since}
+    tasks = {each for each in scores if each.lower() not in help_on_every_order()}  # of its order
     words = broken | {each.replace("-", " ") for each in broken} | told | tasks
     if "-" in name and (plan.hides or plan.instructor):
         words.add(name)

@@ -9,10 +9,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
+from typing import Final
+
+import numpy as np
 
 from trainer.debrief.attainable_stretches import WORTH_MARKS, AttainablePoint
 from trainer.debrief.judgement import before_gate, marks_given, share_of
 from trainer.debrief.scoring import Scorecard
+
+STEPS_AROUND: Final = 5  # finest periods before and after a steep fall (estimate)
+STEEP_SHARE: Final = 0.4  # [-] of what goes in that time, and it is steep (estimate)
 
 
 class PassedKind(Enum):
@@ -48,11 +54,21 @@ def lasting_points(points: Sequence[AttainablePoint]) -> tuple[AttainablePoint, 
 
 
 def steep_falls(points: Sequence[AttainablePoint], finest: int) -> tuple[SteepFall, ...]:
-    """Return the falls of lasting points within ``finest`` ticks, those of one kind as one."""
+    """Return the falls of lasting points within ``finest`` ticks, those of one kind as one.
+
+    Where marks go in a row of steps, because a crew looks from time to time, none is a steep fall.
+    """
+    ticks, marks = ([getattr(each, name) for each in points] for name in ("tick", "marks"))
+
+    def is_steep(before: AttainablePoint, after: AttainablePoint) -> bool:
+        fall, near = before.marks - after.marks, STEPS_AROUND * finest
+        begun, ended = np.interp((before.tick - near, after.tick + near), ticks, marks)
+        return fall > max(WORTH_MARKS, STEEP_SHARE * float(begun - ended))
+
     return join_falls(
         SteepFall(after.tick, before.marks - after.marks, *what_passes(before, after))
         for before, after in pairwise(points)
-        if after.tick - before.tick <= finest and before.marks - after.marks > WORTH_MARKS
+        if after.tick - before.tick <= finest and is_steep(before, after)
     )
 
 

@@ -12,6 +12,7 @@ const POINTER = 1.15; // of the text's size: its length, which ends before the n
 const NUMERAL = 2.3; // of the text's size: how far inside the arc a numeral stands
 const SPREAD = 7; // of the text's size: half the width of the digits and what is ordered below them
 const WIDE = 2.1; // of the text's size: room for a numeral
+const ORDERED = 8.5; // of its size: the width of what is ordered
 const LARGE = 3.6; // of the text's size: the digits, where there is room
 const WORD = 3.7; // of the text's size: room for the word of a side
 const SIDES = 8; // of the text's size: half a scale that has such words
@@ -76,13 +77,17 @@ class AngleDial extends Gauge {
     const room = Math.max(end - begin, 0);
     const lines = down ? Math.min(room / 1.4, room - size, box[0] / BESIDE) : Math.min(room / 2.6, half / 2);
     const large = Math.min(lines, LARGE * size);
-    const small = Math.max(0.42 * large, size);
+    const small = Math.min(Math.max(0.42 * large, size), down ? Infinity : room / ORDERED);
     const below = (small + 0.14 * large) / 2; // what is ordered stands there, at the side what is, too
     const [x, y] = fan.place(0, (begin + end) / 2 - below);
     put(this.figure, x, y, large);
     put(this.order, x, y + 0.5 * large + (down ? 0.6 : 1.8) * small, small);
-    const beside = down ? [["dx", "0.25em"]] : [["x", x], ["y", y + 0.5 * large + 0.6 * small]];
-    for (const [name, at] of [["font-size", small], ...beside]) this.way?.setAttribute(String(name), String(at));
+    const under = { dx: null, x, y: y + 0.5 * large + 0.6 * small };
+    const way = { "font-size": small, ...(down ? { dx: "0.25em", x: null, y: null } : under) };
+    for (const [name, at] of Object.entries(way)) {
+      if (at === null) this.way?.removeAttribute(name);
+      else this.way?.setAttribute(name, String(at));
+    }
     for (const part of [this.figure, this.order]) part?.toggleAttribute("hidden", large < SMALL * size);
   }
 
