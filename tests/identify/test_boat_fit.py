@@ -222,6 +222,8 @@ def test_a_drawn_boat_that_is_far_out_widens_no_band(
         return one
 
     found, without = band(boats), band(boats[:-1])
+    assert found.sd is not None
+    assert found.value is not None
     assert found.sd == pytest.approx(8.0, rel=0.15)
     assert found.sd == pytest.approx(without.sd, rel=0.12)
     assert (found.low, found.high) == (found.value - 1.96 * found.sd, 100.0 + 1.96 * found.sd)
