@@ -8,7 +8,6 @@ third the boat is changed, which no law allows.
 # ruff: noqa: SLF001  a fault lies in private parts
 
 import contextlib
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
@@ -16,13 +15,14 @@ from typing import Final, NamedTuple
 import pytest
 
 from simulation.drawing import draw_script
-from simulation.exploring import NUMBERS, Explorer, Row
+from simulation.exploring import NUMBERS, Explorer, Row, processor_s
 from simulation.milestones import Log
 from simulation.play import Change, play
 from simulation.script import Script
 from trainer.session.session import Session
 
 Chain = tuple[str, str, str]
+Timed = tuple[float, Iterable[Row]]  # [s] of the processor when it was played, and its processes
 CHAINS: Final[tuple[Chain, ...]] = (
     (
         "L3: a take-over in a freeze",
@@ -155,11 +155,17 @@ def plant(chain: Chain) -> Change:
     return change
 
 
-def plain_rows(seed: int) -> Iterator[Iterable[Row]]:
+def plain_rows(seed: int) -> Iterator[Timed]:
     """Play plain scripts without end; yield the milestones of the processes of each."""
     while True:
-        yield rows_of(draw_script(seed, PLAIN_S))
+        rows = rows_of(draw_script(seed, PLAIN_S))
+        yield processor_s(), rows
         seed += 1
+
+
+def explored_rows(seed: int) -> Iterator[Timed]:
+    """Play scripts that go on from one another; yield the milestones of each."""
+    return ((leaf.at, leaf.rows) for leaf in Explorer(seed + FAR_SEEDS, PLAIN_S).explore())
 
 
 def rows_of(script: Script) -> list[Row]:
@@ -182,13 +188,7 @@ def rows_of(script: Script) -> list[Row]:
     return [tuple(row) for row in track.rows.values()]
 
 
-def processor_s() -> float:
-    """Return the time [s] of the processor that this process and its children have used."""
-    used = os.times()
-    return used.user + used.system + used.children_user + used.children_system
-
-
-def hunt(scripts: Iterator[Iterable[Row]], seconds: float) -> tuple[dict[Chain, Find], int]:
+def hunt(scripts: Iterator[Timed], seconds: float) -> tuple[dict[Chain, Find], int]:
     """Play scripts for so long [s of the processor].
 
     Return when the first came through each chain, and how many scripts were played.
@@ -196,9 +196,9 @@ def hunt(scripts: Iterator[Iterable[Row]], seconds: float) -> tuple[dict[Chain, 
     found: dict[Chain, Find] = {}
     begun, played = processor_s(), 0
     while processor_s() - begun < seconds and len(found) < len(CHAINS):
-        rows = next(scripts)
+        at, rows = next(scripts)
         played += 1
-        now = Find(processor_s() - begun, played)
+        now = Find(at - begun, played)
         for chain in CHAINS:
             if chain not in found and any(comes_through(row, chain) for row in rows):
                 found[chain] = now
@@ -209,8 +209,7 @@ def compare(seconds: float, seed: int) -> Iterator[str]:
     """Yield a line for each chain: when each way came through it. Each has so long [s]."""
     rows_of(draw_script(seed, PLAIN_S))  # what is compiled once is no part of either
     plain, plain_scripts = hunt(plain_rows(seed), seconds)
-    leaves = (leaf.rows for leaf in Explorer(seed + FAR_SEEDS, PLAIN_S).explore())
-    explored, explored_scripts = hunt(leaves, seconds)
+    explored, explored_scripts = hunt(explored_rows(seed), seconds)
     for chain in CHAINS:
         finds = (found.get(chain) for found in (plain, explored))
         told = ["never" if find is None else f"{find.seconds:.1f} s" for find in finds]

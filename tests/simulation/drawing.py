@@ -1,9 +1,10 @@
 """A seed draws a script: who comes, what is said, what befalls, how it ends.
 
-Which words, scenes, mishaps and endings come how often is in ``vocabulary`` and ``weights``.
+Which words, scenes, mishaps and endings come how often is in ``vocabulary`` and ``weights``. What
+is drawn anew likes a few of them: where all come alike, three that must come in a row seldom do
+(A. Groce and others, *Swarm Testing*, ISSTA 2012).
 """
 
-import itertools
 from dataclasses import replace
 from random import Random
 from typing import Final
@@ -13,7 +14,7 @@ from simulation.network import ROOM_BYTES
 from simulation.script import Act, Ending, Farewell, Life, Mishap, Player, Point, Script, Visit, Way
 from simulation.traffic import traffic_words
 from simulation.vocabulary import CHOICES, DEALT, FOREIGN, NOISE, TROUBLED
-from simulation.weights import read_weights
+from simulation.weights import Weights, read_weights
 from trainer.session.stations.roles import INSTRUCTOR_ROLE
 
 ROLES: Final = ("instructor", "instructor", "helm", "planes", "ballast", "observer")
@@ -42,22 +43,47 @@ SHOWN: Final = INSTRUCTOR_ROLE.channels
 FEW_BYTES: Final = 2_000  # that a small client keeps before it reads
 SIP_BYTES: Final = 300  # that a slow one takes in a second
 SCENE_SHARE: Final = 0.08  # [-] of an instructor's acts begin one
+LIKED_SCENE_SHARES: Final = (0.02, 0.08, 0.4)  # likewise, of who likes some actions
+LIKED_SHARE: Final = 0.08  # [-] of the actions of a kind (estimate)
+LIKED_TIMES: Final = 20.0  # as often as others (estimate)
 SCENE_PACES_S: Final = (0.02, 0.3, 1.0)  # [s] from word to word, on the average
 DEAL_PACE_S: Final = 0.1  # [s] from word to word
 FOREIGN_COUNT: Final = 3  # that each says
 LINE_ENDS: Final = ("\r\n", "\n", "\r")
-# The actions of each kind, and up to where the weights of each and those before it sum.
-DRAWN: Final = {
-    kind: (tuple(weights), tuple(itertools.accumulate(weights.values())))
-    for kind, weights in read_weights().items()
-}
+WEIGHTS: Final = read_weights()
+
+
+class Dice(Random):
+    """Chance by a seed, which may like some actions."""
+
+    def __init__(self, seed: str) -> None:
+        """Like all actions by their weights."""
+        super().__init__(seed)
+        self.scene_share = SCENE_SHARE
+        self._weights: Weights = WEIGHTS
+
+    def like_some(self) -> None:
+        """Draw some actions of each kind, which from now on come much more often."""
+        self.scene_share = self.choice(LIKED_SCENE_SHARES)
+        self._weights = {
+            kind: {
+                word: LIKED_TIMES * weight if self.random() < LIKED_SHARE else weight
+                for word, weight in weights.items()
+            }
+            for kind, weights in WEIGHTS.items()
+        }
+
+    def draw(self, kind: str) -> str:
+        """Return an action of a kind, by its weight."""
+        weights = self._weights[kind]
+        return self.choices(tuple(weights), tuple(weights.values()))[0]
 
 
 def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     """Return the script of a seed, no process of which is played for longer [s]."""
-    dice = Random(f"{seed}/script")  # noqa: S311  no secrets
+    dice = Dice(f"{seed}/script")
     longest = longest if seed % FLEET_EVERY else min(longest, FLEET_LIFE_S)
-    exercise = _draw(dice, "exercises")
+    exercise = dice.draw("exercises")
     duration = dice.choice((0.0, 5.0, 20.0, 120.0)) if exercise else 0.0
     rate = dice.choice(ORDER_RATES_HZ)
     speed = dice.choice(TIME_SPEEDS)
@@ -83,7 +109,8 @@ def redraw(
 
     It has so many processes at most, or one more than that of the point.
     """
-    dice = Random(f"{seed}/redrawn")  # noqa: S311  no secrets
+    dice = Dice(f"{seed}/redrawn")
+    dice.like_some()
     rate, done = dice.choice(ORDER_RATES_HZ), point.life - bool(point.turns)
     lives = list(script.lives[:done])
     if point.turns:
@@ -95,7 +122,7 @@ def redraw(
     return replace(script, lives=tuple(lives))
 
 
-def _redraw_life(dice: Random, life: Life, point: Point, rate: float, longest: float) -> Life:
+def _redraw_life(dice: Dice, life: Life, point: Point, rate: float, longest: float) -> Life:
     """Return a process that goes on by other chance after some of its turns."""
     fresh = _draw_life(dice, "", rate, longest)
     players = tuple(
@@ -123,7 +150,7 @@ def _redraw_life(dice: Random, life: Life, point: Point, rate: float, longest: f
 
 
 def _redraw_player(
-    dice: Random, player: Player, place: tuple[int, int], rate: float, now: float, seconds: float
+    dice: Dice, player: Player, place: tuple[int, int], rate: float, now: float, seconds: float
 ) -> Player:
     """Return a player who has said the same up to a place, and goes on with other words."""
     done, said = place
@@ -138,7 +165,7 @@ def _redraw_player(
     return replace(player, visits=(*player.visits[:done], first, *more))
 
 
-def _among_ships(dice: Random, script: Script) -> Script:
+def _among_ships(dice: Dice, script: Script) -> Script:
     """Return a script with a fleet, its master, and instruments that hear it."""
     lives = [
         replace(
@@ -160,7 +187,7 @@ def _among_ships(dice: Random, script: Script) -> Script:
     )
 
 
-def _draw_master(dice: Random, seconds: float) -> Player:
+def _draw_master(dice: Dice, seconds: float) -> Player:
     """Return who orders the ships of a fleet."""
     acts, now = [], 0.0
     while now < seconds:
@@ -169,7 +196,7 @@ def _draw_master(dice: Random, seconds: float) -> Player:
     return Player("instructor", (Visit(dice.uniform(0.0, 1.0), tuple(acts)),))
 
 
-def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life:
+def _draw_life(dice: Dice, exercise: str, rate: float, longest: float) -> Life:
     seconds = dice.uniform(0.3, 1.0) * min(dice.choice(LIFE_TIMES_S), longest)
     quiet = dice.random() < 0.15  # frozen, and nobody comes at once
     roles = list(ROLES[: dice.randrange(2, len(ROLES) + 1)])
@@ -187,7 +214,7 @@ def _draw_life(dice: Random, exercise: str, rate: float, longest: float) -> Life
     life = Life(
         seed=dice.randrange(MAX_SEED),
         seconds=seconds,
-        ending=Ending(_draw(dice, "endings")),
+        ending=Ending(dice.draw("endings")),
         turns=dice.randrange(1, 300),
         at_answer=dice.random() < 0.5,
         players=tuple(
@@ -227,14 +254,14 @@ def _promise_at_end(life: Life) -> Life:
     return replace(life, players=tuple(players))
 
 
-def _strike_again(dice: Random, life: Life) -> Life:
+def _strike_again(dice: Dice, life: Life) -> Life:
     """Return a life after a kill in which nobody says anything, and then the power goes."""
     seconds = dice.uniform(1.0, 4.0)
     return replace(life, seconds=seconds, ending=Ending.POWER, players=(), mishaps=(), frozen=True)
 
 
 def _draw_player(
-    dice: Random, role: str, rate: float, seconds: float, wait: float, way: Way
+    dice: Dice, role: str, rate: float, seconds: float, wait: float, way: Way
 ) -> Player:
     visits, now, cable = [], 0.0, way is Way.CABLE
     while now < seconds:
@@ -242,7 +269,7 @@ def _draw_player(
         acts = []
         now += after
         for _ in range(dice.choice((5, 30, 100))):
-            in_a_row = role == "instructor" and dice.random() < SCENE_SHARE
+            in_a_row = role == "instructor" and dice.random() < dice.scene_share
             said = _draw_scene(dice) if in_a_row else [_draw_act(dice, role, rate)]
             acts += said
             now += sum(act.after + act.pause for act in said)
@@ -261,10 +288,10 @@ def _draw_player(
     return Player(role, tuple(visits), way)
 
 
-def _draw_scene(dice: Random) -> list[Act]:
+def _draw_scene(dice: Dice) -> list[Act]:
     """Return some words in a row."""
     pace = dice.choice(SCENE_PACES_S)
-    words = _draw(dice, "scenes").split("|")
+    words = dice.draw("scenes").split("|")
     return [Act(dice.expovariate(1.0 / pace), each, end=dice.choice(LINE_ENDS)) for each in words]
 
 
@@ -293,29 +320,23 @@ def _deal_words(seed: int, life: Life) -> Life:
     return replace(life, players=tuple(players), mishaps=mishaps)
 
 
-def _draw_act(dice: Random, role: str, rate: float) -> Act:
+def _draw_act(dice: Dice, role: str, rate: float) -> Act:
     after = dice.expovariate(rate)
     if dice.random() < 0.08:
         return Act(after, dice.choice(NOISE), noise=True)
     whose = role if dice.random() < 0.9 else dice.choice(tuple(CHOICES))
-    words = _draw(dice, whose)
+    words = dice.draw(whose)
     if words == "quit" and dice.random() < 0.8:  # else no session lives long
         words = "status"
     pause = dice.expovariate(5.0) if dice.random() < 0.1 else 0.0
     return Act(after, words, pause=pause, end=dice.choice(LINE_ENDS))
 
 
-def _draw_mishaps(dice: Random, seconds: float) -> tuple[Mishap, ...]:
+def _draw_mishaps(dice: Dice, seconds: float) -> tuple[Mishap, ...]:
     mishaps, now = [], 0.0
     while now < seconds:
-        trouble = Trouble(_draw(dice, "mishaps"))
+        trouble = Trouble(dice.draw("mishaps"))
         times = (0.1, 20.0) if trouble is Trouble.ASLEEP else (0.05, 5.0)
         mishaps.append(Mishap(dice.expovariate(0.25), trouble, dice.uniform(*times)))
         now += mishaps[-1].after + mishaps[-1].seconds
     return tuple(mishaps)
-
-
-def _draw(dice: Random, kind: str) -> str:
-    """Return an action of a kind, by its weight."""
-    actions, sums = DRAWN[kind]
-    return dice.choices(actions, cum_weights=sums)[0]

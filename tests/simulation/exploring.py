@@ -7,6 +7,7 @@ it goes on in two ways; so processes grow long that meet something new (A. Ecoff
 *Nature* 590, 2021: first return, then explore).
 """
 
+import os
 import pickle
 import traceback
 from collections.abc import Iterator
@@ -46,6 +47,7 @@ class Leaf(NamedTuple):
     reached: frozenset[str]
     counts: Counts  # of what no other script has that was played
     rows: tuple[Row, ...]  # of its processes
+    at: float  # [s] of the processor that were used until then, by all who came before
 
 
 class GoneOnError(Exception):
@@ -66,6 +68,7 @@ class Explorer:
     _left: int = 0  # times that something may go on from this beginning
     _leaves: list[Leaf] = field(default_factory=list)
     _is_child: bool = False
+    _used: float = 0.0  # [s] of the processor before this process, by those it comes from
     _counted: Counts = field(default_factory=dict)  # by others that have gone on from here
     _rows: dict[int, list[int]] = field(default_factory=dict)  # of each process
     _pairs: Any = None  # of the present process
@@ -130,9 +133,10 @@ class Explorer:
         for _ in range(ways):
             self._left -= 1
             self._drawn += 1
+            used = self._used + processor_s()
             told = fork()
             if told is None:
-                self._is_child, self._leaves = True, []
+                self._is_child, self._leaves, self._used = True, [], used
                 seed = self.seed + self._drawn
                 stage.go_on(redraw(stage.script, point, seed, NEAR_S, MOST_LIVES))
                 return True
@@ -156,8 +160,14 @@ class Explorer:
         counts = {what: n - self._counted.get(what, 0) for what, n in counts_of(docket).items()}
         return Leaf(
             *(stage.script, tuple(docket.breaches), docket.trace.hexdigest(), docket.life),
-            *(frozenset(docket.log.reached), counts, rows),
+            *(frozenset(docket.log.reached), counts, rows, self._used + processor_s()),
         )
+
+
+def processor_s() -> float:
+    """Return the time [s] of the processor that this process and its children have used."""
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
 
 
 def counts_of(docket: Docket) -> Counts:

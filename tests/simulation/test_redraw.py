@@ -2,13 +2,15 @@
 
 import os
 import random
+from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from simulation import exploring
 from simulation.chains import CHAINS, comes_through, compare, plant
-from simulation.drawing import draw_script, redraw
+from simulation.drawing import Dice, draw_script, redraw
 from simulation.exploring import MOST_WAYS, Explorer
 from simulation.forks import Shelf
 from simulation.milestones import MILESTONES
@@ -53,6 +55,22 @@ def test_what_was_reached_before_a_point_is_reached_again_at_the_same_turn(
         again = play(other).log.reached
         assert {n: (p.life, p.turns) for n in before if (p := again[n])} == before
     assert others[0] != others[1]
+
+
+def test_what_goes_on_likes_a_few_actions_which_its_seed_draws() -> None:
+    def most_said(seed: int, *, likes: bool) -> tuple[str, float]:
+        dice = Dice(f"{seed}/liking")
+        if likes:
+            dice.like_some()
+        said = Counter(dice.draw("instructor") for _ in range(1000))
+        ((word, count),) = said.most_common(1)
+        return word, count / 1000.0
+
+    assert all(most_said(seed, likes=False)[1] < 0.1 for seed in range(9))
+    liked = [most_said(seed, likes=True) for seed in range(9)]
+    assert np.mean([share for _, share in liked]) > 0.1
+    assert len({word for word, _ in liked}) > 5
+    assert most_said(1, likes=True) == liked[1]
 
 
 def test_what_is_new_is_three_milestones_of_one_process_in_an_order_not_seen_before() -> None:
