@@ -226,6 +226,7 @@ def test_a_drawn_boat_that_is_far_out_widens_no_band(
     assert found.value is not None
     assert found.sd == pytest.approx(8.0, rel=0.15)
     assert found.sd == pytest.approx(without.sd, rel=0.12)
+    assert band([*[100.0] * 80, *[120.0] * 20]).sd == pytest.approx(8.0, rel=0.02)  # no middle half
     assert (found.low, found.high) == (found.value - 1.96 * found.sd, 100.0 + 1.96 * found.sd)
 
 

@@ -180,7 +180,7 @@ def _band(key: tuple[str, str], value: float | None, drawn: list[float | None]) 
     if len(values) < MIN_BAND_DRAWS or value is None:
         return FigureBand(*key, value, None, None, None, lost)
     first, middle, third = np.percentile(values, QUARTER_PERCENT)
-    far = FAR_DEVIATIONS * (third - first) / (2.0 * QUARTER_DEVIATIONS)
+    far = FAR_DEVIATIONS * (third - first) / (2.0 * QUARTER_DEVIATIONS) or math.inf
     sd = float(np.std(values.clip(middle - far, middle + far)))
     low, high = value - BAND_DEVIATIONS * sd, value + BAND_DEVIATIONS * sd
     if lost > MAX_LOST_SHARE:
