@@ -131,8 +131,8 @@ def visit(bill: Watchbill, dice: Random) -> None:
     by = bill.session.caller(role)
     bill.visits += 1
     try:
-        for channel in dice.sample(ROLES[role].channels, dice.randint(*WISHES)):
-            by.ask(f"subscribe {channel} at {dice.choice((1, 5, 50))} hz")
+        for wish in wishes(ROLES[role], dice):
+            by.ask(wish)
         orders = Orders(ROLES[role], dice)
         for _ in range(dice.randint(*VISIT)):
             if bill.over.is_set():
@@ -146,6 +146,13 @@ def visit(bill: Watchbill, dice: Random) -> None:
             by.ask("detach")
     finally:
         dice.choice((by.hang_up, by.cut))()
+
+
+def wishes(role: Role, dice: Random) -> list[str]:
+    """Return what is asked at a role's station: some of its channels, each at a rate."""
+    some = min(dice.randint(*WISHES), len(role.channels))
+    channels = dice.sample(role.channels, some)
+    return [f"subscribe {channel} at {dice.choice((1, 5, 50))} hz" for channel in channels]
 
 
 def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:

@@ -1,12 +1,12 @@
 """A soak is a day of exercises, or half an hour by the clock."""
 
+import concurrent.futures
 import contextlib
 import json
 import re
 import statistics
 import subprocess
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -121,7 +121,8 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
     begun = time.monotonic()
     ahead = 0
     with manning(bill, plan):
-        while session.running and time.monotonic() - begun < plan.patience:
+        latest = begun + plan.patience
+        while session.running and not bill.over.is_set() and time.monotonic() < latest:
             samples.append(Sample(time.monotonic() - begun, session.memory()))
             ahead = max(ahead, _size(path.with_name(path.name + "-wal")))
             progress("soak", bill.tick)
@@ -144,27 +145,26 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
 
 @contextlib.contextmanager
 def manning(bill: Watchbill, plan: Plan) -> Iterator[None]:
-    """Man the stations inside the block, while time runs."""
-    works = [
-        threading.Thread(target=attend, args=(bill, plan.seed + number), daemon=True)
-        for number in range(1, OPERATORS + 1)
-    ]
+    """Man the stations inside the block, while time runs. An operator's own fault ends it all."""
     first = bill.session.caller("instructor")
     first.ask("run")
     first.ask("detach")  # who comes now has command
     first.hang_up()
-    instructor = threading.Thread(
-        target=instruct, args=(bill, plan.seed), kwargs={"goes_back": not plan.real_time}
-    )
-    works.append(instructor)
-    for work in works:
-        work.start()
-    try:
-        yield
-    finally:
-        bill.over.set()
+    with concurrent.futures.ThreadPoolExecutor(OPERATORS + 1) as pool:
+        works = [
+            pool.submit(attend, bill, plan.seed + number) for number in range(1, OPERATORS + 1)
+        ]
+        works.append(pool.submit(instruct, bill, plan.seed, goes_back=not plan.real_time))
         for work in works:
-            work.join()
+            work.add_done_callback(lambda _: bill.over.set())
+        try:
+            yield
+        finally:
+            bill.over.set()
+    for work in works:
+        if fault := work.exception():
+            bill.session.kill()
+            raise fault
 
 
 def _briskly(dice: Random) -> float:

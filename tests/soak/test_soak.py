@@ -13,7 +13,7 @@ from helpers.givers import giver_at
 from helpers.orders import read_order
 
 from soak.audit import Answered, check_journal, complete
-from soak.operators import Orders
+from soak.operators import Orders, wishes
 from soak.session_process import WatchedClock
 from soak.soak import Plan, Sample, flat, page, soak
 from trainer.io.recording.recording import Recording
@@ -31,6 +31,13 @@ def test_random_orders_are_the_role_s_to_give_and_of_the_grammar(role: str) -> N
     for words in said:
         order = read_order(words)
         assert refusal(ROLES[role], order) is None
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_operators_ask_for_channels_of_their_role_even_where_it_has_few(role: str) -> None:
+    dice = random.Random(1)  # noqa: S311  choices, not secrets
+    asked = {wish.split()[1] for _ in range(200) for wish in wishes(ROLES[role], dice)}
+    assert asked == set(ROLES[role].channels)
 
 
 class Ticking:
@@ -131,3 +138,14 @@ def test_a_soak_in_real_time_keeps_every_promise_and_does_not_drift() -> None:
     drift = re.search(r"(\d+) deadlines; 0 not at start", page(found))
     assert drift
     assert int(drift[1]) == 8
+
+
+@pytest.mark.process
+@posix
+def test_an_operator_who_fails_ends_the_soak_by_his_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("soak.soak.attend", fail)
+    with pytest.raises(ZeroDivisionError):
+        soak(Plan(900.0, real_time=False, seed=7), None, lambda *_: None)
