@@ -38,7 +38,6 @@ class ModelPlan(NamedTuple):
     number: int
     text: str
     seconds: float  # [s] when it is due, infinite for a condition
-    made: int  # the tick in which it was planned
 
 
 class Kept(NamedTuple):
@@ -55,7 +54,7 @@ class Model:
     tell: Callable[[str], object]  # told what is another
     clock: Callable[[], float]  # [s]
     plans: dict[int, ModelPlan] = field(default_factory=dict)
-    made: dict[tuple[int, str], set[int]] = field(default_factory=dict)  # ticks, by every branch
+    made: dict[NamedPlan, int] = field(default_factory=dict)  # first tick, by every process
     kept: dict[tuple[str, int], Kept] = field(default_factory=dict)  # by name and tick
     holder: Station | None = None
     asked: dict[int, float] = field(default_factory=dict)  # [s] who asked for command, and when
@@ -64,7 +63,6 @@ class Model:
     def begin(self, session: Session) -> None:
         """Begin with a process; what stood before it is believed."""
         self.plans.clear()
-        self.made.clear()
         self.kept.clear()
         self.asked.clear()
         self.holder = self.offered = None
@@ -137,8 +135,9 @@ class Model:
             now = before.tick * session.boat.method.step
             seconds = math.inf if order.word == "when" else order.value
             seconds += now if order.word == "in" else 0.0
-            self.plans[number] = ModelPlan(number, order.subject, seconds, before.tick)
-            self.made.setdefault((number, order.subject), set()).add(before.tick)
+            self.plans[number] = ModelPlan(number, order.subject, seconds)
+            named = named_plan(number, order.subject, seconds)
+            self.made[named] = min(before.tick, self.made.get(named, before.tick))
         elif order.name == "cancel":
             for number in list(self.plans) if order.word == "all" else [int(order.value)]:
                 self.plans.pop(number, None)
@@ -147,7 +146,7 @@ class Model:
             self.kept[order.subject, session.history.tick] = kept
 
     def _named(self) -> frozenset[NamedPlan]:
-        return frozenset((p.number, p.text, round(p.seconds, 6)) for p in self.plans.values())
+        return frozenset(named_plan(p.number, p.text, p.seconds) for p in self.plans.values())
 
     def _spend_conditions(self, session: Session) -> None:
         """Believe that a plan with a condition that is gone was due."""
@@ -186,11 +185,10 @@ class Model:
             wanted = max(before.tick - self._due(session, order.value), 0)
             if tick != wanted:
                 self.tell(f"after {text}: tick {tick} in place of {wanted}")
-        for number, plan in session.agenda.planned.items():
-            made = self.made.get((number, plan.order.text))
-            if made and min(made) > tick:
-                self.tell(f"after {text}: plan {number} of tick {min(made)} is ahead at {tick}")
         named = plans_of(session)
+        for plan in named:
+            if (made := self.made.get(plan, tick)) > tick:
+                self.tell(f"after {text}: plan {plan[0]} of tick {made} is ahead at {tick}")
         kept = self.kept.get((order.subject, tick)) if order.name == "restore" else None
         if kept and whole and named != kept.plans:
             self.tell(f"after {text}: the plans are {sorted(named)}, not {sorted(kept.plans)}")
@@ -198,9 +196,8 @@ class Model:
 
     def _believe(self, session: Session) -> None:
         """Take over the plans of a session as they are, where lines do not tell them."""
-        now = session.history.tick
         self.plans = {
-            number: ModelPlan(number, plan.order.text, plan.seconds, now)
+            number: ModelPlan(number, plan.order.text, plan.seconds)
             for number, plan in session.agenda.planned.items()
         }
 
@@ -264,4 +261,9 @@ class Before(NamedTuple):
 def plans_of(session: Session) -> frozenset[NamedPlan]:
     """Return the plans of a session."""
     planned = session.agenda.planned.items()
-    return frozenset((n, plan.order.text, round(plan.seconds, 6)) for n, plan in planned)
+    return frozenset(named_plan(n, plan.order.text, plan.seconds) for n, plan in planned)
+
+
+def named_plan(number: int, text: str, seconds: float) -> NamedPlan:
+    """Return a plan as it is told from others."""
+    return number, text, round(seconds, 6)

@@ -149,7 +149,7 @@ def visit(bill: Watchbill, dice: Random) -> None:
 
 
 def wishes(role: Role, dice: Random) -> list[str]:
-    """Return what is asked at a role's station: some of its channels, each at a rate."""
+    """Return what a role asks for: some of its channels, each at a rate."""
     some = min(dice.randint(*WISHES), len(role.channels))
     channels = dice.sample(role.channels, some)
     return [f"subscribe {channel} at {dice.choice((1, 5, 50))} hz" for channel in channels]
