@@ -40,13 +40,6 @@ class ModelPlan(NamedTuple):
     seconds: float  # [s] when it is due, infinite for a condition
 
 
-class Kept(NamedTuple):
-    """What stood when a snapshot was kept."""
-
-    tick: int
-    plans: frozenset[NamedPlan]
-
-
 @dataclass
 class Model:
     """What one process should be."""
@@ -55,7 +48,8 @@ class Model:
     clock: Callable[[], float]  # [s]
     plans: dict[int, ModelPlan] = field(default_factory=dict)
     made: dict[NamedPlan, int] = field(default_factory=dict)  # first tick, by every process
-    kept: dict[tuple[str, int], Kept] = field(default_factory=dict)  # by name and tick
+    # plans with each snapshot by name and tick: of two alike, that of the branch's own past wins
+    kept: dict[tuple[str, int], set[frozenset[NamedPlan]]] = field(default_factory=dict)
     holder: Station | None = None
     asked: dict[int, float] = field(default_factory=dict)  # [s] who asked for command, and when
     offered: tuple[int, bytes, Pace] | None = None  # the picture that was last handed over
@@ -142,8 +136,7 @@ class Model:
             for number in list(self.plans) if order.word == "all" else [int(order.value)]:
                 self.plans.pop(number, None)
         elif order.name == "snapshot":
-            kept = Kept(before.tick, self._named())
-            self.kept[order.subject, session.history.tick] = kept
+            self.kept.setdefault((order.subject, before.tick), set()).add(self._named())
 
     def _named(self) -> frozenset[NamedPlan]:
         return frozenset(named_plan(p.number, p.text, p.seconds) for p in self.plans.values())
@@ -190,8 +183,9 @@ class Model:
             if (made := self.made.get(plan, tick)) > tick:
                 self.tell(f"after {text}: plan {plan[0]} of tick {made} is ahead at {tick}")
         kept = self.kept.get((order.subject, tick)) if order.name == "restore" else None
-        if kept and whole and named != kept.plans:
-            self.tell(f"after {text}: the plans are {sorted(named)}, not {sorted(kept.plans)}")
+        if kept and whole and named not in kept:
+            were = " or ".join(str(sorted(each)) for each in kept)
+            self.tell(f"after {text}: the plans are {sorted(named)}, not {were}")
         self._believe(session)
 
     def _believe(self, session: Session) -> None:
