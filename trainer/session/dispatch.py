@@ -245,7 +245,7 @@ class Dispatch:
             session.in_force.keep()
         if word.obeyer is Obeyer.PAST and not isinstance(answer, Refused):
             follow_jump(session)
-        if word.obeyer in (Obeyer.PAST, Obeyer.TIME):
+        if word.obeyer in (Obeyer.PAST, Obeyer.TIME) or session.shown.behind:
             session.shown.show()
         return answer
 

@@ -35,7 +35,7 @@ class OrdersInForce:
         """Record the talk and plans after the last order. Most orders share an entry: no change."""
         now = self.crew.talk, self.agenda.plans
         if now != self._latest:
-            self._latest = now
+            self._latest = _sharing(now[0], self._latest[0]), now[1]
         self._by_order[self.history.after] = self._latest
 
     def follow(self, moment: Moment) -> None:
@@ -77,3 +77,11 @@ class OrdersInForce:
             if isinstance(order, Order) and (taken or entry.giver.kind is GiverKind.PLAN):
                 agenda.note(order, entry.giver, entry.tick * agenda.boat.method.step)
             self._by_order[entry.id] = crew.talk, agenda.plans
+
+
+def _sharing(talk: Talk, before: Talk) -> Talk:
+    """Return a talk that shares what is equal with the one before: there is one for each order."""
+    new = talk._asdict()
+    return talk._replace(
+        **{name: old for name, old in before._asdict().items() if old == new[name]}
+    )

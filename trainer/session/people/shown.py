@@ -55,14 +55,15 @@ class ScreenOutput:
         self.sending.offer(now.tick, now.state, self._pace)
         self.seen()
 
-    def show_tick(self, tick: int, state: bytes) -> None:
-        """Show the state after a tick. How time runs has not changed, but a gap may end in it.
+    @property
+    def behind(self) -> bool:
+        """Return whether a branch has begun that is not shown: an order or a tick after a gap."""
+        return self._pace.branch != self.history.recording.branch
 
-        What follows a gap in the recording is on a new branch.
-        """
-        branch = self.history.recording.branch
-        if self._pace.branch != branch:
-            self._pace = self._pace._replace(branch=branch)
+    def show_tick(self, tick: int, state: bytes) -> None:
+        """Show the state after a tick. How time runs has not changed."""
+        if self.behind:
+            self._pace = self._pace._replace(branch=self.history.recording.branch)
         self.sending.offer(tick, state, self._pace)
 
     def take_words(self) -> None:
