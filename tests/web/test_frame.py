@@ -318,6 +318,34 @@ def test_the_list_has_all_alerts_and_silence_is_there_while_one_is_new(
     assert page.evaluate(WORDS_WHOLE)
 
 
+BAR: Final = """() => {
+  const ordered = document.querySelector("#ordered");
+  const keys = [...document.querySelectorAll("body > header button, alert-bar .worst b")];
+  const cut = [ordered, ...keys].filter((each) => each.checkVisibility() &&
+    (each.scrollWidth > each.clientWidth + 1 || each.scrollHeight > each.clientHeight + 1));
+  return [document.querySelector("main").getBoundingClientRect().top, cut.map((each) => each.textContent)];
+}"""
+LOW_BAR_PX: Final = 64  # on a wide phone's side: a key of a finger, and two gaps
+
+
+def test_a_wide_phone_on_its_side_has_one_bar_with_alert_order_and_keys_whole(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    assert instructor.ask("tell prepare to surface")[0]
+    for name in ("helm", "ballast", "diving", "trainee"):
+        page = opened(look, shared, name)
+        page.set_viewport_size({"width": 844, "height": 390})
+        close = page.locator("#close-briefing")
+        if close.is_visible():
+            close.click()
+        expect(page.locator("#ordered")).to_contain_text("prepare to surface")
+        for words in ("casualty bus-port-lost", "clear all"):
+            assert instructor.ask(words)[0]
+            step(instructor, 2)
+            top, cut = page.evaluate(BAR)
+            assert (top <= LOW_BAR_PX, cut) == (True, []), (name, words, top)
+
+
 def test_rig_for_red_makes_every_page_night_and_white_gives_back_its_own(
     shared: Served, instructor: Caller, look: Look
 ) -> None:

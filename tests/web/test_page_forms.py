@@ -10,7 +10,7 @@ from trainer.web.pages import PAGES, Page, render
 from trainer.web.styles import FORM_IN_CONDITION, NAMED_FORM, join_styles
 
 STYLES = ASSETS_FOLDER / "css"
-FORMS = {"upright", "on-side", "phone", "tablet", "desk"}
+FORMS = {"upright", "on-side", "wide-side", "phone", "tablet", "desk"}
 MEDIA = re.compile(r"@media ([^{]+) \{")
 SHEETS = sorted(STYLES.glob("*.css"))
 
