@@ -129,9 +129,13 @@ def simulation(
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
-                report_breach(played)
+                click.echo(
+                    "\n".join(f"seed {played.seed} breaks {each}" for each in played.breaches)
+                )
             if until and time.monotonic() > until:
                 break
+    for played in broken:  # last, since all processes would wait for it
+        analyse_breach(played)
     told = ", ".join(f"{count} {what}" for what, count in totals.items())
     seeds_broken = ", ".join(str(each.seed) for each in broken)
     verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
@@ -179,15 +183,13 @@ def play_classes(seeds: range) -> int:
     return 1 if broken else 0
 
 
-def report_breach(played: Played) -> None:
-    """Print what a seed has broken and when it was lost; write its script, shrunk."""
-    for breach in played.breaches:
-        click.echo(f"seed {played.seed} breaks {breach}")
+def analyse_breach(played: Played) -> None:
+    """Print when a seed was lost that has broken a law; write its script, shrunk."""
     law = played.breaches[0].law
     script = played.script
     loss = find_loss(script, law)
     for moment in loss.curve:
-        click.echo(f"broken {moment}")
+        click.echo(f"seed {played.seed}, broken {moment}")
     if loss.lost:
         click.echo(f"lost at {loss.lost.words!r}, tick {loss.lost.tick}")
     small = shrink(loss.cut, functools.partial(breaks_law, law=law))
