@@ -129,13 +129,10 @@ def simulation(
             bar.at("seeds", totals["seeds"])
             if played.breaches:
                 broken.append(played)
-                click.echo(
-                    "\n".join(f"seed {played.seed} breaks {each}" for each in played.breaches)
-                )
+                tell_breaches(played)
             if until and time.monotonic() > until:
                 break
-    for played in broken:  # last, since all processes would wait for it
-        analyse_breach(played)
+    analyse(broken)  # last, since all processes would wait for it
     told = ", ".join(f"{count} {what}" for what, count in totals.items())
     seeds_broken = ", ".join(str(each.seed) for each in broken)
     verdict = f"BROKEN by the seeds {seeds_broken}" if broken else "every law held"
@@ -183,22 +180,29 @@ def play_classes(seeds: range) -> int:
     return 1 if broken else 0
 
 
-def analyse_breach(played: Played) -> None:
-    """Print when a seed was lost that has broken a law; write its script, shrunk."""
-    law = played.breaches[0].law
-    script = played.script
-    loss = find_loss(script, law)
-    for moment in loss.curve:
-        click.echo(f"seed {played.seed}, broken {moment}")
-    if loss.lost:
-        click.echo(f"lost at {loss.lost.words!r}, tick {loss.lost.tick}")
-    small = shrink(loss.cut, functools.partial(breaks_law, law=law))
-    path = Path(f"simulation-{played.seed}.json")
-    write_script(small, path)
-    click.echo(
-        f"{path}: of {script.acts} lines {small.acts} are left, of {len(script.lives)} "
-        f"processes {len(small.lives)}; once mended, keep it in tests/simulation/kept"
-    )
+def tell_breaches(played: Played) -> None:
+    """Print what a seed has broken."""
+    for breach in played.breaches:
+        click.echo(f"seed {played.seed} breaks {breach}")
+
+
+def analyse(broken: list[Played]) -> None:
+    """Print when each of these seeds was lost; write their scripts, shrunk."""
+    for played in broken:
+        law = played.breaches[0].law
+        script = played.script
+        loss = find_loss(script, law)
+        for moment in loss.curve:
+            click.echo(f"seed {played.seed}, broken {moment}")
+        if loss.lost:
+            click.echo(f"seed {played.seed} is lost at {loss.lost.words!r}, tick {loss.lost.tick}")
+        small = shrink(loss.cut, functools.partial(breaks_law, law=law))
+        path = Path(f"simulation-{played.seed}.json")
+        write_script(small, path)
+        click.echo(
+            f"{path}: of {script.acts} lines {small.acts} are left, of {len(script.lives)} "
+            f"processes {len(small.lives)}; once mended, keep it in tests/simulation/kept"
+        )
 
 
 def play_script(path: Path) -> int:
