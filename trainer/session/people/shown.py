@@ -57,7 +57,7 @@ class ScreenOutput:
 
     @property
     def behind(self) -> bool:
-        """Return whether a branch has begun that is not shown: an order or a tick after a gap."""
+        """Return whether a branch has begun that is not shown, as after a gap."""
         return self._pace.branch != self.history.recording.branch
 
     def show_tick(self, tick: int, state: bytes) -> None:
