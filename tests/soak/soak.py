@@ -29,6 +29,7 @@ ORDER_KB: Final = 1.0  # [kB] beside it for each order: what stood after it, for
 PATIENCE: Final = 120.0  # [s] for the end of a session beyond its time
 LONGEST: Final = 1.0 / 144.0  # [-] of its time that a run at full speed may take: a day, 10 min
 ON_TIME: Final = re.compile(r"overruns (\d+), caught up (\d+), slipped (\d+), gaps (\d+)")
+ENDLESS_KWH: Final = 1e6  # the most that a vessel's file may say
 EXERCISE: Final = """
 schema = "exercise/1"
 name = "Everything at once"
@@ -105,10 +106,14 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
 
 
 def endless_boat() -> str:
-    """Return BB2's file without its depths: random orders would make its hull collapse."""
+    """Return BB2's file without what a day of random orders would end: her depths, her charge.
+
+    Her hull would collapse, and after 14 h an empty battery would have her sink again and again.
+    """
     lines = read_text(shipped_path("vessels", "bb2")).split("\n")
     depths = ("max_depth_m", "test_depth_m", "collapse_depth_m")
-    return "\n".join(line for line in lines if not line.startswith(depths))
+    text = "\n".join(line for line in lines if not line.startswith(depths))
+    return re.sub(r"^capacity_kwh = .*$", f"capacity_kwh = {ENDLESS_KWH}", text, flags=re.MULTILINE)
 
 
 def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int], None]) -> Soaked:

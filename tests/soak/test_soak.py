@@ -15,7 +15,8 @@ from helpers.orders import read_order
 from soak.audit import Answered, check_journal, complete
 from soak.operators import Orders, wishes
 from soak.session_process import WatchedClock
-from soak.soak import Plan, Sample, flat, page, soak
+from soak.soak import ENDLESS_KWH, Plan, Sample, endless_boat, flat, page, soak
+from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
 
@@ -155,3 +156,12 @@ def test_an_operator_who_fails_ends_the_soak_by_his_fault(monkeypatch: pytest.Mo
     monkeypatch.setattr("soak.soak.attend", fail)
     with pytest.raises(ZeroDivisionError):
         soak(Plan(900.0, real_time=False, seed=7), None, lambda *_: None)
+
+
+def test_the_boat_of_a_soak_has_neither_depths_nor_an_end_of_its_battery(tmp_path: Path) -> None:
+    (tmp_path / "boat.toml").write_text(endless_boat(), encoding="utf-8")
+    vessel = load_vessel(str(tmp_path / "boat.toml"))
+    assert vessel.plant
+    assert vessel.plant.battery
+    assert vessel.plant.battery.capacity_kwh == ENDLESS_KWH
+    assert vessel.hull.collapse_depth_m is None
