@@ -162,6 +162,5 @@ def test_the_boat_of_a_soak_has_neither_depths_nor_an_end_of_its_battery(tmp_pat
     (tmp_path / "boat.toml").write_text(endless_boat(), encoding="utf-8")
     vessel = load_vessel(str(tmp_path / "boat.toml"))
     assert vessel.plant
-    assert vessel.plant.battery
     assert vessel.plant.battery.capacity_kwh == ENDLESS_KWH
     assert vessel.hull.collapse_depth_m is None
