@@ -303,6 +303,7 @@ class Posture(NamedTuple):
     entry: int  # of the schedule: what was due comes before an order, also before a refusal
     tick: int
     over: str
+    reachable: bool  # the recording is, after a gap: whatever is journalled next begins a branch
 
     @classmethod
     def of(cls, session: Session) -> "Posture":
@@ -315,11 +316,12 @@ class Posture(NamedTuple):
             history.entry,
             history.tick,
             session.conduct.ending.over,
+            history.recording.reachable,
         )
 
     def changed(self, after: "Posture") -> str:
         """Return what has changed that a refusal does not change, "" for nothing."""
-        if self.branch != after.branch:
+        if self.branch != after.branch and not self.reachable:
             return "began a branch"
         if self.frozen != after.frozen:
             return "stopped time or let it go on"
