@@ -57,7 +57,6 @@ class Model:
     def begin(self, session: Session) -> None:
         """Begin with a process; what stood before it is believed."""
         self.plans.clear()
-        self.kept.clear()
         self.asked.clear()
         self.holder = self.offered = None
         self._believe(session)
