@@ -50,6 +50,7 @@ class Model:
     made: dict[NamedPlan, int] = field(default_factory=dict)  # first tick, by every process
     # plans with each snapshot by name and tick: of two alike, that of the branch's own past wins
     kept: dict[tuple[str, int], set[frozenset[NamedPlan]]] = field(default_factory=dict)
+    unread: set[tuple[str, int]] = field(default_factory=set)  # kept in a replay: plans untold
     holder: Station | None = None
     asked: dict[int, float] = field(default_factory=dict)  # [s] who asked for command, and when
     offered: tuple[int, bytes, Pace] | None = None  # the picture that was last handed over
@@ -85,6 +86,8 @@ class Model:
         jumped = accepted and order.name in JUMP_WORDS
         if accepted and not before.replaying:
             self._plan(session, order, before)
+        elif accepted and order.name == "snapshot":
+            self.unread.add((order.subject, before.tick))
         self._command(session, order, station, before, accepted=accepted)
         if jumped:
             self._check_jump(session, order, before)
@@ -181,7 +184,9 @@ class Model:
         for plan in named:
             if (made := self.made.get(plan, tick)) > tick:
                 self.tell(f"after {text}: plan {plan[0]} of tick {made} is ahead at {tick}")
-        kept = self.kept.get((order.subject, tick)) if order.name == "restore" else None
+        picture = order.subject, tick
+        read = order.name == "restore" and picture not in self.unread
+        kept = self.kept.get(picture) if read else None
         if kept and whole and named not in kept:
             were = " or ".join(str(sorted(each)) for each in kept)
             self.tell(f"after {text}: the plans are {sorted(named)}, not {were}")
