@@ -323,7 +323,8 @@ BAR: Final = """() => {
   const keys = [...document.querySelectorAll("body > header button, alert-bar .worst b")];
   const cut = [ordered, ...keys].filter((each) => each.checkVisibility() &&
     (each.scrollWidth > each.clientWidth + 1 || each.scrollHeight > each.clientHeight + 1));
-  return [document.querySelector("main").getBoundingClientRect().top, cut.map((each) => each.textContent)];
+  const { top } = document.querySelector("main").getBoundingClientRect();
+  return [top, cut.map((each) => each.textContent)];
 }"""
 LOW_BAR_PX: Final = 64  # on a wide phone's side: a key of a finger, and two gaps
 
