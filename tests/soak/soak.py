@@ -106,7 +106,7 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
 
 
 def endless_boat() -> str:
-    """Return BB2's file without what a day of random orders would end: her depths, her charge.
+    """Return BB2's file without what a day would end: her depths, her charge.
 
     Her hull would collapse, and after 14 h an empty battery would have her sink again and again.
     """
