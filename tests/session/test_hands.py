@@ -1,5 +1,6 @@
 """Who works an axis: taken by working it or by saying so, and told to both stations."""
 
+import gc
 from typing import NamedTuple
 
 import pytest
@@ -8,6 +9,7 @@ from helpers.line import Line
 from helpers.orders import read_order
 
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, station
+from trainer.session.crew.crew import Talk
 from trainer.session.crew.watch_bill import WatchBill
 from trainer.session.stations.roles import ROLES
 
@@ -86,6 +88,18 @@ def test_a_jump_puts_back_who_had_an_axis(pair: Pair) -> None:
     ship.order("restore here")
 
     assert ship.session.crew.bill.shown == "planes planes"
+
+
+def test_what_stands_after_each_order_shares_who_has_what(pair: Pair) -> None:
+    ship, planes, _pilot = pair
+    ship.say(planes, "stern planes dive 3")
+    hands = ship.session.crew.talk.hands
+    for course in range(10, 20):
+        ship.say(ship.instructor, f"order course 0{course}")
+    gc.collect()
+    kept = [each for each in gc.get_objects() if type(each) is Talk and each.hands == hands]
+    assert len(kept) >= 10
+    assert len({id(each.hands) for each in kept}) == 1
 
 
 def test_a_recording_tells_who_had_an_axis(pair: Pair) -> None:

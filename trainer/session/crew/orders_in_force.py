@@ -80,7 +80,7 @@ class OrdersInForce:
 
 
 def _sharing(talk: Talk, before: Talk) -> Talk:
-    """Return a talk that shares what is equal with the one before: there is one for each order."""
+    """Return a talk with the equal parts of the one before: there is one for each order."""
     new = talk._asdict()
     return talk._replace(
         **{name: old for name, old in before._asdict().items() if old == new[name]}
