@@ -8,9 +8,10 @@ loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and
 FLOWN_WITHIN_S: a thread waits for the disk, never the caller. `behind` says if it takes longer.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
-recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it is
-lost and counted. The recording then goes on in a new branch that begins after the end of its
-parent, because the ticks between the two are lost.
+recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it but
+forks is lost and counted. The recording then goes on in a new branch that begins after the end of
+its parent, because the ticks between the two are lost. That branch has the lost orders to the world
+that hold there, because no state has what they ask for.
 """
 
 # long: what waits, what is lost and what the disk has is one state, and is read at one sitting
@@ -20,13 +21,14 @@ import math
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import CHECKPOINT_STATEMENT, Checkpointer
-from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
+from trainer.io.recording.facts import NO_CREW_FACT, WORLD_KIND, BranchCause, CrewFact, Giver
 from trainer.io.recording.file import (
     FILE_FORMAT,
     TOUCH_STATEMENT,
@@ -95,6 +97,9 @@ TIMING_INSERT: Final = (
 EVENT_INSERT: Final = (
     "INSERT INTO events (branch, tick, kind, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
+WORLD_ORDER_INSERT: Final = (
+    "INSERT INTO events (kind, branch, tick, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
+)
 SNAPSHOT_INSERT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
@@ -107,8 +112,11 @@ STATEMENTS: Final = (
     STATE_INSERT,
     TIMING_INSERT,
     EVENT_INSERT,
+    WORLD_ORDER_INSERT,
     SNAPSHOT_INSERT,
 )
+# Rows that stay where all others are dropped: without them, what is recorded later has another past
+LASTING_STATEMENTS: Final = (BRANCH_INSERT, WORLD_ORDER_INSERT)
 # Rows that are promised to outlive lost power; marks are too, but they are events.
 PROMISED_STATEMENTS: Final = (BRANCH_INSERT, ORDER_INSERT, ANSWER_UPDATE, SNAPSHOT_INSERT)
 MARK_KIND: Final = "mark"  # the kind of such an event
@@ -129,6 +137,7 @@ class Recording(Past):
     trouble: str  # why nothing is written at present; "" while all is well
     branch: int  # the present one
     reachable: bool  # after a gap: ``go_on`` can begin a new branch
+    lost_from: float  # the number of the first order lost in this gap; infinity without one
     absences: int  # how often it was out of reach
     wake: Callable[[], object]  # called by the thread when trouble begins or ends
 
@@ -157,6 +166,7 @@ class Recording(Past):
         self._states, self._timings = self._waiting[STATE_INSERT], self._waiting[TIMING_INSERT]
         self._writing_it = threading.Lock()  # held by who uses the connection to write
         self._shortening = threading.Lock()  # held for a moment where what waits grows shorter
+        self.lost_from = math.inf
         self._held = 0  # [bytes] that wait while it is out of reach
         self._gap = False  # more than there is room for has come: from then on it is only counted
         self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in this gap
@@ -270,7 +280,12 @@ class Recording(Past):
             self._writing_it.release()
 
     def fork(self, moment: Moment, why: str, cause: BranchCause = BranchCause.JUMP) -> int:
-        """Begin a new branch at a moment, at once. Return its number, from now on the present."""
+        """Begin a new branch at a moment, at once. Return its number, from now on the present.
+
+        RecordingError where nothing can be read, or more forks wait than there is room for.
+        """
+        if self._gap and self._held > MAX_WAITING_BYTES:
+            raise RecordingError(f"no room for one more branch: {self.trouble}")
         parent = self._owner(moment)
         self._begin_branch(parent, moment, why, cause)
         self.flush()
@@ -284,23 +299,27 @@ class Recording(Past):
             begun = Moment(here.parent, here.tick, here.state, here.after, here.entry)
             self.fork(begun, SHOWN_REASON)
 
-    def go_on(self, moment: Moment) -> bool:
+    def go_on(self, moment: Moment, world: Iterable[tuple[int, Giver, str]] = ()) -> bool:
         """Go on after a gap in a new branch from a moment. Its cause says what is missing.
 
-        Return whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
+        ``world`` has tick, giver and text of each lost order to the world that holds there. Return
+        whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
         """
+        parent = self.branch
         try:
-            parent = self.last_branch()
             last = self.last_tick(parent)
         except RecordingError:
             self.reachable = False
             return False
         self._gap = self.reachable = False
-        self.trouble = ""
+        self.trouble, self.lost_from = "", math.inf
         why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
         self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)
         self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
+        for tick, giver, text in world:
+            row = (WORLD_KIND, self.branch, tick, giver.words, giver.role, text, wall_time())
+            self._put(WORLD_ORDER_INSERT, row)
         self.flush()
         return True
 
@@ -365,33 +384,34 @@ class Recording(Past):
         """
         return self.snapshots_seen_from(self.branch)
 
-    def _rows(self, question: str, *values: int) -> Iterator[Answer]:
+    def _rows(self, question: str, *values: int | str) -> Iterator[Answer]:
         self.flush()
         return super()._rows(question, *values)
 
     def _put(self, statement: str, row: Row) -> None:
-        """Queue a row. Out of reach, drop all rows once they take too much memory."""
-        if self._gap:
+        """Queue a row. Out of reach, drop rows once they take too much memory."""
+        if self._gap and statement not in LASTING_STATEMENTS:
             self._count_lost(statement, 1)
             return
         rows = self._waiting[statement]
         rows.append(row)
         if self.trouble:
-            self._held += ROW_BYTES + sum(
-                len(part) for part in row if isinstance(part, str | bytes)
-            )
-            if self._held > MAX_WAITING_BYTES:
+            self._held += _size_of(row)
+            if self._held > MAX_WAITING_BYTES and not self._gap:
                 self._drop()
         elif len(rows) >= BATCH_ROWS:
             self.flush(WRITE_TIMEOUT_S)
 
     def _drop(self) -> None:
-        """Drop all waiting rows, and count them as lost."""
+        """Drop all waiting rows but lasting ones, and count them as lost."""
         with self._shortening:
             self._gap = True
+            self.lost_from = self._order + 1 - len(self._waiting[ORDER_INSERT])
             for statement, rows in self._waiting.items():
-                self._count_lost(statement, len(rows))
-                rows.clear()
+                if statement not in LASTING_STATEMENTS:
+                    self._count_lost(statement, len(rows))
+                    rows.clear()
+            self._held = sum(map(_size_of, chain(*self._waiting.values())))
 
     def _count_lost(self, statement: str, number: int) -> None:
         for counts in (self._lost, self._missing):
@@ -480,18 +500,18 @@ class Recording(Past):
             self._writing_it.release()
 
     def _try(self) -> None:
-        """Write waiting rows, or after a gap TOUCH_STATEMENT as a test; sqlite3.Error."""
+        """Write waiting rows, after a gap TOUCH_STATEMENT first as a test; sqlite3.Error."""
         if self._gap:
             _begin(self._writer, 0.0)
             self._writer.execute(TOUCH_STATEMENT)
             self._writer.execute("COMMIT")
-            self.reachable = True
-            return
         self._commit(0.0)
         with self._shortening:
             self._held = 0
             if not self._gap:
                 self.trouble = ""
+            else:
+                self.reachable = True
 
     def _owner(self, moment: Moment) -> int:
         """Return the branch of a moment. A replay may stand before the start of its branch."""
@@ -522,6 +542,11 @@ def _begin(connection: sqlite3.Connection, end: float) -> None:
             time.sleep(POLL_PERIOD_S)
         else:
             return
+
+
+def _size_of(row: Row) -> int:
+    """Return how much memory [bytes] a row takes, about."""
+    return ROW_BYTES + sum(len(part) for part in row if isinstance(part, str | bytes))
 
 
 def _counts(lost: Mapping[str, int]) -> str:
