@@ -275,9 +275,9 @@ class Past:
         return [order for stretch in reversed(stretches) for order in stretch]
 
     def lost_world_orders(self, branch: Branch) -> list[RecordedOrder]:
-        """Return the orders to the world that a branch begins with, and whose rows were lost.
+        """Return the lost orders to the world that hold where a branch begins.
 
-        A branch after a gap may have such. They have the number of the last order lost there.
+        Only a branch after a gap has such. Their number is that of the last order lost there.
         """
         if branch.cause is not BranchCause.GAP:
             return []
