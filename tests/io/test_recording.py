@@ -3,7 +3,6 @@
 import contextlib
 import csv
 import functools
-import math
 import os
 import random
 import re
@@ -31,7 +30,7 @@ from hypothesis import strategies as st
 from trainer.io.recording import checkpoint
 from trainer.io.recording import file as file_module
 from trainer.io.recording import recording as recording_module
-from trainer.io.recording.facts import BranchCause, plan_of
+from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import (
     FILE_FORMAT,
     Branch,
@@ -707,13 +706,16 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
         recording.state(41, state_of(41))
         assert recording.order(41, HELM, "after it") == 17
 
-    assert recording.missing == "70 ticks, 14 orders"
+    assert recording.missing == "70 ticks"
     with closing(Recording.look(path)) as again:
         _, back, after = again.branches()
         assert (back.parent, back.tick, back.after, back.why) == (1, 20, 4, "backtrack")
         assert (after.parent, after.tick, after.state) == (back.id, 40, state_of(40))
-        assert after.why == "not recorded after tick 20: 70 ticks, 14 orders lost"
-        assert [each.id for each in again.orders(after.id)] == [1, 2, 17]
+        assert after.why == "not recorded after tick 20: 70 ticks lost"
+        past = [(each.id, each.branch, each.tick, each.answer) for each in again.orders(after.id)]
+        given = [(1, 1, 5), (2, 1, 10), (3, 1, 15), (4, 1, 20)]
+        given += [(13, 2, 25), (14, 2, 30), (15, 2, 35), (16, 2, 40)]
+        assert past == [*((*each, "yes") for each in given), (17, 3, 41, "")]
         assert [tick for tick, _ in again.states(after.id)] == [40, 41]
         assert [each.text for each in again.orders(after.id, after.after)] == ["after it"]
         assert [each.tick for each in again.flown(after.id)] == [*range(11), 20, 40, 41]
@@ -721,69 +723,44 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
 
 
 @pytest.mark.usefixtures("impatient")
-def test_forks_are_kept_over_a_gap_as_many_as_there_is_room_for(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 20_000)
-    with closing(begin(path)) as recording:
-        fly(recording, 1, 10)
-        back = Moment(1, 10, state_of(10), 2, 0)
-        with locked(path):
-            fly(recording, 11, 30)
-            begun = []
-            with pytest.raises(RecordingError, match=r"no room for one more branch: .*locked"):
-                begun += [recording.fork(back, "backtrack") for _ in range(20)]
-            last = recording.branch
-            assert 5 < last < 12
-        assert eventually(lambda: recording.reachable)
-        assert recording.go_on(Moment(last, 12, state_of(12), 2, 0))
-    with closing(Recording.look(path)) as again:
-        assert [each.parent for each in again.branches()] == [None, *[1] * (last - 1), last]
-
-
-@pytest.mark.usefixtures("impatient")
-def test_orders_to_the_world_that_a_gap_has_lost_are_of_its_branch(
+def test_orders_of_a_gap_are_written_at_the_end_too(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
-    planned = plan_of("instructor", 7)
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
         with locked(path):
             fly(recording, 11, 60)
-            assert recording.lost_from == 3
-        assert eventually(lambda: recording.reachable)
-        world = [(12, HELM, "current set 090 2"), (14, planned, "current set 180 1")]
-        with locked(path):  # again: what the branch begins with waits, and outlives the next gap
-            assert recording.go_on(Moment(1, 60, state_of(60), 12, 0), world)
             assert recording.trouble
-            fly(recording, 61, 120)
-            assert recording.lost_from == 13
-        assert eventually(lambda: recording.reachable)
-        assert recording.go_on(Moment(2, 120, state_of(120), 24, 0))
-        assert recording.lost_from == math.inf
-        recording.order(120, HELM, "after it")
-        assert not recording.trouble
-        recording.event(120, "mark", "helm", "here")
+    assert recording.missing == "50 ticks"
     with closing(Recording.look(path)) as again:
-        _, second, third = again.branches()
-        assert (second.tick, third.tick) == (60, 120)
-        past = again.orders(third.id, 2)
-        assert [(each.id, each.tick, each.giver, each.text) for each in past] == [
-            (12, 12, HELM, "current set 090 2"),
-            (12, 14, planned, "current set 180 1"),
-            (25, 120, HELM, "after it"),
+        assert [(each.tick, each.accepted) for each in again.orders(1)][2:] == [
+            (tick, True) for tick in range(15, 61, 5)
         ]
-        assert all(each.accepted for each in past[:2])
-        assert [each.text for each in again.orders(third.id, 12)] == ["after it"]
-        assert [each.text for each in again.events()] == ["here"]
-        assert not [*again.notes()]
-    alter(path, "UPDATE events SET tick = 61 WHERE tick = 14")
-    with (
-        closing(Recording.look(path)) as again,
-        pytest.raises(RecordingError, match=r"is damaged: an order to the world was .* tick 61"),
-    ):
-        again.orders(3)
+        assert again.latest().tick == 10
+
+
+@pytest.mark.usefixtures("impatient")
+def test_orders_and_forks_that_have_no_room_in_a_gap_are_counted_and_refused(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 20_000)
+    back = Moment(1, 10, state_of(10), 2, 0)
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        with locked(path):
+            fly(recording, 11, 30)
+            with pytest.raises(RecordingError, match=r"no room for one more branch: .*locked"):
+                for _ in range(20):
+                    recording.fork(back, "backtrack")
+            last = recording.branch
+            assert last > 5
+            fly(recording, 11, 30)
+        assert eventually(lambda: recording.reachable)
+        assert recording.go_on(Moment(last, 30, state_of(30), 10, 0))
+    assert recording.missing == "40 ticks, 4 orders"
+    with closing(Recording.look(path)) as again:
+        assert [each.parent for each in again.branches()] == [None, *[1] * (last - 1), last]
 
 
 @pytest.mark.usefixtures("impatient")

@@ -271,6 +271,26 @@ def test_a_run_wound_back_keeps_every_branch_as_it_was(ship: Ship, plain: list[b
     assert {"moment", "exercise", "time"} <= kinds
 
 
+def test_the_end_of_a_branch_is_flown_to_where_its_states_are_lost(
+    ship: Ship, plain: list[bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def typed() -> Lines:
+        yield from onward(ship, 60)
+        with monkeypatch.context() as gap:
+            gap.setattr(ship.recording, "state", lambda _tick, _state: None)
+            yield from onward(ship, 120)
+        yield from ("reset", "branch 1")
+        assert ship.tick == 110  # of the last orders
+        yield "step 10"
+        assert ship.state == plain[120]
+
+    ship.sail(typed())
+
+    first, *later = replay_anyway(ship.recording)
+    assert first.compared == 61
+    assert all(flight.same for flight in (first, *later))
+
+
 def test_a_moment_has_the_orders_given_in_its_freeze_before_it_and_no_later_ones(
     ship: Ship,
 ) -> None:

@@ -209,6 +209,16 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
     assert flight.unequal == 0
 
 
+def test_orders_after_the_last_state_are_given_each_at_its_tick(run: Run) -> None:
+    run.sail(180, {180: ["rudder meet"]})  # which is refused where she does not swing
+    run.recording.close()
+    assert alter(run.path, "DELETE FROM states") == 180
+    (flight,) = looked_at(run.path)
+
+    assert flight.compared == 1
+    assert flight.same, flight.answers
+
+
 def test_a_state_cut_short_is_told_where_it_is_tabulated(run: Run) -> None:
     run.recording.close()
     with contextlib.closing(Recording.look(run.path)) as looked:

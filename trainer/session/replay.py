@@ -6,7 +6,6 @@ differs shows a change of the equations. With another step or vessel (``otherwis
 be the same: then the branch is flown from the plan's start, and the first difference is reported.
 """
 
-import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -118,14 +117,24 @@ def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
     for tick, state in recording.states(branch.id):
-        while flown < tick * course.pace - 1e-9:
-            give_orders(orders, flown, flight, course)
-            if status := boat.tick():
-                raise ConfigError(boat.failure(status))
-            flown += 1
+        flown = fly_to(tick, flown, orders, flight, course)
         if tick > branch.tick and abs(flown - tick * course.pace) < 1e-9:
             compare_states(flight, tick, state, course)
-    give_orders(orders, math.inf, flight, course)
+    while orders:  # of ticks of which no state is kept
+        flown = fly_to(orders[0].tick, flown, orders, flight, course)
+        give_orders(orders, flown, flight, course)
+
+
+def fly_to(
+    tick: int, flown: int, orders: deque[RecordedOrder], flight: ReplayFlight, course: Course
+) -> int:
+    """Fly to a recorded tick by the orders before it; return to which tick that is now."""
+    while flown < tick * course.pace - 1e-9:
+        give_orders(orders, flown, flight, course)
+        if status := course.boat.tick():
+            raise ConfigError(course.boat.failure(status))
+        flown += 1
+    return flown
 
 
 def give_orders(

@@ -4,7 +4,6 @@ They have the methods of ``recording.Recording``. ``NoRecording`` drops everythi
 remembers the orders alone, for the Python face, which lists them.
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
@@ -20,7 +19,6 @@ class NoRecording:
     def __init__(self) -> None:
         self.trouble = self.missing = self.behind = ""
         self.reachable = False
-        self.lost_from = math.inf
         self.wake = lambda: None
         self.absences = 0
         self.branch = 1
@@ -57,7 +55,7 @@ class NoRecording:
         self.branch += 1
         return self.branch
 
-    def go_on(self, _moment: Moment, _world: Iterable[tuple[int, Giver, str]] = ()) -> bool:
+    def go_on(self, _moment: Moment) -> bool:
         """Return that nothing is recorded."""
         return False
 

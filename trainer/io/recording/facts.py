@@ -59,10 +59,7 @@ class BranchCause(Enum):
     SHOWN = "shown"  # the reference crew shows the way: no run of the crew's
 
 
-# Kinds of events that programs alone read: what became of an alert, and an order to the world of
-# which the recording lost the row
-NOTE_KIND = "alert-note"
-WORLD_KIND = "world-order"
+NOTE_KIND = "alert-note"  # of events that programs alone read: what became of an alert
 OVER_WORDS = "EXERCISE OVER: "  # begin the event of an exercise's end
 NO_CREW_FACT = CrewFact()
 SCHEDULE_GIVER = Giver(GiverKind.SCHEDULE, "schedule", "schedule")

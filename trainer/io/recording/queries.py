@@ -20,7 +20,6 @@ from trainer.io.recording import format_1
 from trainer.io.recording.facts import (
     NO_CREW_FACT,
     NOTE_KIND,
-    WORLD_KIND,
     BranchCause,
     CrewFact,
     CrewNews,
@@ -31,8 +30,8 @@ from trainer.io.recording.file import FILE_FORMAT, RecordingError, understanding
 
 NO_END: Final = 2**62  # beyond any tick or order
 # [ticks] that an order may lie beyond the last state of its branch: orders are kept at once, states
-# within some seconds, which a killed program does not live to see
-ORDER_LEEWAY_TICKS: Final = 1000
+# within some seconds, and not where a disk was full for hours; more than five days are damage
+ORDER_LEEWAY_TICKS: Final = 1_000_000
 MAX_ANSWER_BYTES: Final = 100_000_000  # [bytes] of an answer that is held as a whole
 ROW_BYTES: Final = 300  # [bytes] of a row beside its texts
 MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100
@@ -270,29 +269,8 @@ class Past:
             stretches.append(self._journalled(here, rows))
             if here.parent is None or here.after <= after:
                 break
-            stretches.append(self.lost_world_orders(here))
             here, last = self._branch(here.parent), here.after
         return [order for stretch in reversed(stretches) for order in stretch]
-
-    def lost_world_orders(self, branch: Branch) -> list[RecordedOrder]:
-        """Return the lost orders to the world that hold where a branch begins.
-
-        Only a branch after a gap has such. Their number is that of the last order lost there.
-        """
-        if branch.cause is not BranchCause.GAP:
-            return []
-        orders = []
-        query = "SELECT tick, who, text FROM events WHERE branch = ? AND kind = ? ORDER BY id"
-        for tick, who, text in self._all(query, branch.id, WORLD_KIND):
-            if tick > branch.tick:
-                raise self._damaged(f"an order to the world was given at tick {tick}")
-            giver = format_1.giver_of(who)
-            orders.append(
-                RecordedOrder(
-                    branch.after, branch.id, tick, giver, text, None, accepted=True, answer=""
-                )
-            )
-        return orders
 
     def snapshots_seen_from(self, branch: int) -> list[tuple[str, Moment]]:
         """Return the named moments, the latest of each name.
@@ -335,18 +313,18 @@ class Past:
             yield self._next(row, branch, tick, row[0])
 
     def events(self) -> Iterator[RecordedEvent]:
-        """Yield the events in order, without those that are for programs alone."""
-        return self._events(f"NOT IN ('{NOTE_KIND}', '{WORLD_KIND}')")
+        """Yield the events in order, without notes that are for programs alone."""
+        return self._events("!=")
 
     def notes(self) -> Iterator[RecordedEvent]:
         """Yield the notes in order: what became of each alert, for programs."""
-        return self._events(f"= '{NOTE_KIND}'")
+        return self._events("=")
 
-    def _events(self, kinds: str) -> Iterator[RecordedEvent]:
-        """Yield the events of some kinds."""
+    def _events(self, are: str) -> Iterator[RecordedEvent]:
+        """Yield the events that are notes, or those that are none."""
         query = (
             f"SELECT {self._event_columns} FROM events "  # noqa: S608 our own
-            f"WHERE kind {kinds} ORDER BY id"
+            f"WHERE kind {are} '{NOTE_KIND}' ORDER BY id"
         )
         for row in self._rows(query):
             branch, tick, kind, who, text, wall, *roles = row
@@ -419,11 +397,11 @@ class Past:
             raise self._damaged(f"branch {branch.id} begins in a later one")
         return branch
 
-    def _row(self, question: str, *values: int | str) -> Row:
+    def _row(self, question: str, *values: int) -> Row:
         """Return the first row of the answer, () if there is none."""
         return next(self._rows(question, *values), ())
 
-    def _all(self, question: str, *values: int | str) -> list[Row]:
+    def _all(self, question: str, *values: int) -> list[Row]:
         """Return all rows of an answer; RecordingError if they take too much memory."""
         rows, held = [], 0
         for row in self._rows(question, *values):
@@ -435,7 +413,7 @@ class Past:
             rows.append(row)
         return rows
 
-    def _rows(self, question: str, *values: int | str) -> Iterator[Row]:
+    def _rows(self, question: str, *values: int) -> Iterator[Row]:
         try:
             with understanding(self._name):
                 answer = self._connection.execute(question, values)

@@ -8,10 +8,10 @@ loses power loses no order, mark, snapshot or fork older than SAFE_WITHIN_S, and
 FLOWN_WITHIN_S: a thread waits for the disk, never the caller. `behind` says if it takes longer.
 
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
-recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that all of it but
-forks is lost and counted. The recording then goes on in a new branch that begins after the end of
-its parent, because the ticks between the two are lost. That branch has the lost orders to the world
-that hold there, because no state has what they ask for.
+recorded waits, up to MAX_WAITING_BYTES bytes, and the thread tries again. Beyond that it is lost
+and counted, all but orders, answers and forks: these wait on, up to as many bytes again. The
+recording then goes on in a new branch that begins after the last state of its parent, because the
+ticks between the two are lost. The orders given there are the parent's.
 """
 
 # long: what waits, what is lost and what the disk has is one state, and is read at one sitting
@@ -21,14 +21,14 @@ import math
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Final
 
 from trainer.io.recording import file
 from trainer.io.recording.checkpoint import CHECKPOINT_STATEMENT, Checkpointer
-from trainer.io.recording.facts import NO_CREW_FACT, WORLD_KIND, BranchCause, CrewFact, Giver
+from trainer.io.recording.facts import NO_CREW_FACT, BranchCause, CrewFact, Giver
 from trainer.io.recording.file import (
     FILE_FORMAT,
     TOUCH_STATEMENT,
@@ -97,9 +97,6 @@ TIMING_INSERT: Final = (
 EVENT_INSERT: Final = (
     "INSERT INTO events (branch, tick, kind, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
-WORLD_ORDER_INSERT: Final = (
-    "INSERT INTO events (kind, branch, tick, who, role, text, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
-)
 SNAPSHOT_INSERT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
@@ -112,11 +109,10 @@ STATEMENTS: Final = (
     STATE_INSERT,
     TIMING_INSERT,
     EVENT_INSERT,
-    WORLD_ORDER_INSERT,
     SNAPSHOT_INSERT,
 )
-# Rows that stay where all others are dropped: without them, what is recorded later has another past
-LASTING_STATEMENTS: Final = (BRANCH_INSERT, WORLD_ORDER_INSERT)
+# Rows that wait on where the rest is dropped: by them the ticks that are lost can be flown again
+LASTING_STATEMENTS: Final = (BRANCH_INSERT, ORDER_INSERT, ANSWER_UPDATE)
 # Rows that are promised to outlive lost power; marks are too, but they are events.
 PROMISED_STATEMENTS: Final = (BRANCH_INSERT, ORDER_INSERT, ANSWER_UPDATE, SNAPSHOT_INSERT)
 MARK_KIND: Final = "mark"  # the kind of such an event
@@ -137,7 +133,6 @@ class Recording(Past):
     trouble: str  # why nothing is written at present; "" while all is well
     branch: int  # the present one
     reachable: bool  # after a gap: ``go_on`` can begin a new branch
-    lost_from: float  # the number of the first order lost in this gap; infinity without one
     absences: int  # how often it was out of reach
     wake: Callable[[], object]  # called by the thread when trouble begins or ends
 
@@ -166,9 +161,8 @@ class Recording(Past):
         self._states, self._timings = self._waiting[STATE_INSERT], self._waiting[TIMING_INSERT]
         self._writing_it = threading.Lock()  # held by who uses the connection to write
         self._shortening = threading.Lock()  # held for a moment where what waits grows shorter
-        self.lost_from = math.inf
         self._held = 0  # [bytes] that wait while it is out of reach
-        self._gap = False  # more than there is room for has come: from then on it is only counted
+        self._gap = False  # more than there is room for has come: most of it is only counted
         self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in this gap
         self._missing = dict.fromkeys(COUNTED_STATEMENTS, 0)  # in all
         self.wake = lambda: None
@@ -282,9 +276,9 @@ class Recording(Past):
     def fork(self, moment: Moment, why: str, cause: BranchCause = BranchCause.JUMP) -> int:
         """Begin a new branch at a moment, at once. Return its number, from now on the present.
 
-        RecordingError where nothing can be read, or more forks wait than there is room for.
+        RecordingError where nothing can be read, or more waits than there is room for.
         """
-        if self._gap and self._held > MAX_WAITING_BYTES:
+        if self._crowded:
             raise RecordingError(f"no room for one more branch: {self.trouble}")
         parent = self._owner(moment)
         self._begin_branch(parent, moment, why, cause)
@@ -299,11 +293,10 @@ class Recording(Past):
             begun = Moment(here.parent, here.tick, here.state, here.after, here.entry)
             self.fork(begun, SHOWN_REASON)
 
-    def go_on(self, moment: Moment, world: Iterable[tuple[int, Giver, str]] = ()) -> bool:
+    def go_on(self, moment: Moment) -> bool:
         """Go on after a gap in a new branch from a moment. Its cause says what is missing.
 
-        ``world`` has tick, giver and text of each lost order to the world that holds there. Return
-        whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
+        Return whether it goes on. Where it cannot be read yet, the thread tries to reach it again.
         """
         parent = self.branch
         try:
@@ -312,14 +305,11 @@ class Recording(Past):
             self.reachable = False
             return False
         self._gap = self.reachable = False
-        self.trouble, self.lost_from = "", math.inf
-        why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
+        self.trouble = ""
+        why = f"not recorded after tick {last}: {_counts(self._lost) or 'nothing'} lost"
         self._lost = dict.fromkeys(COUNTED_STATEMENTS, 0)
         self._begin_branch(parent, moment, why, BranchCause.GAP)
         self.branch, self._tick = self._branches, moment.tick
-        for tick, giver, text in world:
-            row = (WORLD_KIND, self.branch, tick, giver.words, giver.role, text, wall_time())
-            self._put(WORLD_ORDER_INSERT, row)
         self.flush()
         return True
 
@@ -353,7 +343,8 @@ class Recording(Past):
             self._checkpointer.close()
         self.flush(WRITE_TIMEOUT_S)
         end = time.monotonic() + WRITE_TIMEOUT_S
-        while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
+        self.reachable = False  # in a gap too orders may wait
+        while self.trouble and self._checkpointer and not self.reachable and time.monotonic() < end:
             self._reach()
             time.sleep(CALLER_WAIT_S)
         self._connection.close()
@@ -384,13 +375,13 @@ class Recording(Past):
         """
         return self.snapshots_seen_from(self.branch)
 
-    def _rows(self, question: str, *values: int | str) -> Iterator[Answer]:
+    def _rows(self, question: str, *values: int) -> Iterator[Answer]:
         self.flush()
         return super()._rows(question, *values)
 
     def _put(self, statement: str, row: Row) -> None:
         """Queue a row. Out of reach, drop rows once they take too much memory."""
-        if self._gap and statement not in LASTING_STATEMENTS:
+        if self._gap and (self._crowded or statement not in LASTING_STATEMENTS):
             self._count_lost(statement, 1)
             return
         rows = self._waiting[statement]
@@ -398,19 +389,22 @@ class Recording(Past):
         if self.trouble:
             self._held += _size_of(row)
             if self._held > MAX_WAITING_BYTES and not self._gap:
-                self._drop()
+                self._drop(LASTING_STATEMENTS)
         elif len(rows) >= BATCH_ROWS:
             self.flush(WRITE_TIMEOUT_S)
 
-    def _drop(self) -> None:
-        """Drop all waiting rows but lasting ones, and count them as lost."""
+    @property
+    def _crowded(self) -> bool:
+        """Return whether no row has room, not even one that waits on in a gap."""
+        return self._gap and self._held > MAX_WAITING_BYTES
+
+    def _drop(self, spared: Collection[str] = ()) -> None:
+        """Drop the waiting rows, and count them as lost; ``spared`` are statements that wait on."""
         with self._shortening:
             self._gap = True
-            self.lost_from = self._order + 1 - len(self._waiting[ORDER_INSERT])
-            for statement, rows in self._waiting.items():
-                if statement not in LASTING_STATEMENTS:
-                    self._count_lost(statement, len(rows))
-                    rows.clear()
+            for statement in {*STATEMENTS}.difference(spared):
+                self._count_lost(statement, len(self._waiting[statement]))
+                self._waiting[statement].clear()
             self._held = sum(map(_size_of, chain(*self._waiting.values())))
 
     def _count_lost(self, statement: str, number: int) -> None:
@@ -458,7 +452,8 @@ class Recording(Past):
                 self._checkpointer.disk.expect(SAFE_WITHIN_S if promised else FLOWN_WITHIN_S)
             for statement, count in counts.items():
                 del self._waiting[statement][:count]
-        self._kept = tick
+        if not self._gap:
+            self._kept = tick
         if self._checkpointer and self._checkpointer.gone:
             self._lose("is not there any more: removed, or its disk is; write to another")
         elif self._checkpointer:
@@ -508,10 +503,9 @@ class Recording(Past):
         self._commit(0.0)
         with self._shortening:
             self._held = 0
+            self.reachable = self._gap
             if not self._gap:
                 self.trouble = ""
-            else:
-                self.reachable = True
 
     def _owner(self, moment: Moment) -> int:
         """Return the branch of a moment. A replay may stand before the start of its branch."""

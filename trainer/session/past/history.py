@@ -144,22 +144,30 @@ class History(Journal):
     def fork_at_end(self, end: Moment, why: str, schedule: Sequence[ScheduledOrder]) -> None:
         """Go to the end of a branch, give its last orders again, and fork.
 
-        Orders after the last recorded tick are in no recorded state, so they are given again.
+        Orders after the last recorded tick are in no recorded state, so they are given again, each
+        at its tick. RecordingError leaves everything as it was.
         """
         orders = self.recording.orders(end.branch, end.after)  # before anything is changed
         here = self.now()
         self._restore(end)
-        for entry in orders:
-            order = order_of(entry, schedule)
-            if order is not None and order.name in BOAT_ORDERS and entry.accepted:
-                obey_order(self.boat, order)
-            self.include(entry)
-        last = Moment(end.branch, end.tick, self._state(), self.after, self.entry)
         try:
+            for entry in orders:
+                self._fly_to(entry.tick)
+                order = order_of(entry, schedule)
+                if order is not None and order.name in BOAT_ORDERS and entry.accepted:
+                    obey_order(self.boat, order)
+                self.include(entry)
+            last = Moment(end.branch, self.tick, self._state(), self.after, self.entry)
             self.fork_at(last, why)
         except RecordingError:
             self._restore(here)
             raise
+
+    def _fly_to(self, tick: int) -> None:
+        """Fly to a tick of which no state is recorded; RecordingError if the boat cannot."""
+        while self.tick < tick:
+            if status := self.boat.tick():
+                raise RecordingError(f"the end cannot be flown: {self.boat.failure(status)}")
 
     def fork_at(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there.

@@ -93,14 +93,13 @@ class Moments:
 
 
 class WorldOrder(NamedTuple):
-    """An order to the world with its tick and giver, and the one before it.
+    """An order to the world with its tick, and the one before it.
 
     A chain shares its beginning with the chains of other branches.
     """
 
     number: int
     tick: int
-    giver: Giver
     order: Order
     before: "WorldOrder | None"
 
@@ -136,13 +135,13 @@ class Journal:
 
     def order(self, giver: Giver, order: Order, entry: int | None = None) -> int:
         """Journal an order that is about to act; return its number."""
-        self._go_on()
+        if self.recording.reachable:
+            self.recording.go_on(self.now())
         before = self._world_order(self.recording.branch, self.after)
         number = self.recording.order(self.tick, giver, order.text, entry)
         self.before_order[number], self.after = self.after, number
         ours = order.name in WORLD_PARTS
-        to_it = WorldOrder(number, self.tick, giver, order, before) if ours else before
-        self._to_world[number] = to_it
+        self._to_world[number] = WorldOrder(number, self.tick, order, before) if ours else before
         if entry is not None:
             self.entry = entry + 1
         return number
@@ -178,23 +177,11 @@ class Journal:
     def record(self, tick: int, state: bytes) -> None:
         """Record the state after a tick of a live run."""
         # a branch that begins after a gap begins with this state
-        if not self._go_on():
+        if not (self.recording.reachable and self.recording.go_on(self.now())):
             self.recording.state(tick, state)
         if tick % self._period == 0:
             branch = self.recording.branch
             self.automatic.append(Moment(branch, tick, state, self.after, self.entry))
-
-    def _go_on(self) -> bool:
-        """Have the recording go on after a gap where it can; return whether it does now."""
-        if not self.recording.reachable:
-            return False
-        now = self.now()
-        lost: list[tuple[int, Giver, str]] = []
-        latest = self._world_order(now.branch, now.after)
-        while latest and latest.number >= self.recording.lost_from:
-            lost.append((latest.tick, latest.giver, latest.order.text))
-            latest = latest.before
-        return self.recording.go_on(now, reversed(lost))
 
     def said(self) -> list[RecordedOrder]:
         """Return the orders that the present state includes; none while they cannot be read."""
@@ -240,9 +227,7 @@ def to_world(entry: RecordedOrder, before: WorldOrder | None) -> WorldOrder | No
     if entry.accepted is False or entry.text.partition(" ")[0] not in WORLD_PARTS:  # most are not
         return before
     order = parse(entry.text)
-    if not isinstance(order, Order):
-        return before
-    return WorldOrder(entry.id, entry.tick, entry.giver, order, before)
+    return WorldOrder(entry.id, entry.tick, order, before) if isinstance(order, Order) else before
 
 
 def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
@@ -260,8 +245,6 @@ def worlds_begun(recording: Recording) -> dict[int, WorldOrders]:
         latest = flown[branch.parent]
         while latest and latest.number > branch.after:
             latest = latest.before
-        for entry in recording.lost_world_orders(branch):
-            latest = to_world(entry, latest)
         begun[branch.id] = world_orders(latest)
         for entry in recording.orders(branch.id, branch.after):
             latest = to_world(entry, latest)
