@@ -751,8 +751,7 @@ def test_orders_and_forks_that_have_no_room_in_a_gap_are_counted_and_refused(
         with locked(path):
             fly(recording, 11, 30)
             with pytest.raises(RecordingError, match=r"no room for one more branch: .*locked"):
-                for _ in range(20):
-                    recording.fork(back, "backtrack")
+                list(map(recording.fork, [back] * 20, ["backtrack"] * 20))
             last = recording.branch
             assert last > 5
             fly(recording, 11, 30)
