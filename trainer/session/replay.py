@@ -128,7 +128,7 @@ def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
 def fly_to(
     tick: int, flown: int, orders: deque[RecordedOrder], flight: ReplayFlight, course: Course
 ) -> int:
-    """Fly to a recorded tick by the orders before it; return to which tick that is now."""
+    """Fly to a recorded tick by the orders before it; return the tick flown to."""
     while flown < tick * course.pace - 1e-9:
         give_orders(orders, flown, flight, course)
         if status := course.boat.tick():
