@@ -330,6 +330,33 @@ def test_a_boat_that_is_lost_while_another_replays_is_taken_away_when_that_goes_
     assert two.seen(1) is None
 
 
+def test_a_boat_whose_new_line_was_lost_in_a_replay_is_not_shown_where_it_was_before(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(10.0)
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.pass_time(40.0)  # the boat goes on, and nobody hears it
+    two.ship(1).order("course 090")
+    two.pass_time(40.0)
+    assert two.seen(2) is None  # lost for longer than a minute
+    two.ship(1).order("replay 10 s")
+    two.ship(1).order("run")
+    two.lost.clear()
+    two.settle()
+    assert two.seen(2) is None  # of its place nothing was said
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.pass_time(20.0)
+    assert two.seen(2) is None
+    two.ship(1).order("run")  # after the replay
+    two.lost.clear()
+    two.settle()
+    two.pass_time(1.0)
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+
+
 def test_a_boat_with_another_word_is_told_and_not_asked_again(sea: Callable[..., Sea]) -> None:
     two = sea()
     two.words = {"": "anchor", "instructor": "captain"}

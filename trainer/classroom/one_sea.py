@@ -99,14 +99,9 @@ class SeaBoat:
 
     @property
     def there(self) -> bool:
-        """Return whether it was heard, and is not lost for too long.
-
-        A new line that begins in a replay has not told where the boat itself is.
-        """
+        """Return whether it was heard, and is not lost for too long."""
         lost = not self._pace and self.clock() - self._lost > LOST_AFTER_S
-        unheard = self.shows_past and not self._last[0]
-        known = self._place is not None and not (lost or unheard)
-        return known and math.isfinite(self.rate)
+        return self._place is not None and not lost and math.isfinite(self.rate)
 
     @property
     def place(self) -> Place:
@@ -203,6 +198,8 @@ class SeaBoat:
                 self.rate = 0.0
             else:
                 self.rate = math.inf if self._pace[1] == "max" else float(self._pace[1])
+            if self.shows_past and not self._last[0]:
+                self._place = None  # a new line that begins in a replay: the boat is elsewhere now
             self._note_tick(int(said.fields[1]))
         elif said.kind == "TRS" and said.fields[0] == "motion" and not self.shows_past:
             self._note_tick(int(said.fields[1]))
