@@ -100,7 +100,7 @@ class Watched:
     lost: Spot | None = None  # where it died: it goes straight on until the class hears it again
     last: tuple[int, int] = (0, 0)  # branch and tick, outside replays
     shown: set[int] = field(default_factory=set)  # that its session was told of
-    been_apart: set[int] = field(default_factory=set)  # beyond doubt, since either jumped
+    been_apart: set[int] = field(default_factory=set)  # beyond doubt, since they came into one sea
 
 
 class Sea:
@@ -142,8 +142,16 @@ class Sea:
                 self._look_at(number, boat, boat.session)
         for number, boat in self.boats.items():
             for other in BOATS:
-                if other != number and self._far(boat, self.boats[other]):
-                    boat.been_apart.add(other)
+                if other != number:
+                    self._note_apart(boat, other)
+
+    def _note_apart(self, boat: Watched, other: int) -> None:
+        """Note whether another boat has been far off, since their times began to run alike."""
+        there = self.boats[other]
+        if boat.spot and there.spot and not alike_rates(boat.spot.rate, there.spot.rate):
+            boat.been_apart.discard(other)
+        elif self._far(boat, there):
+            boat.been_apart.add(other)
 
     def _far(self, one: Watched, two: Watched) -> bool:
         """Return whether two boats have been heard in one sea, beyond doubt PARTED_M apart."""

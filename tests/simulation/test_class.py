@@ -1,16 +1,23 @@
 """Classes of three sessions hold every law, and a fault of the class's sea breaks one."""
 
+# ruff: noqa: SLF001  a fault lies in private parts
+
 from collections.abc import Callable
 from typing import Final
 
 import pytest
 
+from simulation.class_laws import alike_rates
 from simulation.class_play import play_class
 from simulation.mutants import with_fault
 from trainer.classroom import one_sea
 from trainer.classroom.one_sea import OneSea, SeaBoat
+from trainer.io.orders.sentences import Sentence
 
-SEEDS: Final = (4, 61, 82)  # of which two once showed a boat that was gone
+SEEDS: Final = (
+    *(4, 61, 82, 213),  # of which three once showed a boat that was gone, or where it had been
+    *(294, 358),  # a jump hidden by a replay at once; near each other after times unlike
+)
 MORE: Final = 20  # within which each fault is found
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 
@@ -71,7 +78,50 @@ def part_unheard(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(SeaBoat, "part", part)
 
 
-FAULTS: Final = (keep_then, take_past, swap_numbers, part_nobody, mix_times, part_unheard)
+def keep_place(patch: pytest.MonkeyPatch) -> None:
+    """Take a boat, whose new line begins in a replay, to be where it was before."""
+    hear = SeaBoat._hear
+
+    def hear_on(boat: SeaBoat, said: Sentence) -> None:
+        before = boat._place
+        hear(boat, said)
+        boat._place = boat._place or before
+
+    patch.setattr(SeaBoat, "_hear", hear_on)
+
+
+def show_again(patch: pytest.MonkeyPatch) -> None:
+    """Show boats to each other, whose times have run otherwise, wherever they have come to."""
+    meet = OneSea._meet
+
+    def meet_again(sea: OneSea, boat: SeaBoat, number: int) -> None:
+        before = boat.parted & {number}
+        meet(sea, boat, number)
+        boat.parted |= before
+
+    patch.setattr(OneSea, "_meet", meet_again)
+
+
+def lose_others(patch: pytest.MonkeyPatch) -> None:
+    """Never show boats to each other again, whose times have run otherwise."""
+    meet = OneSea._meet
+    lost: set[tuple[int, int]] = set()
+
+    def meet_others(sea: OneSea, boat: SeaBoat, number: int) -> None:
+        if not alike_rates(boat.rate, sea.boats[number].rate):
+            lost.add((id(boat), number))
+        if (id(boat), number) in lost:
+            boat.part(number)
+        else:
+            meet(sea, boat, number)
+
+    patch.setattr(OneSea, "_meet", meet_others)
+
+
+FAULTS: Final = (
+    *(keep_then, take_past, swap_numbers, part_nobody, mix_times, part_unheard),
+    *(keep_place, show_again, lose_others),
+)
 
 
 @pytest.mark.slow

@@ -6,8 +6,9 @@ any order to the world. So a recording is replayed without the others. A boat go
 was told last, and is told again when it is elsewhere by PLACE_ERROR_M or DEPTH_ERROR_M.
 
 Each session has its own time. What is told here is where the others are now, whatever their clocks
-say. A boat that jumps in time, is resumed or begins anew is not shown to the others before it is
-PARTED_M off, nor are they to it, so that nobody is put into another's hull.
+say. A boat that jumps in time, is resumed, begins anew or has run its time at another rate is not
+shown to the others before it is PARTED_M off, nor are they to it, so that nobody is put into
+another's hull.
 """
 
 import itertools
