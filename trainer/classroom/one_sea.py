@@ -129,8 +129,9 @@ class SeaBoat:
                 self._hear(sentence)
         if self._line.ended or self._line.trouble:
             self._line.close(0.0)
-            self._line, self._lost, self._last = None, self.clock(), ("", -1)
-            self._pace = ()
+            if self._pace:  # a line that has said nothing makes it no less lost
+                self._lost = self.clock()
+            self._line, self._last, self._pace = None, ("", -1), ()
 
     def say(self, words: str) -> None:
         """Give its session an order."""
