@@ -14,15 +14,19 @@ from trainer.classroom import one_sea
 from trainer.classroom.one_sea import OneSea, SeaBoat
 from trainer.io.orders.sentences import Sentence
 
-SEEDS: Final = (
-    *(4, 61, 82, 213),  # of which three once showed a boat that was gone, or where it had been
-    *(294, 358),  # a jump hidden by a replay at once; near each other after times unlike
+SEEDS: Final = (4, 61, 82)  # of which two once showed a boat that was gone
+LONG_SEEDS: Final = (
+    213,  # a new line that begins in a replay is lost in it: the boat was shown where it had been
+    294,  # restored, and at once replayed: the law did not see where it had come to
+    358,  # near each other after times unlike: the law had them still parted
 )
 MORE: Final = 20  # within which each fault is found
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    "seed", [*SEEDS, *(pytest.param(seed, marks=pytest.mark.long) for seed in LONG_SEEDS)]
+)
 def test_a_class_with_kills_freezes_jumps_and_replays_holds_every_law(seed: int) -> None:
     played = play_class(seed)
 
@@ -129,6 +133,6 @@ FAULTS: Final = (
 def test_a_fault_put_into_the_sea_of_a_class_is_found(
     fault: Callable[[pytest.MonkeyPatch], None],
 ) -> None:
-    seeds = (*SEEDS, *range(1, 1 + MORE))
+    seeds = (*SEEDS, *LONG_SEEDS, *range(1, 1 + MORE))
 
     assert any(play_class(seed, with_fault(fault)).breaches for seed in seeds)
