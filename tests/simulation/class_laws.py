@@ -97,6 +97,7 @@ class Watched:
     past: bool = False  # as it was seen last
     pace: float = 0.0  # [m/s] at which it went last, outside its past
     begun: float = 0.0  # [s] its process
+    heard: bool = False  # since then outside its past, beyond doubt
     lost: Spot | None = None  # where it died: it goes straight on until the class hears it again
     last: tuple[int, int] = (0, 0)  # branch and tick, outside replays
     shown: set[int] = field(default_factory=set)  # that its session was told of
@@ -124,7 +125,7 @@ class Sea:
     def begin(self, number: int, session: Session) -> None:
         """Note the session of a boat's process."""
         boat = self.boats[number]
-        boat.session, boat.begun, boat.past = session, self.now, False
+        boat.session, boat.begun, boat.past, boat.heard = session, self.now, False, False
         self._jump(number)
         boat.spot = None
         self._look_at(number, boat, session)
@@ -140,6 +141,7 @@ class Sea:
         for number, boat in self.boats.items():
             if boat.session:
                 self._look_at(number, boat, boat.session)
+                boat.heard = boat.heard or (not boat.past and self._is_settled(boat))
         for number, boat in self.boats.items():
             for other in BOATS:
                 if other != number:
@@ -157,13 +159,14 @@ class Sea:
         """Return whether two boats have been heard in one sea, beyond doubt PARTED_M apart."""
         if not (one.spot and two.spot and one.session and two.session):
             return False
-        settled = all(
-            self.now - each.changed > LATE_S and self.now - each.begun > REDIAL_S
-            for each in (one, two)
-        )
+        settled = all(each.heard and self._is_settled(each) for each in (one, two))
         alike = alike_rates(one.spot.rate, two.spot.rate)
         hears = not is_past(one.session)
         return settled and alike and hears and one.spot.apart(two.spot) > PARTED_M + 20.0
+
+    def _is_settled(self, boat: Watched) -> bool:
+        """Return whether the class knows by now how a boat goes."""
+        return self.now - boat.changed > LATE_S and self.now - boat.begun > REDIAL_S
 
     def _look_at(self, number: int, boat: Watched, session: Session) -> None:
         past = is_past(session)

@@ -19,6 +19,7 @@ LONG_SEEDS: Final = (
     213,  # a new line that begins in a replay is lost in it: the boat was shown where it had been
     294,  # restored, and at once replayed: the law did not see where it had come to
     358,  # near each other after times unlike: the law had them still parted
+    866,  # in a replay since its line began: the law took it to be heard
 )
 MORE: Final = 20  # within which each fault is found
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing
@@ -94,6 +95,13 @@ def keep_place(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(SeaBoat, "_hear", hear_on)
 
 
+def hide_past(patch: pytest.MonkeyPatch) -> None:
+    """Show no boat that replays."""
+    there = SeaBoat.there.fget
+    assert there
+    patch.setattr(SeaBoat, "there", property(lambda boat: there(boat) and not boat.shows_past))
+
+
 def show_again(patch: pytest.MonkeyPatch) -> None:
     """Show boats to each other, whose times have run otherwise, wherever they have come to."""
     meet = OneSea._meet
@@ -124,7 +132,7 @@ def lose_others(patch: pytest.MonkeyPatch) -> None:
 
 FAULTS: Final = (
     *(keep_then, take_past, swap_numbers, part_nobody, mix_times, part_unheard),
-    *(keep_place, show_again, lose_others),
+    *(keep_place, hide_past, show_again, lose_others),
 )
 
 
