@@ -3,7 +3,7 @@
 # ruff: noqa: SLF001  a fault lies in private parts
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import pytest
 
@@ -97,9 +97,9 @@ def keep_place(patch: pytest.MonkeyPatch) -> None:
 
 def hide_past(patch: pytest.MonkeyPatch) -> None:
     """Show no boat that replays."""
-    there = SeaBoat.there.fget
-    assert there
-    patch.setattr(SeaBoat, "there", property(lambda boat: there(boat) and not boat.shows_past))
+    there: Any = vars(SeaBoat)["there"]
+    shown = property(lambda boat: there.fget(boat) and not boat.shows_past)
+    patch.setattr(SeaBoat, "there", shown)
 
 
 def show_again(patch: pytest.MonkeyPatch) -> None:
