@@ -1,6 +1,7 @@
 """The boats of a class in one sea: each session is told of the others, and journals it."""
 
 import math
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -204,6 +205,32 @@ def test_a_boat_whose_time_runs_faster_is_taken_away_until_it_is_alike(
     assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
 
 
+def test_boats_come_near_while_their_times_run_otherwise_and_are_shown_once_they_have_parted(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea(spacing=400.0)
+    one, other = two.ship(1), two.ship(2)
+
+    def apart() -> float:
+        east = float(other.boat.state.y) + 400.0 - float(one.boat.state.y)
+        return math.hypot(float(other.boat.state.x) - float(one.boat.state.x), east)
+
+    one.order("course 090")
+    other.order("course 270")
+    two.pass_time(5.0)
+    assert two.seen(1) is not None
+    one.order("time x4")
+    while apart() > PARTED_M - 50.0:
+        two.pass_time(STEP)
+    one.order("time x1")
+    while apart() < PARTED_M - 10.0:
+        two.pass_time(STEP)
+        assert two.seen(1) is two.seen(2) is None
+    two.pass_time(10.0)
+    assert max(error(two, 1, 400.0)) < PLACE_ERROR_M
+    assert max(error(two, 2, 400.0)) < PLACE_ERROR_M
+
+
 def test_a_jump_back_puts_nobody_into_anothers_hull(sea: Callable[..., Sea]) -> None:
     two = sea()
     two.pass_time(20.0)
@@ -263,6 +290,28 @@ def test_a_boat_that_is_lost_goes_on_for_a_while_then_is_taken_away(
     two.settle()
     two.pass_time(1.0)
     assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
+
+
+def test_a_boat_whose_new_lines_end_before_they_say_anything_is_taken_away(
+    sea: Callable[..., Sea], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    two = sea()
+    two.pass_time(10.0)
+    dialled = threading.Semaphore(0)
+    silent = SimpleNamespace(
+        ended=True, trouble="", send=str, take=lambda _: (), close=lambda _: None
+    )
+
+    def dial(*_: object) -> SimpleNamespace:
+        dialled.release()
+        return silent
+
+    monkeypatch.setattr("trainer.io.client.dial", dial)
+    two.lines[1].line.ended = True
+    for _ in range(11):
+        two.pass_time(0.1 * LOST_AFTER_S, 2)
+        assert dialled.acquire(timeout=5.0)
+    assert two.seen(2) is None
 
 
 def test_a_collision_is_told_at_both(sea: Callable[..., Sea]) -> None:
@@ -328,6 +377,33 @@ def test_a_boat_that_is_lost_while_another_replays_is_taken_away_when_that_goes_
     two.ship(1).order("run")
     two.pass_time(1.0, 1)
     assert two.seen(1) is None
+
+
+def test_a_boat_whose_new_line_was_lost_in_a_replay_is_not_shown_where_it_was_before(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    two.pass_time(10.0)
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.pass_time(40.0)  # the boat goes on, and nobody hears it
+    two.ship(1).order("course 090")
+    two.pass_time(40.0)
+    assert two.seen(2) is None  # lost for longer than a minute
+    two.ship(1).order("replay 10 s")
+    two.ship(1).order("run")
+    two.lost.clear()
+    two.settle()
+    assert two.seen(2) is None  # of its place nothing was said
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.pass_time(20.0)
+    assert two.seen(2) is None
+    two.ship(1).order("run")  # after the replay
+    two.lost.clear()
+    two.settle()
+    two.pass_time(1.0)
+    assert max(error(two, 2, 1000.0)) < PLACE_ERROR_M
 
 
 def test_a_boat_with_another_word_is_told_and_not_asked_again(sea: Callable[..., Sea]) -> None:

@@ -97,10 +97,11 @@ class Watched:
     past: bool = False  # as it was seen last
     pace: float = 0.0  # [m/s] at which it went last, outside its past
     begun: float = 0.0  # [s] its process
+    heard: bool = False  # since then outside its past, beyond doubt
     lost: Spot | None = None  # where it died: it goes straight on until the class hears it again
     last: tuple[int, int] = (0, 0)  # branch and tick, outside replays
     shown: set[int] = field(default_factory=set)  # that its session was told of
-    been_apart: set[int] = field(default_factory=set)  # beyond doubt, since either jumped
+    been_apart: set[int] = field(default_factory=set)  # beyond doubt, since they came into one sea
 
 
 class Sea:
@@ -124,7 +125,7 @@ class Sea:
     def begin(self, number: int, session: Session) -> None:
         """Note the session of a boat's process."""
         boat = self.boats[number]
-        boat.session, boat.begun, boat.past = session, self.now, False
+        boat.session, boat.begun, boat.past, boat.heard = session, self.now, False, False
         self._jump(number)
         boat.spot = None
         self._look_at(number, boat, session)
@@ -140,22 +141,32 @@ class Sea:
         for number, boat in self.boats.items():
             if boat.session:
                 self._look_at(number, boat, boat.session)
+                boat.heard = boat.heard or (not boat.past and self._is_settled(boat))
         for number, boat in self.boats.items():
             for other in BOATS:
-                if other != number and self._far(boat, self.boats[other]):
-                    boat.been_apart.add(other)
+                if other != number:
+                    self._note_apart(boat, other)
+
+    def _note_apart(self, boat: Watched, other: int) -> None:
+        """Note whether another boat has been far off, since their times began to run alike."""
+        there = self.boats[other]
+        if boat.spot and there.spot and not alike_rates(boat.spot.rate, there.spot.rate):
+            boat.been_apart.discard(other)
+        elif self._far(boat, there):
+            boat.been_apart.add(other)
 
     def _far(self, one: Watched, two: Watched) -> bool:
         """Return whether two boats have been heard in one sea, beyond doubt PARTED_M apart."""
         if not (one.spot and two.spot and one.session and two.session):
             return False
-        settled = all(
-            self.now - each.changed > LATE_S and self.now - each.begun > REDIAL_S
-            for each in (one, two)
-        )
+        settled = all(each.heard and self._is_settled(each) for each in (one, two))
         alike = alike_rates(one.spot.rate, two.spot.rate)
         hears = not is_past(one.session)
         return settled and alike and hears and one.spot.apart(two.spot) > PARTED_M + 20.0
+
+    def _is_settled(self, boat: Watched) -> bool:
+        """Return whether the class knows by now how a boat goes."""
+        return self.now - boat.changed > LATE_S and self.now - boat.begun > REDIAL_S
 
     def _look_at(self, number: int, boat: Watched, session: Session) -> None:
         past = is_past(session)

@@ -29,10 +29,12 @@ from trainer.io import client
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
 from trainer.io.serial_line import LinkError
+from trainer.session.dispatch import Dispatch
 from trainer.session.past.options import RunOptions
 from trainer.session.resume import resume_boat
 from trainer.session.run import run_boat
 from trainer.session.session import Session
+from trainer.session.stations.station import Request
 
 SLICE_S: Final = 0.1  # between two looks at all boats
 QUIET_S: Final = 9.0  # in which all dial again and hear each other
@@ -198,7 +200,7 @@ class ClassStage:
 
     def _watch(self, patch: pytest.MonkeyPatch) -> None:
         """Know the sessions, and give the class the machine's lines and threads."""
-        begin, tick = Session.__post_init__, Session.tick
+        begin, tick, hear = Session.__post_init__, Session.tick, Dispatch.hear
 
         def begin_noted(session: Session, *given: Any) -> None:
             begin(session, *given)
@@ -208,8 +210,13 @@ class ClassStage:
             tick(session)
             self.sea.look()
 
+        def hear_noted(dispatch: Dispatch, asked: Request) -> None:
+            hear(dispatch, asked)
+            self.sea.look()  # the next order may hide where this one has brought the boat
+
         patch.setattr(Session, "__post_init__", begin_noted)
         patch.setattr(Session, "tick", tick_noted)
+        patch.setattr(Dispatch, "hear", hear_noted)
         patch.setattr(one_sea, "threading", Threading(self.machine))
         patch.setattr(client, "dial", self._dial)
 

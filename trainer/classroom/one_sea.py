@@ -6,8 +6,9 @@ any order to the world. So a recording is replayed without the others. A boat go
 was told last, and is told again when it is elsewhere by PLACE_ERROR_M or DEPTH_ERROR_M.
 
 Each session has its own time. What is told here is where the others are now, whatever their clocks
-say. A boat that jumps in time, is resumed or begins anew is not shown to the others before it is
-PARTED_M off, nor are they to it, so that nobody is put into another's hull.
+say. A boat that jumps in time, is resumed, begins anew or has run its time at another rate is not
+shown to the others before it is PARTED_M off, nor are they to it, so that nobody is put into
+another's hull.
 """
 
 import itertools
@@ -99,14 +100,9 @@ class SeaBoat:
 
     @property
     def there(self) -> bool:
-        """Return whether it was heard, and is not lost for too long.
-
-        A new line that begins in a replay has not told where the boat itself is.
-        """
+        """Return whether it was heard, and is not lost for too long."""
         lost = not self._pace and self.clock() - self._lost > LOST_AFTER_S
-        unheard = self.shows_past and not self._last[0]
-        known = self._place is not None and not (lost or unheard)
-        return known and math.isfinite(self.rate)
+        return self._place is not None and not lost and math.isfinite(self.rate)
 
     @property
     def place(self) -> Place:
@@ -133,8 +129,9 @@ class SeaBoat:
                 self._hear(sentence)
         if self._line.ended or self._line.trouble:
             self._line.close(0.0)
-            self._line, self._lost, self._last = None, self.clock(), ("", -1)
-            self._pace = ()
+            if self._pace:  # a line that has said nothing makes it no less lost
+                self._lost = self.clock()
+            self._line, self._last, self._pace = None, ("", -1), ()
 
     def say(self, words: str) -> None:
         """Give its session an order."""
@@ -203,6 +200,8 @@ class SeaBoat:
                 self.rate = 0.0
             else:
                 self.rate = math.inf if self._pace[1] == "max" else float(self._pace[1])
+            if self.shows_past and not self._last[0]:
+                self._place = None  # a new line that begins in a replay: the boat is elsewhere now
             self._note_tick(int(said.fields[1]))
         elif said.kind == "TRS" and said.fields[0] == "motion" and not self.shows_past:
             self._note_tick(int(said.fields[1]))
