@@ -25,6 +25,7 @@ from trainer.core.update import update
 from trainer.debrief.recording_export import table_layout
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import BOAT_ORDERS
+from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import Moment, Recording
 from trainer.session.past.header import differences
 from trainer.session.past.layout import LAYOUT
@@ -217,6 +218,27 @@ def test_orders_after_the_last_state_are_given_each_at_its_tick(run: Run) -> Non
 
     assert flight.compared == 1
     assert flight.same, flight.answers
+
+
+def test_lost_ticks_are_flown_to_the_state_after_them_where_no_order_is_lost(run: Run) -> None:
+    run.recording.fork(run.now(), "not recorded", BranchCause.GAP)
+    run.sail(170, {})
+    run.recording.close()
+    assert alter(run.path, "DELETE FROM states WHERE branch = 1 AND tick > 100") == 60
+    flights = looked_at(run.path)
+    assert [flight.compared for flight in flights] == [102, 10]
+    assert all(flight.same for flight in flights)
+
+    assert alter(run.path, "UPDATE orders SET text = 'depth 61 m' WHERE text = 'depth 60 m'") == 1
+    assert alter(run.path, "DELETE FROM states WHERE branch = 1") == 100
+    first, after = looked_at(run.path)
+    assert (first.compared, first.unequal, after.same) == (2, 1, True)
+    assert first.parting is not None
+    assert first.parting.tick == 160
+
+    assert alter(run.path, "DELETE FROM orders WHERE tick = 160") == 1
+    first, _ = looked_at(run.path)
+    assert (first.compared, first.same) == (1, True)
 
 
 def test_a_state_cut_short_is_told_where_it_is_tabulated(run: Run) -> None:

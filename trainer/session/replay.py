@@ -1,9 +1,11 @@
 """The replay of a recording by its orders, comparing states bit by bit.
 
 ``trainer replay`` flies each branch again from its first recorded state, gives the recorded orders
-at their ticks, and compares every state. The same program has to arrive at the same bits; what
-differs shows a change of the equations. With another step or vessel (``otherwise``) states cannot
-be the same: then the branch is flown from the plan's start, and the first difference is reported.
+at their ticks, and compares every state. Where ticks were lost, it flies on to the state after them
+by the orders given there, if all of these are kept. The same program has to arrive at the same
+bits; what differs shows a change of the equations. With another step or vessel (``otherwise``)
+states cannot be the same: then the branch is flown from the plan's start, and the first difference
+is reported.
 """
 
 from collections import deque
@@ -22,7 +24,7 @@ from trainer.core.kernel import Record
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.words import BOAT_ORDERS
-from trainer.io.recording.facts import GiverKind
+from trainer.io.recording.facts import BranchCause, GiverKind
 from trainer.io.recording.recording import Branch, RecordedOrder, Recording
 from trainer.session.past.header import (
     NO_CHANGES,
@@ -79,6 +81,7 @@ class Course:
     pace: float  # [-] ticks flown for one recorded
     afresh: bool  # from the plan's start, not from the states recorded
     worlds: Mapping[int, WorldOrders]  # the orders to it where each branch begins
+    gaps: Mapping[int | None, Branch]  # by each branch, the one that went on after lost ticks
 
 
 def replay_anyway(
@@ -94,8 +97,12 @@ def replay_anyway(
     plan = plan_of(header, otherwise)
     boat = Boat(plan.file, plan.method)
     pace = method_of(header).step / plan.method.step
-    course = Course(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording))
     flights = [ReplayFlight(branch) for branch in recording.branches()]
+    begun = [flight.branch for flight in flights]
+    course = Course(
+        *(plan, boat, layout_of(header), pace, bool(otherwise), worlds_begun(recording)),
+        {each.parent: each for each in begun if each.cause is BranchCause.GAP},
+    )
     for flight in flights:
         troubles: list[str] = []
         with collecting(troubles), np.errstate(all="ignore"):
@@ -116,13 +123,19 @@ def _fly(recording: Recording, flight: ReplayFlight, course: Course) -> None:
         boat.world.obey_anew(course.worlds[branch.id])
         flown, after = branch.tick, branch.after
     orders = deque(recording.orders(branch.id, after))
+    gap = course.gaps.get(branch.id)
+    if gap and gap.after != (orders[-1].id if orders else after):
+        gap = None  # some orders of it are lost too
     for tick, state in recording.states(branch.id):
         flown = fly_to(tick, flown, orders, flight, course)
-        if tick > branch.tick and abs(flown - tick * course.pace) < 1e-9:
+        if tick > branch.tick:
             compare_states(flight, tick, state, course)
     while orders:  # of ticks of which no state is kept
         flown = fly_to(orders[0].tick, flown, orders, flight, course)
         give_orders(orders, flown, flight, course)
+    if gap:
+        fly_to(gap.tick, flown, orders, flight, course)
+        compare_states(flight, gap.tick, gap.state, course)
 
 
 def fly_to(
@@ -156,7 +169,9 @@ def give_orders(
 
 
 def compare_states(flight: ReplayFlight, tick: int, recorded: bytes, course: Course) -> None:
-    """Compare the boat as it is with the state recorded at ``tick``."""
+    """Compare the boat with the state recorded at ``tick``, if it stands there."""
+    if abs(course.boat.ticks - tick * course.pace) > 1e-9:
+        return
     flown = course.boat.records.state.tobytes()
     flight.compared += 1
     if recorded == flown:
