@@ -229,7 +229,7 @@ def test_lost_ticks_are_flown_to_the_state_after_them_where_no_order_is_lost(run
     assert [flight.compared for flight in flights] == [102, 10]
     assert all(flight.same for flight in flights)
 
-    assert alter(run.path, "UPDATE orders SET text = 'depth 61 m' WHERE text = 'depth 60 m'") == 1
+    assert alter(run.path, "UPDATE orders SET text = 'rudder left 9' WHERE tick = 160") == 1
     assert alter(run.path, "DELETE FROM states WHERE branch = 1") == 100
     first, after = looked_at(run.path)
     assert (first.compared, first.unequal, after.same) == (2, 1, True)
