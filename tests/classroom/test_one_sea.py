@@ -258,6 +258,21 @@ def test_a_jump_back_puts_nobody_into_anothers_hull(sea: Callable[..., Sea]) -> 
     assert two.orders(1).count("contact boats gone") == 1
 
 
+def test_boats_told_before_the_first_tick_are_gone_once_a_line_was_lost_there(
+    sea: Callable[..., Sea],
+) -> None:
+    two = sea()
+    assert two.seen(1) is not None
+    two.lost.add(1)
+    two.lines[1].line.ended = True
+    two.ship(2).order("time x2")
+    two.settle()
+    two.lost.clear()
+    two.settle()
+    assert two.ship(1).boat.ticks == 0
+    assert two.seen(1) is None
+
+
 def test_boats_that_begin_at_one_place_are_shown_once_they_have_parted(
     sea: Callable[..., Sea],
 ) -> None:

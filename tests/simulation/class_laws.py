@@ -8,7 +8,7 @@ where it was, one that has died goes straight on.
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final, NamedTuple
@@ -98,6 +98,7 @@ class Watched:
     pace: float = 0.0  # [m/s] at which it went last, outside its past
     begun: float = 0.0  # [s] its process
     heard: bool = False  # since then outside its past, beyond doubt
+    reached: bool = False  # the class has a word of where it is since then
     lost: Spot | None = None  # where it died: it goes straight on until the class hears it again
     last: tuple[int, int] = (0, 0)  # branch and tick, outside replays
     shown: set[int] = field(default_factory=set)  # that its session was told of
@@ -125,7 +126,8 @@ class Sea:
     def begin(self, number: int, session: Session) -> None:
         """Note the session of a boat's process."""
         boat = self.boats[number]
-        boat.session, boat.begun, boat.past, boat.heard = session, self.now, False, False
+        boat.session, boat.begun, boat.past = session, self.now, False
+        boat.heard = boat.reached = False
         self._jump(number)
         boat.spot = None
         self._look_at(number, boat, session)
@@ -134,7 +136,14 @@ class Sea:
         """Note that a boat's process is killed."""
         self.look()
         boat = self.boats[number]
-        boat.session, boat.lost = None, boat.spot
+        boat.session = None
+        if boat.reached:  # else the class has it going on from where its process before has died
+            boat.lost = boat.spot
+
+    def reach(self, number: int, lines: Sequence[str]) -> None:
+        """Note what the class takes from a session's line."""
+        if any(line.startswith("$TRS,motion") for line in lines):
+            self.boats[number].reached = True
 
     def look(self) -> None:
         """Look where all boats are."""

@@ -92,7 +92,9 @@ class ClassLine:
         except OSError:
             came, self.ended = b"", True
         *lines, self._rest = (self._rest + came).split(b"\r\n")
-        return [line.decode("ascii") for line in lines]
+        taken = [line.decode("ascii") for line in lines]
+        self.sea.reach(self.number, taken)
+        return taken
 
     def close(self, _patience: float) -> None:
         self.end.close()

@@ -20,6 +20,8 @@ LONG_SEEDS: Final = (
     294,  # restored, and at once replayed: the law did not see where it had come to
     358,  # near each other after times unlike: the law had them still parted
     866,  # in a replay since its line began: the law took it to be heard
+    1474,  # its line is lost in a freeze at the start: boats that it was told there stayed
+    1860,  # dies twice before the class has a line again: the law forgot where it went on from
 )
 MORE: Final = 20  # within which each fault is found
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing

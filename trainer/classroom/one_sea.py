@@ -163,9 +163,9 @@ class SeaBoat:
     def forget(self) -> None:
         """Have no other boat near, after a jump that has brought back those of then."""
         self.jumped = False
+        self.outdated = self._last[1] > 0 or bool(self.told)  # told in a freeze at the start
         self.told.clear()
         self.parted.clear()
-        self.outdated = self._last[1] > 0
 
     def clear_boats(self) -> None:
         """Take away the boats of then, once the session takes orders."""
