@@ -27,7 +27,7 @@ from helpers.waiting import await_that, eventually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.io.recording import checkpoint
+from trainer.io.recording import checkpoint, queries
 from trainer.io.recording import file as file_module
 from trainer.io.recording import recording as recording_module
 from trainer.io.recording.facts import BranchCause
@@ -738,6 +738,27 @@ def test_orders_of_a_gap_are_written_at_the_end_too(
             (tick, True) for tick in range(15, 61, 5)
         ]
         assert again.latest().tick == 10
+
+
+@pytest.mark.usefixtures("impatient")
+def test_no_order_is_written_where_a_reader_would_take_it_for_damage(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
+    for module in (recording_module, queries):
+        monkeypatch.setattr(module, "ORDER_LEEWAY_TICKS", 100)
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        with locked(path):
+            fly(recording, 11, 130)
+            recording.fork(Moment(1, 70, state_of(70), 14, 0), "backtrack")
+            fly(recording, 71, 180)
+        assert eventually(lambda: recording.reachable)
+        assert recording.go_on(Moment(2, 180, state_of(180), 48, 0))
+    assert recording.missing == "230 ticks, 6 orders"
+    with closing(Recording.look(path)) as again:
+        given = [each.tick for each in again.orders(3)]
+        assert given == [*range(5, 71, 5), *range(75, 171, 5)]
 
 
 @pytest.mark.usefixtures("impatient")

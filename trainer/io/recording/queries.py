@@ -30,8 +30,8 @@ from trainer.io.recording.file import FILE_FORMAT, RecordingError, understanding
 
 NO_END: Final = 2**62  # beyond any tick or order
 # [ticks] that an order may lie beyond the last state of its branch: orders are kept at once, states
-# within some seconds, and not where a disk was full for hours; more than five days are damage
-ORDER_LEEWAY_TICKS: Final = 1_000_000
+# within some seconds, and not while a disk is full; none is written beyond this, so it is damage
+ORDER_LEEWAY_TICKS: Final = 100_000
 MAX_ANSWER_BYTES: Final = 100_000_000  # [bytes] of an answer that is held as a whole
 ROW_BYTES: Final = 300  # [bytes] of a row beside its texts
 MAX_BRANCHES_READ: Final = 5_000  # of a file: four days of one after the other make 1,100

@@ -38,6 +38,7 @@ from trainer.io.recording.file import (
     wall_time,
 )
 from trainer.io.recording.queries import (
+    ORDER_LEEWAY_TICKS,
     Branch,
     ExcessRows,
     Moment,
@@ -222,9 +223,11 @@ class Recording(Past):
         self._order += 1
         self._tick = tick
         giver_columns = (giver.words, giver.kind.value, giver.role, giver.plan)
-        self._put(
-            ORDER_INSERT, (self._order, self.branch, tick, *giver_columns, text, entry, wall_time())
-        )
+        row = (self._order, self.branch, tick, *giver_columns, text, entry, wall_time())
+        if self._gap and tick > self._kept + ORDER_LEEWAY_TICKS:
+            self._count_lost(ORDER_INSERT, 1)
+        else:
+            self._put(ORDER_INSERT, row)
         self.flush()
         return self._order
 
@@ -283,7 +286,8 @@ class Recording(Past):
         parent = self._owner(moment)
         self._begin_branch(parent, moment, why, cause)
         self.flush()
-        self.branch, self._tick = self._branches, moment.tick
+        self.branch = self._branches
+        self._tick = self._kept = moment.tick
         return self.branch
 
     def leave_shown(self) -> None:
