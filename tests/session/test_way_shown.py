@@ -162,9 +162,12 @@ def test_it_is_told_why_the_way_cannot_be_shown_now(jam: Crewed) -> None:
     assert jam.refused("demonstrate").startswith("the exercise is over")
 
 
-def test_who_orders_while_the_crew_comes_aboard_is_told_that_nothing_is_shown(jam: Crewed) -> None:
+@pytest.mark.parametrize("meanwhile", ["rudder left 5", "end exercise"])
+def test_who_orders_while_the_crew_comes_aboard_is_told_that_nothing_is_shown(
+    jam: Crewed, meanwhile: str
+) -> None:
     jam.order("demonstrate")
-    jam.order("rudder left 5")
+    jam.order(meanwhile)
     jam.settle(lambda: not jam.session.dispatch.way.preparing)
     assert jam.session.dispatch.way.origin is None
     assert jam.events(jam.instructor, "shown")[-1].endswith("something was ordered meanwhile")

@@ -85,9 +85,8 @@ class Demonstration:
         session = self.session
         history, time = session.history, session.time
         now = history.now()
-        if (now.branch, now.tick, now.after) != (moment.branch, moment.tick, moment.after) or not (
-            time.frozen
-        ):
+        here, there = ((each.branch, each.tick, each.after) for each in (now, moment))
+        if here != there or not time.frozen or session.conduct.ending.over:
             self._give_up("the way is not shown: something was ordered meanwhile")
             return
         self.preparing, self.origin = False, now
