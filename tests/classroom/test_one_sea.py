@@ -95,6 +95,11 @@ class Sea:
         self.lines[number] = ClassLine(self.ships[number - 1], self.words)
         return self.lines[number]
 
+    def lose(self, number: int) -> None:
+        """End the class's line to a session, which it cannot reach from now on."""
+        self.lost.add(number)
+        self.lines[number].line.ended = True
+
     def settle(self) -> None:
         """Look until the class has a line to each session that can be reached."""
         self.now += 10.0
@@ -263,8 +268,7 @@ def test_boats_told_before_the_first_tick_are_gone_once_a_line_was_lost_there(
 ) -> None:
     two = sea()
     assert two.seen(1) is not None
-    two.lost.add(1)
-    two.lines[1].line.ended = True
+    two.lose(1)
     two.ship(2).order("time x2")
     two.settle()
     two.lost.clear()
@@ -293,8 +297,7 @@ def test_a_boat_that_is_lost_goes_on_for_a_while_then_is_taken_away(
 ) -> None:
     two = sea()
     two.pass_time(10.0)
-    two.lost.add(1)
-    two.lines[1].line.ended = True
+    two.lose(1)
     two.pass_time(0.5 * LOST_AFTER_S, 2)
     seen = two.seen(2)
     assert seen is not None
@@ -384,8 +387,7 @@ def test_a_boat_that_is_lost_while_another_replays_is_taken_away_when_that_goes_
     two.pass_time(80.0)
     two.ship(1).order("replay 75 s")
     two.ship(1).order("run")
-    two.lost.add(2)
-    two.lines[2].line.ended = True
+    two.lose(2)
     two.pass_time(LOST_AFTER_S + 5.0, 1)
     assert two.seen(1) is not None  # its past has it
     two.pass_time(20.0, 1)
@@ -399,8 +401,7 @@ def test_a_boat_whose_new_line_was_lost_in_a_replay_is_not_shown_where_it_was_be
 ) -> None:
     two = sea()
     two.pass_time(10.0)
-    two.lost.add(1)
-    two.lines[1].line.ended = True
+    two.lose(1)
     two.pass_time(40.0)  # the boat goes on, and nobody hears it
     two.ship(1).order("course 090")
     two.pass_time(40.0)
@@ -410,8 +411,7 @@ def test_a_boat_whose_new_line_was_lost_in_a_replay_is_not_shown_where_it_was_be
     two.lost.clear()
     two.settle()
     assert two.seen(2) is None  # of its place nothing was said
-    two.lost.add(1)
-    two.lines[1].line.ended = True
+    two.lose(1)
     two.pass_time(20.0)
     assert two.seen(2) is None
     two.ship(1).order("run")  # after the replay

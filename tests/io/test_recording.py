@@ -680,15 +680,20 @@ def test_a_moment_that_could_not_be_kept_at_once_is_not_kept_later(path: Path) -
         assert [name for name, _ in recording.snapshots()] == ["a"]
 
 
+@pytest.fixture
+def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have room for about twenty ticks while a recording is out of reach."""
+    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
+
+
 def unreadable(*_: object) -> None:
     raise RecordingError("a disk that does not answer")
 
 
-@pytest.mark.usefixtures("impatient")
+@pytest.mark.usefixtures("impatient", "narrow")
 def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
         with locked(path):
@@ -722,11 +727,8 @@ def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
         assert again.latest().tick == 41
 
 
-@pytest.mark.usefixtures("impatient")
-def test_orders_of_a_gap_are_written_at_the_end_too(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
+@pytest.mark.usefixtures("impatient", "narrow")
+def test_orders_of_a_gap_are_written_at_the_end_too(path: Path) -> None:
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
         with locked(path):
@@ -740,11 +742,10 @@ def test_orders_of_a_gap_are_written_at_the_end_too(
         assert again.latest().tick == 10
 
 
-@pytest.mark.usefixtures("impatient")
+@pytest.mark.usefixtures("impatient", "narrow")
 def test_no_order_is_written_where_a_reader_would_take_it_for_damage(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
     for module in (recording_module, queries):
         monkeypatch.setattr(module, "ORDER_LEEWAY_TICKS", 100)
     with closing(begin(path)) as recording:
@@ -783,11 +784,8 @@ def test_orders_and_forks_that_have_no_room_in_a_gap_are_counted_and_refused(
         assert [each.parent for each in again.branches()] == [None, *[1] * (last - 1), last]
 
 
-@pytest.mark.usefixtures("impatient")
-def test_an_order_after_a_gap_and_a_new_start_is_no_number_of_those_lost(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recording_module, "MAX_WAITING_BYTES", 50_000)
+@pytest.mark.usefixtures("impatient", "narrow")
+def test_an_order_after_a_gap_and_a_new_start_is_no_number_of_those_lost(path: Path) -> None:
     with closing(begin(path)) as recording:
         fly(recording, 1, 10)
         with locked(path):

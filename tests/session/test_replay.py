@@ -220,6 +220,14 @@ def test_orders_after_the_last_state_are_given_each_at_its_tick(run: Run) -> Non
     assert flight.same, flight.answers
 
 
+def test_a_state_of_another_tick_is_not_passed_over(run: Run) -> None:
+    run.recording.close()
+    alter_number(run.path, "tick", 1.0)
+    (flight,) = looked_at(run.path)
+    assert flight.compared == LAST + 1
+    assert not flight.same
+
+
 def test_lost_ticks_are_flown_to_the_state_after_them_where_no_order_is_lost(run: Run) -> None:
     run.recording.fork(run.now(), "not recorded", BranchCause.GAP)
     run.sail(170, {})
