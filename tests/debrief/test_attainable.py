@@ -1,5 +1,6 @@
 """What could still be earned at each moment of a run, and what cost it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, partial
 from itertools import pairwise
@@ -371,6 +372,24 @@ def test_a_run_of_another_core_has_no_curve() -> None:
     other = replace(by_crew("stern-plane-jam"), trajectory=replace(flown, columns=columns))
     with pytest.raises(NoCurve, match="cannot be flown again to the bit"):
         explored("stern-plane-jam", other)
+
+
+@pytest.mark.parametrize(
+    ("kept", "why"),
+    [
+        ([*range(40), *range(90, 200)], "the ticks between 39 and 90 were not recorded"),
+        (range(5, 200), "the record does not begin at the start"),
+        ([0], "nothing was flown"),
+    ],
+)
+def test_a_record_that_is_not_whole_has_no_curve_and_says_what_is_missing(
+    kept: Sequence[int], why: str
+) -> None:
+    flown = by_crew("stern-plane-jam").trajectory
+    columns = {name: column[kept] for name, column in flown.columns.items()}
+    part = replace(flown, ticks=flown.ticks[kept], columns=columns)
+    with pytest.raises(NoCurve, match=why):
+        explored("stern-plane-jam", replace(by_crew("stern-plane-jam"), trajectory=part))
 
 
 def test_orders_are_the_same_that_say_the_same_to_the_same_control() -> None:

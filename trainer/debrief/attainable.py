@@ -303,5 +303,12 @@ def refuse_plan(plan: Plan) -> None:
 def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
     """Raise NoCurve for a run that has no curve."""
     refuse_plan(plan)
-    if int(trajectory.ticks[-1]) < 1 or trajectory.ticks[0] != 0:
+    ticks = trajectory.ticks
+    if ticks[0] != 0:
         raise NoCurve("the record does not begin at the start")
+    if len(ticks) == 1:
+        raise NoCurve("nothing was flown")
+    holes = np.flatnonzero(np.diff(ticks) > 1)
+    if len(holes):
+        before, after = ticks[holes[0]], ticks[holes[0] + 1]
+        raise NoCurve(f"the ticks between {before} and {after} were not recorded")
