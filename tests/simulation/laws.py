@@ -141,10 +141,10 @@ class Witness:
             init(session, terms, introduction)
             self.session = session
             self.docket.log.see_start(session)
-            self.model.begin(session)
 
         def answer_left_orders(dispatch: Dispatch) -> None:
             answer_left(dispatch)
+            self.model.begin(dispatch.session)
             self._check_plans()
 
         def hear_order(dispatch: Dispatch, asked: Request) -> None:

@@ -10,6 +10,7 @@ from typing import Final
 import pytest
 from helpers import places
 
+from simulation.disk import Trouble
 from simulation.drawing import draw_script
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
 from simulation.play import play
@@ -17,6 +18,7 @@ from simulation.script import (
     Act,
     Ending,
     Life,
+    Mishap,
     Player,
     Script,
     Visit,
@@ -108,6 +110,19 @@ def test_a_session_that_goes_on_flies_its_ticks() -> None:
     assert not docket.breaches
     assert abs(docket.ticks - 60) <= 1
     assert docket.answers == 3
+
+
+def test_plans_may_be_cancelled_by_an_order_that_a_full_disk_left_without_answer() -> None:
+    """The page of the orders has room for one more, and that of the events has none."""
+    plans = [Act(0.02, "at 40 s depth 80 m")] * 47
+    acts = (*plans, Act(1.0, "cancel all"))
+    player = Player("instructor", (Visit(0.1, acts),))
+    full = Mishap(1.8, Trouble.FULL, 60.0)
+    killed = Life(5, 6.0, Ending.KILLED, 1, (player,), mishaps=(full,), frozen=True)
+    docket = play(Script("", 0.0, 1.0, (killed, Life(2, 2.0, Ending.SIGNAL, 1, ()))))
+
+    assert "L1: a kill between journal and answer" in docket.log.reached
+    assert not docket.breaches
 
 
 def test_a_seed_tells_what_it_has_reached() -> None:
