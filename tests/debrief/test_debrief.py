@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,7 +29,7 @@ from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, shipped_path
 from trainer.config.score_rules import SCORE_MEASURES
 from trainer.config.vessel import load_vessel
-from trainer.debrief.charts import unwrap_ordered_courses
+from trainer.debrief.charts import charts_of, ground_of, unwrap_ordered_courses
 from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
 from trainer.debrief.measures import broach_rows
 from trainer.debrief.page import (
@@ -42,12 +42,12 @@ from trainer.debrief.page import (
     render,
 )
 from trainer.debrief.recording_export import export_file
-from trainer.debrief.sections import pressed_together
+from trainer.debrief.sections import format_value, legend, pressed_together
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.report import pdf
 from trainer.report.html import PAGE_FOLDER
 from trainer.report.pdf import print_pdf
-from trainer.report.svg import ChartGround, clock, step_of, thin_line, ticks
+from trainer.report.svg import ChartGround, clock, draw_chart, step_of, thin_line, ticks
 from trainer.session.past.history import History
 from trainer.session.past.options import RunOptions
 from trainer.session.stations.roles import Access
@@ -512,6 +512,39 @@ def test_a_turning_circle_is_round_on_the_page() -> None:
     assert y[60] == pytest.approx(y.min())  # and goes north, which is up
     assert len(broken.split("L")) == pytest.approx(41, abs=1)
     assert "0:30" in drawn  # marks of time
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (4.054e-16, "0"),
+        (-4.054e-16, "0"),
+        (0.036991, "0.03699"),
+        (1234.56, "1235"),
+        (2.5e-7, "2.5e-07"),
+        (None, "-"),
+    ],
+)
+def test_what_is_left_of_rounding_is_shown_as_0(value: float | None, shown: str) -> None:
+    assert format_value(value) == shown
+
+
+def test_lines_break_where_nothing_was_recorded_and_the_page_says_where(kept: Kept) -> None:
+    debrief = kept.voyage.debrief
+    whole = debrief.trajectory
+    rows = np.flatnonzero((whole.ticks < 40) | (whole.ticks >= 90))
+    columns = {name: column[rows] for name, column in whole.columns.items()}
+    part = replace(whole, ticks=whole.ticks[rows], columns=columns)
+    with_hole = replace(debrief, trajectory=part)
+    ground = ground_of(with_hole)
+
+    charts = [draw_chart(each, ground) for each in charts_of(part)]
+    actual = [re.findall(r'class="line actual" d="([^"]*)"', each)[0] for each in charts]
+    assert {path.count("M") for path in actual} == {2}
+    track = draw_track(with_hole, ground)
+    assert track.count('class="line actual"') == 2
+    assert "Nothing was recorded from 19.5 s to 45 s." in legend(with_hole)
+    assert "recorded" not in legend(debrief)
 
 
 def test_lines_differ_in_more_than_colour() -> None:

@@ -44,7 +44,7 @@ from trainer.debrief.rehearsal import (
     world_orders_in,
 )
 from trainer.debrief.scoring import Scorecard
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.trajectory import Trajectory, hole_words
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
@@ -308,7 +308,5 @@ def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
         raise NoCurve("the record does not begin at the start")
     if len(ticks) == 1:
         raise NoCurve("nothing was flown")
-    holes = np.flatnonzero(np.diff(ticks) > 1)
-    if len(holes):
-        before, after = ticks[holes[0]], ticks[holes[0] + 1]
-        raise NoCurve(f"the ticks between {before} and {after} were not recorded")
+    if trajectory.holes:
+        raise NoCurve(hole_words(trajectory.holes))

@@ -99,7 +99,8 @@ def ground_of(debrief: DebriefData) -> ChartGround:
         for each in debrief.casualties
     )
     marks = tuple(each.tick * step for each in _drawn(debrief, "mark"))
-    return ChartGround(seconds, spans, marks, tuple(_moments(debrief)))
+    holes = debrief.trajectory.holes
+    return ChartGround(seconds, spans, marks, tuple(_moments(debrief)), holes)
 
 
 def _moments(debrief: DebriefData) -> Iterator[ChartMoment]:

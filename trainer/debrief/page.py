@@ -384,7 +384,8 @@ def draw_track(
     for ship in ships:
         parts += _ship(ship, axes, step)
     parts += _approaches(debrief, axes)
-    parts.append(_path("actual", x, y))
+    for first, after in row_stretches(np.isfinite(ground.broken_seconds[good])):
+        parts.append(_path("actual", x[first:after], y[first:after]))
     for begin, end in ground.spans:
         inside = (seconds >= begin) & (seconds <= end)
         if inside.any():

@@ -24,6 +24,7 @@ from trainer.debrief.episodes import ReadBack, hints_told
 from trainer.debrief.judgement import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.ships_met import Detection, look_out, meet_ships
+from trainer.debrief.trajectory import hole_words
 from trainer.debrief.watches import named
 from trainer.io.lines import plain
 from trainer.io.orders.grammar import Order, parse
@@ -52,13 +53,14 @@ JSON_HINT: Final = "trainer debrief --json has all"
 JOINED_KEY_GAP_S: Final = 1.0  # [s] from one press of a key to the next
 EVENT_TICK: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own tick
 VALUE_DIGITS: Final = 4  # digits of a value that count
+ROUNDED_DIGITS: Final = 9  # after the point, in any unit of a measure
 MIN_SHOWN_DEVIATION: Final = 0.5  # [%] of a deviation
 SURE_DEVIATIONS: Final = 2.8  # between two runs: docs/debrief.md, "How sure a mark is"
 
 
 def format_value(value: float | None) -> str:
-    """Return a value as text, '-' for none."""
-    return "-" if value is None else f"{value:.{VALUE_DIGITS}g}"
+    """Return a value as text, '-' for none; what is left of rounding is 0."""
+    return "-" if value is None else f"{round(value, ROUNDED_DIGITS) + 0.0:.{VALUE_DIGITS}g}"
 
 
 def format_moment(debrief: DebriefData, tick: int | None) -> str:
@@ -306,6 +308,8 @@ def legend(debrief: DebriefData) -> Markup:
         words += (
             " Green upright: where the reference crew took over." if comparison.from_here else ""
         )
+    if holes := debrief.trajectory.holes:
+        words += f" {hole_words(holes).capitalize()}."
     if debrief.compared and not same_core(debrief.header.get("core")):
         words += " The reference crew is flown by another core than the recording was."
     return Markup('<p class="legend"><small>{}</small></p>').format(words)

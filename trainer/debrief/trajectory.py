@@ -153,6 +153,19 @@ class Trajectory:
         """Return the row of a tick, or of the first one after it."""
         return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
 
+    @property
+    def holes(self) -> tuple[tuple[float, float], ...]:
+        """Return the times [s] of ticks between which none was recorded."""
+        seconds = self.seconds
+        last = np.flatnonzero(np.diff(self.ticks) > 1)
+        return tuple(zip(seconds[last].tolist(), seconds[last + 1].tolist(), strict=True))
+
+
+def hole_words(holes: Sequence[tuple[float, float]]) -> str:
+    """Return where nothing was recorded [s], in words."""
+    stretches = (f"from {last:g} s to {next_:g} s" for last, next_ in holes)
+    return f"nothing was recorded {', '.join(stretches)}"
+
 
 def row_stretches(rows: RowMask) -> Iterator[tuple[int, int]]:
     """Yield each stretch of rows: its first one, and the one after it."""

@@ -150,6 +150,13 @@ class ChartGround:
     spans: tuple[tuple[float, float], ...]  # [s] casualties
     marks: tuple[float, ...]  # [s]
     moments: tuple[ChartMoment, ...] = ()
+    holes: tuple[tuple[float, float], ...] = ()  # [s] times between which nothing is known
+
+    @property
+    def broken_seconds(self) -> Numbers:
+        """Return the times [s], NaN at the end of each hole: a line begins anew there."""
+        begins_anew = np.isin(self.seconds, [after for _, after in self.holes])
+        return np.where(begins_anew, np.nan, self.seconds)
 
     @property
     def across(self) -> Axis:
@@ -174,7 +181,7 @@ def draw_chart(chart: Chart, ground: ChartGround) -> Markup:
             parts.append(rule("limit", LEFT_MARGIN_PX, y, RIGHT_EDGE_PX, y))
             parts.append(text("limit-name end", RIGHT_EDGE_PX - 2.0, y - 3.0, level.label))
     for line in chart.lines:
-        x = ground.across.pixels(ground.seconds if line.seconds is None else line.seconds)
+        x = ground.across.pixels(ground.broken_seconds if line.seconds is None else line.seconds)
         drawn = line_path(x, up.pixels(line.values), LINE_POINTS)
         parts.append(f'<path class="line {line.style}" d="{drawn}"/>')
     parts += _figures(chart, ground)
