@@ -144,7 +144,8 @@ class Witness:
 
         def answer_left_orders(dispatch: Dispatch) -> None:
             answer_left(dispatch)
-            self.model.begin(dispatch.session)
+            assert self.session is not None
+            self.model.begin(self.session)
             self._check_plans()
 
         def hear_order(dispatch: Dispatch, asked: Request) -> None:

@@ -154,7 +154,7 @@ class ChartGround:
 
     @property
     def broken_seconds(self) -> Numbers:
-        """Return the times [s], NaN at the end of each hole: a line begins anew there."""
+        """Return the times [s], NaN where a line begins anew after a hole."""
         begins_anew = np.isin(self.seconds, [after for _, after in self.holes])
         return np.where(begins_anew, np.nan, self.seconds)
 
