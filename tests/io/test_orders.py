@@ -426,6 +426,25 @@ def test_a_token_in_a_line_that_is_no_order_is_told_nowhere(line: str) -> None:
     assert "se-cret1" not in f"{bad.text} {bad.reason}".lower()
 
 
+@pytest.mark.parametrize(
+    ("line", "whole"),
+    [
+        ("i 5 surface", "in 5 s surface"),
+        ("a 30 s surface", "at 30 s surface"),
+        ("when depth>60 then surf", "when depth>60 then surface"),
+        ("wh i surface", "what if surface"),
+    ],
+)
+def test_an_order_that_holds_another_may_be_cut_short(line: str, whole: str) -> None:
+    assert parse(line) == parse(whole)
+    assert isinstance(parse(whole), Order)
+
+
+@pytest.mark.parametrize("line", ["i 5 foo", "a 30 belay", "whe x then foo", "what i order"])
+def test_an_order_that_holds_none_is_refused_cut_short_too(line: str) -> None:
+    assert isinstance(parse(line), BadOrder)
+
+
 def test_every_example_of_the_overview_is_an_order() -> None:
     for topic in BOAT_TOPICS + SESSION_TOPICS:
         assert isinstance(parse(topic.example.partition("|")[0]), Order), topic

@@ -156,8 +156,7 @@ def parse(line: str) -> Order | BadOrder | None:
     """Return the order on `line`, None when it is blank or a comment; never raises."""
     text = line.strip()
     try:
-        refuse_unreadable(text)
-        said = text.partition("#")[0]
+        said = readable(text).partition("#")[0]
         if remark := REMARK_PATTERN.fullmatch(said):
             name = remark[1].lower()
             return Order(name, 0.0, "", f"{name} {remark[2]}", (), remark[2])
@@ -172,28 +171,32 @@ def parse(line: str) -> Order | BadOrder | None:
         for pattern, whole in SPLIT_WORDS:  # one in the table
             words = pattern.sub(whole, words)
         tokens = tokenise(hide_token(words))
-        return with_token(understood_order(*tokens), find_token(words)) if tokens else None
+        return read_whole(tokens, find_token(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
 
 
 def name_of(text: str) -> str:
     """Return the name of the order that words are, "" for none of this version."""
-    understood_as = parse(text)
-    return understood_as.name if isinstance(understood_as, Order) else ""
+    return found.name if isinstance(found := parse(text), Order) else ""
+
+
+def read_whole(tokens: list[str], token: str) -> Order | BadOrder | None:
+    """Return the order of tokens; one whose head is cut short may hold another."""
+    found = with_token(understood_order(*tokens), token)
+    return parse(found.text) if found.name in ("plan", "what-if") else found
 
 
 def planned_order(said: re.Match[str]) -> Order:
     """Return the order that plans another; refuses what is none, or cannot be planned."""
-    inner = parse(said["order"])
-    if not isinstance(inner, Order):
+    if not isinstance(inner := parse(said["order"]), Order):
         raise RefusedError(inner.reason if inner else f"{said[0].strip()}: no order")
     inner = to_the_crew(inner)
     if not ORDER_WORDS[inner.name].planned:
         raise RefusedError(f"{inner.text} cannot be planned: give it when it is time")
     if said["condition"]:
-        text = f"when {' '.join(said['condition'].lower().split())} then {inner.text}"
-        refuse_unreadable(text)  # written in full it may be too long
+        words = " ".join(said["condition"].lower().split())
+        text = readable(f"when {words} then {inner.text}")  # written in full it may be too long
         return Order("plan", 0.0, "when", text, (), inner.text)
     head, digits = said["at"].lower(), said["time"].lower()
     if not DECIMAL_PATTERN.fullmatch(digits):
@@ -202,19 +205,15 @@ def planned_order(said: re.Match[str]) -> Order:
         )
     unit = next(each for each in TIME_NUMBER.units if (said["unit"] or "s").lower() in each.names)
     value, wording = quantity(TIME_NUMBER, digits, unit)
-    text = f"{head} {wording} {inner.text}"
-    refuse_unreadable(text)
+    text = readable(f"{head} {wording} {inner.text}")
     return Order("plan", value, head, text, (value,), inner.text)
 
 
 def supposed_order(words: str) -> Order:
     """Return the question what another order would bring; refuses what is none."""
-    inner = parse(words)
-    if not isinstance(inner, Order):
+    if not isinstance(inner := parse(words), Order):
         raise RefusedError(inner.reason if inner else f"what if {words}: no order")
-    text = f"what if {inner.text}"
-    refuse_unreadable(text)
-    return Order("what-if", 0.0, "", text, (), inner.text)
+    return Order("what-if", 0.0, "", readable(f"what if {inner.text}"), (), inner.text)
 
 
 @lru_cache(maxsize=KEPT_ORDERS)
@@ -280,14 +279,15 @@ def condition_words(planned: Order, inner: Order) -> str:
     return planned.text.removeprefix("when ").removesuffix(f" then {inner.text}")
 
 
-def refuse_unreadable(text: str) -> None:
-    """Refuse a line that is too long or not plain ASCII."""
+def readable(text: str) -> str:
+    """Return a line; refuse one that is too long or not plain ASCII."""
     if len(text) > MAX_LINE_LETTERS:
         raise RefusedError(f"line of {len(text)} characters; the longest is {MAX_LINE_LETTERS}")
-    readable = PRINTABLE_PATTERN.match(text)
-    end = readable.end() if readable else 0
+    plain = PRINTABLE_PATTERN.match(text)
+    end = plain.end() if plain else 0
     if end < len(text):
         raise RefusedError(describe_sign(text[end]))
+    return text
 
 
 def describe_sign(sign: str) -> str:
