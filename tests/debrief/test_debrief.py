@@ -529,7 +529,7 @@ def test_what_is_left_of_rounding_is_shown_as_0(value: float | None, shown: str)
     assert format_value(value) == shown
 
 
-def test_lines_break_where_nothing_was_recorded_and_the_page_says_where(kept: Kept) -> None:
+def test_lines_break_where_no_tick_was_recorded_and_the_page_says_where(kept: Kept) -> None:
     debrief = kept.voyage.debrief
     whole = debrief.trajectory
     rows = np.flatnonzero((whole.ticks < 40) | (whole.ticks >= 90))
@@ -543,7 +543,7 @@ def test_lines_break_where_nothing_was_recorded_and_the_page_says_where(kept: Ke
     assert {path.count("M") for path in actual} == {2}
     track = draw_track(with_hole, ground)
     assert track.count('class="line actual"') == 2
-    assert "Nothing was recorded from 19.5 s to 45 s." in legend(with_hole)
+    assert "No tick was recorded between 19.5 s and 45 s." in legend(with_hole)
     assert "recorded" not in legend(debrief)
 
 

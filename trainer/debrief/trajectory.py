@@ -162,9 +162,9 @@ class Trajectory:
 
 
 def hole_words(holes: Sequence[tuple[float, float]]) -> str:
-    """Return where nothing was recorded [s], in words."""
-    stretches = (f"from {last:g} s to {next_:g} s" for last, next_ in holes)
-    return f"nothing was recorded {', '.join(stretches)}"
+    """Return between which times [s] no tick was recorded, in words."""
+    stretches = (f"between {last:g} s and {next_:g} s" for last, next_ in holes)
+    return f"no tick was recorded {', '.join(stretches)}"
 
 
 def row_stretches(rows: RowMask) -> Iterator[tuple[int, int]]:
