@@ -11,7 +11,7 @@ Nothing is imported before a name is used: a run on an exported core needs neith
 cache. The page docs/python.md has examples of every name.
 """
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 __all__ = [
     "Answer",
     "Boat",
