@@ -52,6 +52,9 @@ OLD: Final = {
     "0.2.0": OldRecording(
         2, "fbdb20f4c45be54b", 414, ((None, 0, 73), (1, 28, 37), (1, 27, 83)), ""
     ),
+    "0.3.0": OldRecording(
+        2, "43ed887495848b23", 481, ((None, 0, 73), (1, 28, 37), (1, 27, 81)), ""
+    ),
 }
 OF_ANOTHER_CORE: Final = [name for name, each in OLD.items() if not same_core(each.core)]
 ORDERED: Final = (  # on the first branch, by whom
