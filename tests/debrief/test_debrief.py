@@ -514,6 +514,19 @@ def test_a_turning_circle_is_round_on_the_page() -> None:
     assert "0:30" in drawn  # marks of time
 
 
+def test_a_track_has_no_mark_of_a_time_that_is_not_recorded() -> None:
+    seconds = np.concatenate((0.5 * np.arange(40), 50.0 + 0.5 * np.arange(140)))
+    columns = {"x": 5.0 * seconds, "y": 0.0 * seconds}
+    alone = SimpleNamespace(world=SimpleNamespace(parts={}))
+    flown = SimpleNamespace(columns=columns, ticks=2 * seconds, boat=alone)
+    debrief: Any = SimpleNamespace(trajectory=flown)
+    whole = draw_track(debrief, ChartGround(seconds, (), ()))
+    drawn = draw_track(debrief, ChartGround(seconds, (), (), holes=((19.5, 50.0),)))
+    times = re.findall(r">(\d:\d\d)<", drawn)
+    assert set(re.findall(r">(\d:\d\d)<", whole)) - set(times) == {"0:20", "0:30", "0:40"}
+    assert {"0:00", "1:00"} <= set(times)
+
+
 @pytest.mark.parametrize(
     ("value", "shown"),
     [

@@ -391,6 +391,8 @@ def draw_track(
         if inside.any():
             parts.append(_path("broken", x[inside], y[inside]))
     for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
+        if any(last < second < after for last, after in ground.holes):
+            continue
         index = int(np.searchsorted(seconds, second))
         parts.append(f'<circle class="axis" cx="{x[index]:.1f}" cy="{y[index]:.1f}" r="2.5"/>')
         parts.append(text("tick", x[index] + 6.0, y[index] - 4.0, clock(float(second))))
