@@ -22,6 +22,27 @@ GAUSSIAN = """
 from trainer.core.noise import gaussian
 print(repr(float(gaussian(1, 2, 3))))
 """
+STEP_MOTION = """
+import numpy as np
+from trainer.config.vessel import load_vessel
+from trainer.identify.boat.filter import RecordNumbers, sail_controls
+from trainer.identify.boat.motion import STATE, STATE_COUNT
+from trainer.identify.boat.vessel import FittedVessel
+
+boat, state = FittedVessel(load_vessel("bb2")), np.zeros(STATE_COUNT)
+state[STATE.U] = 5.0
+inputs = np.array([[0.0, 0.1, 0.0, 5.0]] * 3)
+record = RecordNumbers(np.zeros((0, 5)), inputs, 1.0, 1)
+print(repr(float(sail_controls(boat.numbers(boat.values), record, state)[-1, STATE.Z])))
+"""
+CAP = """
+import numpy as np
+from trainer.debrief.tallies import HARD, TALLY, TALLY_RULE, cap_of
+
+rules, tallies = np.zeros(1, TALLY_RULE), np.ones(1, TALLY)
+rules["measure"] = HARD
+print(repr(float(cap_of(rules.view(np.recarray), tallies.view(np.recarray)))))
+"""
 SINE = """
 import os
 from pathlib import Path
@@ -55,19 +76,37 @@ def copied(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_a_number_changed_in_another_file_of_the_core_changes_what_a_kernel_returns(
-    copied: Path,
+@pytest.mark.parametrize(
+    ("asked", "file", "old", "new"),
+    [
+        (
+            GAUSSIAN,
+            "core/elementary.py",
+            "np.array([1.0 / (2 * k + 1)",
+            "np.array([100.0 / (2 * k + 1)",
+        ),
+        (STEP_MOTION, "identify/boat/motion.py", "rate[STATE.Z] = ", "rate[STATE.Z] = 123.0 + "),
+        (
+            CAP,
+            "debrief/judgement.py",
+            "LOST_CAP, HARD_CAP = 25.0, 0.0",
+            "LOST_CAP, HARD_CAP = 25.0, 7.0",
+        ),
+    ],
+)
+def test_a_number_changed_in_another_file_changes_what_a_kernel_returns(
+    asked: str, file: str, old: str, new: str, copied: Path
 ) -> None:
-    # numba looks at a kernel's own file only: noise.py does not change, elementary.py does
+    # numba looks at a kernel's own file only, and that does not change
     cache = str(copied / "cache")
-    before = said(GAUSSIAN, copied, NUMBA_CACHE_DIR=cache)
-    again = said(GAUSSIAN, copied, NUMBA_CACHE_DIR=cache)
+    before = said(asked, copied, NUMBA_CACHE_DIR=cache)
+    again = said(asked, copied, NUMBA_CACHE_DIR=cache)
 
-    source = copied / "trainer" / "core" / "elementary.py"
+    source = copied / "trainer" / file
     text = source.read_text()
-    assert text.count("np.array([1.0 / (2 * k + 1)") == 1
-    source.write_text(text.replace("np.array([1.0 / (2 * k + 1)", "np.array([100.0 / (2 * k + 1)"))
-    after = said(GAUSSIAN, copied, NUMBA_CACHE_DIR=cache)
+    assert text.count(old) == 1
+    source.write_text(text.replace(old, new))
+    after = said(asked, copied, NUMBA_CACHE_DIR=cache)
 
     assert before == again
     assert abs(float(after[0]) - float(before[0])) > 1e-3

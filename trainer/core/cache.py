@@ -1,9 +1,9 @@
-"""The folder of the core's machine code, and the digests of that code.
+"""The folders of the kernels' machine code, and the digests of that code.
 
-Numba stamps a cached kernel with the source of its own file only, so that a changed callee in
-another file would otherwise go on serving the old physics: the cache therefore lies in a folder
-named by a hash of the core's sources. Importing this module points numba there; a kernel does so
-before numba compiles it.
+Numba stamps a cached kernel with the source of its own file only, so that a changed callee or
+constant of another file would otherwise go on serving the old physics: a kernel's code therefore
+lies in a folder named by a hash of its file and of all that is imported there. Importing this
+module claims the folder of these folders.
 
 A file of machine code has its digests beside it. One that does not fit, or has none, is set aside
 before numba reads it: numba then finds nothing, and compiles. This is against damage. Against other
@@ -17,13 +17,16 @@ import hashlib
 import os
 import stat
 import sys
+import threading
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from trainer.core.digest import KERNEL_FOLDERS, digest_sources
+from trainer.core.digest import digest_sources, imported_sources
 
 _FOLDER_PREFIX = "submarine-trainer-"
+_FOLDER_NAME = _FOLDER_PREFIX + "kernels"
 _PRIVATE_PREFIX = "trainer-private-"
 
 
@@ -39,9 +42,9 @@ def _cache_root() -> Path:
 
 
 def _claim_cache() -> Path:
-    """Return this version's cache folder; where home is read-only one that lasts for this run."""
+    """Return the cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
-    name = _FOLDER_PREFIX + digest_sources(*KERNEL_FOLDERS) + "-checked" * checked
+    name = _FOLDER_NAME + "-checked" * checked
     try:
         path = _cache_root() / name
         path.mkdir(0o700, parents=True, exist_ok=True)
@@ -103,6 +106,7 @@ def _claim_private() -> Path:
 os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
 if "numba" in sys.modules:  # it has read the environment already
     sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+_DECLARING = threading.Lock()  # numba has one folder at a time
 
 
 CODE_SUFFIXES = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
@@ -174,5 +178,19 @@ sys.addaudithook(_attend)
 
 
 def cache_folder() -> Path:
-    """Return the folder of this version's machine code."""
+    """Return the folder of all machine code."""
     return Path(os.environ["NUMBA_CACHE_DIR"])
+
+
+@contextlib.contextmanager
+def keep_by_sources(kernel: Callable[..., Any]) -> Iterator[None]:
+    """Have numba keep what the block declares in the folder of the sources of ``kernel``."""
+    import numba  # noqa: PLC0415  what does not compile does without
+
+    own = cache_folder() / digest_sources(imported_sources(Path(kernel.__code__.co_filename)))
+    with _DECLARING:
+        numba.config.CACHE_DIR = str(own)
+        try:
+            yield
+        finally:
+            numba.config.CACHE_DIR = str(cache_folder())

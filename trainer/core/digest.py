@@ -1,55 +1,78 @@
 """The digest of the core's sources, by which the boat is computed.
 
 A recording names that of the core that made it, so that a replay by another core is told; so do
-the shipped machine code and what is exported. ``cache`` names its folder by that of all kernels.
+the shipped machine code and what is exported. ``cache`` names the folder of a kernel by the digest
+of the module that has it and of all that is imported there, because constants are compiled in.
 
-Comments, docstrings and blank lines do not count: words compute nothing. They are found by their
-form, which the formatter keeps, because to parse the core would take a tenth of a start.
+Comments, docstrings and blank lines do not count: words compute nothing. They and imports are found
+by their form, which the formatter keeps, because to parse the core would take a tenth of a start.
 """
 
 import hashlib
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-KERNEL_FOLDERS = (  # folders that have any
-    "core",
-    "boat/ship",
-    "identify/kernels",
-    "analysis/sweep",
-)
+PACKAGE = Path(__file__).parents[1]
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
-SAME_BITS: frozenset[str] = frozenset({"0896c78e0d8ddf4a"})
+SAME_BITS: frozenset[str] = frozenset({"0896c78e0d8ddf4a", "43ed887495848b23"})
 DIGEST_SOURCE = Path(__file__)  # which says what counts, and computes nothing
-DOCSTRING_PATTERN = re.compile(r'(\A|:(?:  #[^\n]*)?\n)\s*"""(?:[^"\\]|\\.|"(?!""))*"""', re.DOTALL)
-COMMENT_PATTERN = re.compile(r"""((?:"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^#"'])*)#.*""")
+DOCSTRING_PATTERN = re.compile(
+    r'(\A|:(?:  #[^\n]*)?\n)\s*r?"""(?:[^"\\]|\\.|"(?!""))*"""', re.DOTALL
+)
+COMMENT_PATTERN = re.compile(r"""^((?:"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^#"'])*)#.*""")
+# a module's imports at its left margin: others are made when a function is called
+IMPORT_PATTERN = re.compile(r"^from (trainer[\w.]*) import (\([^)]*\)|.*)", re.MULTILINE)
+RENAMED_PATTERN = re.compile(r"#.*| as \w+")
 
 
 @cache
 def core_digest() -> str:
     """Return a short hash of the core's sources, by which the boat is computed."""
-    return digest_sources("core")
+    return digest_sources([PACKAGE / "units.py", *sorted((PACKAGE / "core").rglob("*.py"))])
 
 
-def sources(*folders: str) -> list[Path]:
-    """Return the sources in folders of the package, whole, but for this one."""
-    here = Path(__file__).parents[1]
+def imported_sources(*paths: Path) -> list[Path]:
+    """Return sources and all of the package's that they import, and those import, in order.
+
+    Of a folder it is all sources in it.
+    """
+    found = set[Path]()
+    to_read = [each for path in paths for each in (path.rglob("*.py") if path.is_dir() else [path])]
+    while to_read:
+        path = to_read.pop()
+        if path not in found:
+            found.add(path)
+            to_read += _imports(path)
+    return sorted(found)
+
+
+@cache
+def _imports(path: Path) -> list[Path]:
+    """Return the sources of the package that a source imports at its head."""
     return [
-        here / "units.py",
-        *(
-            path
-            for each in folders
-            for path in sorted((here / each).rglob("*.py"))
-            if path != DIGEST_SOURCE
-        ),
+        source
+        for package, names in IMPORT_PATTERN.findall(read_source(path))
+        for name in re.findall(r"\w+", RENAMED_PATTERN.sub("", names))
+        if (source := _source_of(f"{package}.{name}") or _source_of(package))
     ]
 
 
-def digest_sources(*folders: str) -> str:
-    """Return a short hash of the sources in folders of the package."""
+@cache
+def _source_of(module: str) -> Path | None:
+    """Return the source of a module by its name, None if it is no module of the package."""
+    place = PACKAGE.joinpath(*module.split(".")[1:])
+    files = (place.with_suffix(".py"), place / "__init__.py")
+    return next((path for path in files if path.is_file()), None)
+
+
+def digest_sources(paths: Iterable[Path]) -> str:
+    """Return a short hash of what computes in sources."""
     digest = hashlib.sha256()
-    for path in sources(*folders):
-        digest.update(f"{path.name}\0{without_words(read_source(path))}".encode())
+    for path in paths:
+        if path != DIGEST_SOURCE:
+            digest.update(f"{path.name}\0{without_words(read_source(path))}".encode())
     return digest.hexdigest()[:16]
 
 

@@ -71,12 +71,13 @@ class Kernel:
         """Return numba's own object of the kernel, which compiles it."""
         import numba  # noqa: PLC0415  what does not compile does without
 
-        from trainer.core import cache  # noqa: F401, PLC0415  numba is told its folder
+        from trainer.core.cache import keep_by_sources  # noqa: PLC0415  it claims the folder
 
         known = is_tested(numba.__version__)
         lean = {name for name in LEAN_OPTIONS if not known}
         options = {name: value for name, value in self.options.items() if name not in lean}
-        return numba.njit(**options)(self.py_func)
+        with keep_by_sources(self.py_func):
+            return numba.njit(**options)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
