@@ -189,8 +189,8 @@ def keep_by_sources(kernel: Callable[..., Any]) -> Iterator[None]:
 
     own = cache_folder() / digest_sources(imported_sources(Path(kernel.__code__.co_filename)))
     with _DECLARING:
-        numba.config.CACHE_DIR = str(own)
+        numba.config.CACHE_DIR = str(own)  # type: ignore[attr-defined]
         try:
             yield
         finally:
-            numba.config.CACHE_DIR = str(cache_folder())
+            numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
