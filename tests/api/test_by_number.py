@@ -47,6 +47,20 @@ def sailing(vessel: str = "bb2", **options: object) -> trainer.Boat:
     return trainer.Boat(vessel, **{"speed": 3, "depth": 40} | options)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("given", [[10**400, 0], ["a", 0], [[1], [2, 3]], [1j, 0], object()])
+def test_what_is_no_number_is_refused_in_one_line_and_moves_nothing(given: object) -> None:
+    boat = sailing()
+    numbers, fleet = (
+        boat.by_number(["stern", "bow"], READS, 2),
+        trainer.Fleet("bb2", count=1, orders=["stern", "bow"], reads=READS, ticks=2),
+    )
+    before = whole(boat)
+    for call in (numbers.step, numbers.clip, fleet.step, fleet.clip):
+        with pytest.raises(trainer.TrainerError, match=r"^(step|clip)\(\): give numbers, not"):
+            call(given)  # type: ignore[arg-type]
+    assert whole(boat) == before
+
+
 def drawn_orders(chance: np.random.Generator, known: list[str]) -> Iterator[tuple[str, str, float]]:
     """Yield names of orders, words to one side, and the same as a number."""
     while True:

@@ -1,6 +1,11 @@
 """The seats of a class: who gets which boat, and for how long."""
 
+from contextlib import ExitStack
+
+import pytest
+
 from trainer.classroom.seats import EVERY_BOAT, HELD_S, MAX_SEATS, SEAT_COOKIE, Seats
+from trainer.web.bridge import MAX_PAGES_OF_MACHINE, RefusedError
 
 BOATS = (1, 2, 3)
 
@@ -51,7 +56,30 @@ def test_a_flood_of_seats_shuts_out_nobody_who_has_a_line() -> None:
     seat = seats.seat_of({SEAT_COOKIE: key})
     assert seat
     with seats.carrying_line(seat):
-        for _ in range(2 * MAX_SEATS):
-            seats.take(2, "", {})
+        for i in range(2 * MAX_SEATS):
+            seats.take(2, "", {}, f"192.0.2.{i}")
         assert seats.seat_of({SEAT_COOKIE: key}) is seat
     assert len(seats.by_key) == MAX_SEATS
+
+
+def test_a_machine_that_takes_seats_without_end_pushes_out_its_own_alone() -> None:
+    seats = Seats()
+    other = seats.take(1, "A. Trainee", {}, "192.0.2.1")
+    for _ in range(100):
+        seats.take(2, "A. Flood", {}, "192.0.2.2")
+
+    assert seats.seat_of({SEAT_COOKIE: other})
+    assert len(seats.crew_of(2)) == MAX_PAGES_OF_MACHINE
+
+
+def test_a_machine_whose_seats_all_have_a_page_gets_no_further_one() -> None:
+    seats = Seats()
+    with ExitStack() as lines:
+        for _ in range(MAX_PAGES_OF_MACHINE):
+            seat = seats.seat_of({SEAT_COOKIE: seats.take(1, "", {}, "192.0.2.1")})
+            assert seat
+            lines.enter_context(seats.carrying_line(seat))
+        with pytest.raises(RefusedError, match="8 seats of your machine are taken: close one"):
+            seats.take(1, "", {}, "192.0.2.1")
+        assert seats.seat_of({SEAT_COOKIE: seats.take(1, "", {}, "192.0.2.2")})
+    assert seats.seat_of({SEAT_COOKIE: seats.take(1, "", {}, "192.0.2.1")})

@@ -71,9 +71,10 @@ NEEDING = {  # what is typed, and of what is hidden that tells
     "sweep study.toml --out out.parquet": "pyarrow",
     "export run.trainer --parquet out": "pyarrow",
     "export run.trainer --rrd out.rrd": "rerun",
+    "run --headless --speed max --duration 5 --record seen.trainer --rrd out.rrd": "rerun",
 }
 SPREAD = "sweep study.toml --out out.parquet --scheduler tcp://h:1"
-VIEWED = "run --headless --speed max --duration 5 --no-record --rrd out.rrd"
+VIEWED = "run --headless --speed max --duration 5 --no-record --rerun"
 PLAIN = ["check bb2", "exercise check depth-changes", "manoeuvre turning-circle bb2"]
 
 
@@ -102,13 +103,14 @@ def test_a_command_that_needs_an_extra_names_it_in_one_line_and_no_other_does(
     (told[SPREAD],) = without(["distributed"], [SPREAD], tmp_path)
 
     assert [(line, *told[line]) for line in (*PLAIN, FIRST, VIEWED) if told[line][0]] == []
-    assert f"--rrd needs rerun: pip install '{PACKAGE_NAME}[rerun]'" in told[VIEWED][1]
+    assert f"--rerun needs rerun: pip install '{PACKAGE_NAME}[rerun]'" in told[VIEWED][1]
     assert "Traceback" not in told[VIEWED][1]
     for line, library in (NEEDING | {SPREAD: "distributed"}).items():
         code, text = told[line]
         assert (code, text.count("\n")) == (2, 1), text
         assert library in text
         assert f"pip install '{PACKAGE_NAME}[{EXTRA_BY_LIBRARY[library]}]'" in text
+    assert not (tmp_path / "seen.trainer").exists()  # it was refused before it flew
 
 
 def imported(path: Path) -> set[str]:

@@ -278,8 +278,10 @@ def tiff(folder: Path, values: Any, **more: Any) -> Path:
         (34735, "H", 4 + len(keys), (1, 1, 0, len(keys) // 4, *keys), True),
     ]
     tags += [(42113, "s", 0, more.pop("absent"), True)] if "absent" in more else []
+    tags += [(42112, "s", 0, more.pop("gdal"), True)] if "gdal" in more else []
     path = folder / "a.tif"
-    tifffile.imwrite(path, np.asarray(values, np.float32), extratags=tags, **more)
+    form = more.pop("form", np.float32)
+    tifffile.imwrite(path, np.asarray(values, form), extratags=tags, **more)
     return path
 
 
@@ -325,6 +327,39 @@ def test_a_geotiff_is_the_same_grid_as_an_esri_grid(
     assert (grid.west, grid.south, grid.cell, grid.degrees) == (50.0, 50.0, (100.0, 100.0), False)
     assert grid.values[1].tolist() == [10.0, 20.0]
     assert np.isnan(grid.values[0, 1])
+
+
+SCALED = (  # as GDAL writes it
+    '<GDALMetadata>\n  <Item name="OFFSET" sample="0" role="offset">{offset}</Item>\n'
+    '  <Item name="SCALE" sample="0" role="scale">{scale}</Item>\n</GDALMetadata>\n'
+)
+
+
+def test_a_geotiff_of_decimetres_has_metres_by_its_scale_and_offset(tmp_path: Path) -> None:
+    said = SCALED.format(scale="0.1", offset="-2.5")
+    values = [[1000, 20000], [300, -32768]]
+    path = tiff(tmp_path, values, form=np.int16, absent="-32768", gdal=said)
+    assert read_grid(path).values[1].tolist() == [97.5, 1997.5]
+    assert read_grid(path).values[0, 0] == 27.5
+    assert np.isnan(read_grid(path).values[0, 1])
+
+
+@pytest.mark.parametrize(("scale", "told"), [("0", "must not be 0"), ("ten", "finite number")])
+def test_a_geotiff_with_a_scale_that_is_none_is_refused(
+    scale: str, told: str, tmp_path: Path
+) -> None:
+    path = tiff(tmp_path, [[1, 2], [3, 4]], gdal=SCALED.format(scale=scale, offset="0"))
+    assert f"SCALE = {scale}: must" in refused(path, grid=path.name, values="depth")
+    assert told in refused(path, grid=path.name, values="depth")
+
+
+def test_an_esri_grid_whose_cells_are_not_square_has_a_size_for_each_way(asc: Path) -> None:
+    asc.write_text(HEAD.replace("cellsize 100", "dx 100\ndy 50") + SAMPLES)
+    assert read_grid(asc).cell == (50.0, 100.0)
+    asc.write_text(HEAD.replace("cellsize 100", "dx 100\ndy 0") + SAMPLES)
+    assert "DY = 0: must be above 0" in refused(asc, grid=asc.name, values="depth")
+    asc.write_text(HEAD.replace("cellsize 100", "dx 100") + SAMPLES)
+    assert "lacks DY" in refused(asc, grid=asc.name, values="depth")
 
 
 def test_a_geotiff_of_points_has_its_tie_at_the_sample(tmp_path: Path) -> None:

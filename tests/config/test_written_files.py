@@ -1,6 +1,7 @@
 """What the program writes, the program reads: a law for each kind of file that it writes."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from functools import cache
@@ -150,6 +151,12 @@ def test_a_covariance_that_is_nearly_nothing_sails_again() -> None:
     )
     read = parse_ship(ship_text(ship, "trainer identify"), Path("kvlcc2.toml"))
     assert read.covariance == ((0.000107404, 0.0), (0.0, 7.81953e-06))
+
+    text = ship_text(ship, "trainer identify")
+    earlier = re.sub(r"^X_0 = \[.*", "X_0 = [0.000107404, -2.1e-13]", text, flags=re.MULTILINE)
+    assert earlier != text
+    read = parse_ship(earlier, Path("kvlcc2.toml"))  # as release 0.2 wrote it
+    assert read.covariance == ((0.000107404, -2.1e-13), (0.0, 7.81953e-06))
 
 
 @MANY

@@ -25,6 +25,7 @@ PACKAGES: Final = {  # one or more, by program
     "nginx": "nginx",
     "node": "nodejs",
     "npm": "npm",
+    "ser2net": "ser2net",
     "tmux": "tmux",
     "wasm-ld": "lld",
 }

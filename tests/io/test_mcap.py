@@ -1,6 +1,9 @@
 """A recording as MCAP: read back by the format's own reader, each message by its schema."""
 
+import contextlib
 import json
+import shutil
+import sqlite3
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -50,6 +53,21 @@ def told(drill: Path) -> dict[str, list[tuple[int, Any]]]:
             assert stamp["sec"] * 1_000_000_000 + stamp["nsec"] == message.log_time
             found.setdefault(channel.topic, []).append((message.log_time, words))
     return found
+
+
+def test_a_clock_that_stood_before_1970_counts_from_there(tmp_path: Path, drill: Path) -> None:
+    copy = tmp_path / "drill.trainer"
+    shutil.copy(drill, copy)
+    with contextlib.closing(sqlite3.connect(copy)) as database, database:
+        changed = database.execute(
+            "update header set value = '1969-12-31T23:00:00+00:00' where key = 'started'"
+        )
+        assert changed.rowcount == 1
+    export_file(copy, {"mcap": tmp_path / "drill.mcap"}, None)
+    with (tmp_path / "drill.mcap").open("rb") as file:
+        times = [message.log_time for _, _, message in make_reader(file).iter_messages()]
+    assert min(times) == 0
+    assert max(times) > 0
 
 
 def test_each_state_has_its_pose_in_axes_of_robots(drill: Path, told: Any) -> None:

@@ -325,6 +325,30 @@ def test_a_disk_that_does_not_answer_holds_no_order_up_and_is_behind(
         assert eventually(lambda: not recording.behind)
 
 
+def test_a_process_that_was_stopped_says_nothing_of_the_disk(
+    tmp_path: Path, disk: Disk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert disk.free.is_set()
+    clock = Clock()
+    monkeypatch.setattr(durability, "time", clock)
+    with contextlib.closing(begin(tmp_path / "watch.trainer")) as recording:
+        recording.order(1, HELM, "depth 80")
+        asked = disk.asked
+        clock.stopped = 60.0  # [s] before the thread that asks the disk had its turn
+        assert not recording.behind
+        assert eventually(lambda: disk.asked > asked)
+        assert not recording.behind
+
+
+class Clock:
+    """The clock of a process that was stopped for a while."""
+
+    stopped = 0.0
+
+    def monotonic(self) -> float:
+        return time.monotonic() + self.stopped
+
+
 def mark(recording: Recording) -> None:
     """Mark a moment, as a session does."""
     recording.event(1, "mark", "helm", "here")

@@ -22,9 +22,9 @@ import pynmea2
 import pytest
 from helpers.boats import start_bb2
 from helpers.installation import installed, run_program
-from helpers.nursery import run_trainer
+from helpers.nursery import run_trainer, start_trainer
 from helpers.sessions import free_session, prompt_sender
-from helpers.waiting import eventually
+from helpers.waiting import await_that, eventually
 
 from trainer.config.files import ConfigError
 from trainer.io import nmea
@@ -369,7 +369,6 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(on_dec
         ticking = threading.Event()
         threading.Thread(target=tick_until, args=(deck, ticking), daemon=True).start()
         try:
-            # by UDP gpsd does not see where a set ends, and reports no fix for a long time
             line = os.ttyname(gps_far)
             wanted = {("TPV", line), ("ATT", line), ("ATT", udp)}
             for report in itertools.islice(watched(port), 4000):
@@ -391,6 +390,47 @@ def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(on_dec
     for descriptor in (far, near, gps_near, gps_far):
         os.close(descriptor)
     assert relay.kept
+
+
+@pytest.mark.process
+@pytest.mark.clock
+def test_gpsd_shows_how_the_boat_of_a_run_goes_by_tcp_and_by_udp(tmp_path: Path) -> None:
+    gpsd = installed("gpsd", "gpsd")
+    tcp, udp, port = (
+        f"tcp://127.0.0.1:{free_port()}",
+        f"udp://127.0.0.1:{free_port()}",
+        free_port(),
+    )
+    words = ("run", "--headless", "--speed", "5", "--duration", "1000", "--no-record")
+    run = start_trainer(*words, "--nmea", tcp, "--nmea", udp, cwd=tmp_path)
+    fixes: dict[str, list[tuple[float, float]]] = {tcp: [], udp: []}
+    pitches = dict.fromkeys(fixes, 0)
+    try:
+        await_that(lambda: _listens(tcp))
+        with subprocess.Popen([gpsd, "-N", "-n", "-S", str(port), udp, tcp]) as daemon:
+            for report in itertools.islice(watched(port), 120):
+                way = report.get("device", "")
+                if report["class"] == "TPV" and "lat" in report:
+                    if (found := (report["lat"], report["lon"])) not in fixes[way]:
+                        fixes[way].append(found)
+                elif report["class"] == "ATT":
+                    pitches[way] += "pitch" in report
+                if min(*map(len, fixes.values()), *pitches.values()) >= 10:
+                    break
+            daemon.terminate()
+    finally:
+        run.terminate()
+        run.wait()
+    for north in ([lat for lat, _ in found] for found in fixes.values()):
+        assert north == sorted(north)  # it goes north, and each fix is where it was later
+        assert len(north) >= 10
+    assert min(pitches.values()) >= 10
+
+
+def _listens(url: str) -> bool:
+    with contextlib.suppress(OSError), dialled(int(url.rpartition(":")[2])):
+        return True
+    return False
 
 
 def tick_until(deck: Deck, over: threading.Event) -> None:
@@ -683,7 +723,7 @@ def test_the_rate_that_is_advised_fits() -> None:
         (options("tcp://127.0.0.1:99999"), "a port is 1 to 65535"),
         (options("/dev/ttyNONE"), "--nmea /dev/ttyNONE: "),
         (options("udp://127.0.0.1", nmea_sentences="RMC,HTD"), "no sentence 'HTD'; nearest is HDT"),
-        (options("udp://127.0.0.1", nmea_sentences="XYZW"), "there are RMC,GGA,"),
+        (options("udp://127.0.0.1", nmea_sentences="XYZW"), "there are RMC,PASHR,"),
         (options("udp://127.0.0.1", origin="25"), "--origin 25: say LAT,LON"),
         (options("udp://127.0.0.1", origin="85,0"), "--origin 85,0: latitude 85 is not within"),
         (options(nmea_record=Path("/nowhere/x")), "--nmea-record /nowhere/x: No such file"),

@@ -4,6 +4,7 @@ import gc
 import os
 import random
 import socket
+import subprocess
 import threading
 import time
 from collections.abc import Iterator
@@ -12,6 +13,8 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from helpers.installation import installed
+from helpers.pages import free_port
 from helpers.waiting import PATIENCE, eventually
 from hypothesis import given
 from hypothesis import strategies as st
@@ -319,6 +322,62 @@ def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order(
                 ]
 
 
+@contextmanager
+def ser2net(device: str, port: int, folder: Path) -> Iterator[None]:
+    """Serve a device by RFC 2217 at a port, by Debian's own server, inside the block."""
+    settings = folder / "ser2net.yaml"
+    settings.write_text(
+        "%YAML 1.1\n---\nconnection: &line\n"
+        f"  accepter: telnet(rfc2217),tcp,127.0.0.1,{port}\n"
+        f"  connector: serialdev,{device},9600n81,local\n"
+    )
+    words = [installed("ser2net", "ser2net"), "-n", "-c", str(settings), "-u"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            assert eventually(lambda: server.poll() is not None or listens(port))
+            assert server.poll() is None, server.communicate()[1]
+            yield
+        finally:
+            server.terminate()
+
+
+def listens(port: int) -> bool:
+    with socket.socket() as end:
+        return end.connect_ex(("127.0.0.1", port)) == 0
+
+
+@needs_pty
+@pytest.mark.process
+@pytest.mark.clock
+@pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")  # pyserial's own
+def test_a_line_by_rfc_2217_carries_lines_both_ways_and_comes_back(tmp_path: Path) -> None:
+    import tty  # noqa: PLC0415  absent where there are no pseudo-terminals
+
+    near, far = os.openpty()
+    tty.setraw(far)
+    port, told = free_port(), list[str]()
+    with ExitStack() as lines:
+        with ser2net(os.ttyname(far), port, tmp_path):
+            url = f"rfc2217://127.0.0.1:{port}"
+            with pytest.raises(LinkError, match=r"add \?ign_set_control to its address$"):
+                SerialLine(url)
+            line = SerialLine(f"{url}?ign_set_control", tell=told.append)
+            inbox, outbox = lines.enter_context(serving(line))
+            os.write(near, b"depth 80\rrudder le")
+            assert taken(inbox, 1) == ["depth 80"]
+            outbox.send("state")
+            assert os.read(near, 100) == b"state\r\n"
+        assert eventually(lambda: line.losses == 1)
+        with ser2net(os.ttyname(far), port, tmp_path):
+            assert eventually(lambda: told and told[-1].endswith("the line is back"))
+            os.write(near, b"freeze\r")  # and half an order is not completed by it
+            assert taken(inbox, 1) == ["freeze"]
+            outbox.send("state")
+            assert os.read(near, 100) == b"state\r\n"
+    os.close(near)
+    os.close(far)
+
+
 @pytest.mark.parametrize(
     ("url", "reason"),
     [
@@ -327,6 +386,7 @@ def test_a_socket_line_comes_back_after_a_loss_without_completing_half_an_order(
         ("socket://localhost:99999", "say socket://HOST:PORT"),
         ("no-such-device", "no-such-device: .*there"),
         ("hwgrep://no such port", "no ports found"),
+        ("hwgrep://[", "unterminated character set"),
         ("loop://?option=1", "loop://"),
         (".", r"\.: "),
     ],

@@ -420,3 +420,15 @@ def test_a_page_that_closes_its_line_as_the_server_ends_does_not_hold_it() -> No
             thread.submit(lambda: asyncio.run(server.shutdown())).result()
 
     assert page.asked == 2
+
+
+def test_a_request_that_gives_its_length_twice_ends_its_connection() -> None:
+    # what stands before a server may read such a request otherwise (RFC 9112, 6.1)
+    with pages() as stub, connected(stub.port, 2) as ends:
+        head = f"POST /word HTTP/1.1\r\nHost: 127.0.0.1:{stub.port}\r\nContent-Length: 3\r\n"
+        twice = f"{head}Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"
+        for end, words in zip(ends, (twice, f"{head}\r\nabc"), strict=True):
+            end.sendall(words.encode())
+        answers = [end.recv(65536).lower() for end in ends]
+    assert [b"connection: close" in answer for answer in answers] == [True, False]
+    assert all(answer.startswith(b"http/1.1 ") for answer in answers)

@@ -858,6 +858,13 @@ def test_beyond_this_machine_a_camera_reads_the_address_and_no_token() -> None:
     assert "█" not in announce_address(Address("127.0.0.1", 8080))
 
 
+def test_a_telephone_reads_the_code_of_a_short_address_too() -> None:
+    told = announce_address(Address("a.b", 80))
+
+    drawn = [line for line in told.splitlines()[1:] if line.strip()]
+    assert len(drawn) > 11  # lines of two modules: a Micro QR code has 17 and its edge
+
+
 @pytest.mark.process
 def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
     tmp_path: Path,

@@ -102,14 +102,14 @@ class BoatByNumber:
 
     def _row_of(self, values: ArrayLike) -> Numbers:
         """Return values as a row of the orders; ConfigError if they are none."""
-        given: Numbers = np.asarray(values, float)
+        given = numbers_of(values, "step()")
         if given.shape != self._shape:
             raise ConfigError(f"step(): give {len(self.orders)} numbers, not {_shape_text(given)}")
         return given
 
     def clip(self, values: ArrayLike) -> Numbers:
         """Return numbers brought within the limits of their orders; what is none stays none."""
-        given: Numbers = np.clip(np.asarray(values, float), self.low, self.high)
+        given: Numbers = np.clip(numbers_of(values, "clip()"), self.low, self.high)
         return given
 
     def _refused(self) -> int:
@@ -204,6 +204,14 @@ def choose_reads(names: Sequence[str]) -> Numbers:
         if name not in LAYOUT:
             raise ConfigError(f"reads: the state has no {name!r}{nearest(str(name), LAYOUT)}")
     return np.array([LAYOUT.index(name) for name in names], float)
+
+
+def numbers_of(values: ArrayLike, call: str) -> Numbers:
+    """Return values as an array of numbers; ConfigError naming the call if some are none."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError, OverflowError):
+        raise ConfigError(f"{call}: give numbers, not {quote(values)}") from None
 
 
 def refuse_ticks(ticks: int) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.api.boat import plan_boat
-from trainer.api.by_number import choose_orders
+from trainer.api.by_number import choose_orders, numbers_of
 from trainer.api.fleet import Fleet, FleetOptions, Mask
 from trainer.boat.due_orders import obey_all, orders_due
 from trainer.boat.world.world import WORLD_PARTS
@@ -96,7 +96,7 @@ class Drill:
 
     def values(self, actions: ArrayLike) -> Numbers:
         """Return the orders [SI] of actions from -1 to 1; NaN stays NaN."""
-        given = np.minimum(np.maximum(np.asarray(actions, float), -1.0), 1.0)
+        given = np.minimum(np.maximum(numbers_of(actions, "step()"), -1.0), 1.0)
         values: Numbers = np.maximum(given, 0.0) * self.high - np.minimum(given, 0.0) * self.low
         return values
 

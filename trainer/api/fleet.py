@@ -21,6 +21,7 @@ from trainer.api.by_number import (
     WorldSteps,
     choose_orders,
     choose_reads,
+    numbers_of,
     refuse_ticks,
     rules_of,
 )
@@ -183,7 +184,7 @@ class Fleet:
         They are [count, reads], or [count, ticks, reads] with ``each_tick``. TrainerError, with
         nothing moved, if a number of a boat that goes on is beyond its limits or none.
         """
-        given = np.asarray(values, float)
+        given = numbers_of(values, "step()")
         if given.shape != self._values.shape:
             raise ConfigError(f"step(): give {self._values.shape} numbers, not {given.shape}")
         wrong = ~((self.low <= given) & (given <= self.high))
@@ -204,7 +205,7 @@ class Fleet:
 
     def clip(self, values: ArrayLike) -> Numbers:
         """Return numbers brought within the limits of their orders; what is none stays none."""
-        given: Numbers = np.clip(np.asarray(values, float), self.low, self.high)
+        given: Numbers = np.clip(numbers_of(values, "clip()"), self.low, self.high)
         return given
 
     def reset(self, which: Mask | None = None, seeds: Sequence[int] | None = None) -> Numbers:

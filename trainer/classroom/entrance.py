@@ -21,7 +21,7 @@ from trainer.classroom.fleet import AnyBoat
 from trainer.classroom.seats import EVERY_BOAT, SEAT_COOKIE, Seats
 from trainer.classroom.shown import LOOKING_ROLE, NO_BOAT, ShownBoat
 from trainer.web.admission import WholeRequests
-from trainer.web.bridge import REFUSED_CODE, Bridge
+from trainer.web.bridge import REFUSED_CODE, Bridge, RefusedError, machine_at
 from trainer.web.front import Front
 from trainer.web.gate import Gate, Refusals
 from trainer.web.packing import Assets
@@ -144,7 +144,11 @@ class Entrance:
         if refused is not None:
             return PlainTextResponse(f"{refused.reason}\n", 403)
         answer = PlainTextResponse(f"{boat}\n")
-        self._keep(request, answer, SEAT_COOKIE, self.seats.take(boat, name, request.cookies))
+        try:
+            key = self.seats.take(boat, name, request.cookies, machine_at(request))
+        except RefusedError as refusal:
+            return PlainTextResponse(f"{refusal}\n", 403)
+        self._keep(request, answer, SEAT_COOKIE, key)
         self._keep(request, answer, TOKEN_COOKIE_PREFIX + role, word)
         return answer
 
@@ -166,7 +170,10 @@ class Entrance:
         async def answer(request: Request) -> Response:
             shown = await show(request)
             if not self._guarded:
-                key = self.seats.take(EVERY_BOAT, "", request.cookies)
+                try:
+                    key = self.seats.take(EVERY_BOAT, "", request.cookies, machine_at(request))
+                except RefusedError as refusal:
+                    return PlainTextResponse(f"{refusal}\n", 403)
                 self._keep(request, shown, SEAT_COOKIE, key)
             return shown
 

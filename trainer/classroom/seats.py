@@ -15,6 +15,9 @@ from dataclasses import dataclass, field
 from secrets import token_urlsafe
 from typing import Final
 
+from trainer.io.machine import THIS_MACHINE
+from trainer.web.bridge import MAX_PAGES_OF_MACHINE, RefusedError
+
 SEAT_COOKIE: Final = "seat"
 EVERY_BOAT: Final = 0  # the boat of an instructor's seat
 MAX_SEATS: Final = 500  # the one without a line that was taken first gives way
@@ -28,6 +31,7 @@ class Seat:
     boat: int
     name: str  # "" where nobody has said it
     since: float  # [s] when its last line ended, or it was taken
+    machine: str  # whose browser it is, as limits count machines
     lines: int = 0  # open now
 
     def covers(self, boat: int) -> bool:
@@ -42,14 +46,27 @@ class Seats:
     clock: Callable[[], float] = time.monotonic
     by_key: dict[str, Seat] = field(default_factory=dict)
 
-    def take(self, boat: int, name: str, cookies: Mapping[str, str]) -> str:
-        """Take a seat, in place of the one that this browser has; return its key."""
-        self.by_key.pop(cookies.get(SEAT_COOKIE, ""), None)
+    def take(
+        self, boat: int, name: str, cookies: Mapping[str, str], machine: str = THIS_MACHINE
+    ) -> str:
+        """Take a seat, in place of the one that this browser has; return its key.
+
+        A machine has as many as it may have pages: then its first without a line gives way, or
+        RefusedError.
+        """
+        had = cookies.get(SEAT_COOKIE, "")
+        own = [key for key, seat in self.by_key.items() if seat.machine == machine and key != had]
+        if len(own) >= MAX_PAGES_OF_MACHINE:
+            silent = next((key for key in own if not self.by_key[key].lines), "")
+            if not silent and machine != THIS_MACHINE:
+                raise RefusedError(f"{len(own)} seats of your machine are taken: close one of them")
+            self.by_key.pop(silent, None)
+        self.by_key.pop(had, None)
         if len(self.by_key) >= MAX_SEATS:
             idle = (key for key, seat in self.by_key.items() if not seat.lines)
             self.by_key.pop(next(idle, next(iter(self.by_key))))
         key = token_urlsafe(16)
-        self.by_key[key] = Seat(boat, " ".join(name.split()), self.clock())
+        self.by_key[key] = Seat(boat, " ".join(name.split()), self.clock(), machine)
         return key
 
     def seat_of(self, cookies: Mapping[str, str]) -> Seat | None:

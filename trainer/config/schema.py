@@ -84,11 +84,12 @@ class Kind(Protocol):
 
 @dataclass(frozen=True)
 class Quantity:
-    """One finite number in a unit, within limits."""
+    """One finite number in a unit, within limits, 0 or of a ``least`` size."""
 
     unit: str
     limits: NumberLimits
     meaning: str
+    least: float = MIN_NONZERO_SIZE
 
     @property
     def form(self) -> KeyForm:
@@ -105,8 +106,8 @@ class Quantity:
             raise ConfigError(position.wrong(key, value, f"must be finite, {self.limits}{unit}"))
         if number not in self.limits:
             raise ConfigError(position.wrong(key, value, f"must be {self.limits}{unit}"))
-        if 0.0 < abs(number) < MIN_NONZERO_SIZE:
-            least = f"must be 0, or {MIN_NONZERO_SIZE:g}{unit} or more in size, {self.limits}{unit}"
+        if 0.0 < abs(number) < self.least:
+            least = f"must be 0, or {self.least:g}{unit} or more in size, {self.limits}{unit}"
             raise ConfigError(position.wrong(key, value, least))
         return number
 

@@ -56,6 +56,8 @@ NUMBER_LIMITS: Final = within(-1e9, 1e9)
 ROLL_GYRATION_BEAMS: Final = 0.38  # [-] of the beam: radius of gyration in roll, with the water
 GRAVITY_M_S2: Final = 9.81  # [m/s^2]
 COEFFICIENT_NUMBER: Final = Quantity("-", NUMBER_LIMITS, "coefficient")
+# of two that know nothing of each other it is as small as rounding makes it
+COVARIANCE_NUMBER: Final = Quantity("-", NUMBER_LIMITS, "covariance", least=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -252,7 +254,7 @@ def _numbers(table: Mapping[str, Any], position: Position) -> dict[str, Any]:
     rows = tables["covariance"]
     names = tuple(rows)
     inside = position.inside("covariance")
-    line = Quantities(COEFFICIENT_NUMBER, max(len(names), 1), max(len(names), 1))
+    line = Quantities(COVARIANCE_NUMBER, max(len(names), 1), max(len(names), 1))
     matrix = tuple(line.read(name, row, inside) for name, row in rows.items())
     strange = [name for name in names if name not in numbers]
     if strange:
@@ -311,7 +313,7 @@ def ship_schema() -> dict[str, Any]:
     """Return the JSON Schema of a ship's file."""
     heading = record_schema(ShipHeading, ("note", "source"))
     tables = {name: record_schema(record, ("note",)) for name, record in SHIP_TABLES.items()}
-    row = list_schema(COEFFICIENT_NUMBER.form.schema, 1, MAX_ROWS)
+    row = list_schema(COVARIANCE_NUMBER.form.schema, 1, MAX_ROWS)
     numbers = {
         "coefficients": ("accelerations in prime units", COEFFICIENT_NUMBER.form.schema),
         "covariance": ("rows in the order of the names", row),

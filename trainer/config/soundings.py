@@ -28,7 +28,7 @@ MAX_FILE_BYTES: Final = 100_000_000  # of a file, at most
 # fmt: off
 GRID_KEYWORDS: Final = (
     "ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize",
-    "nodata_value",
+    "dx", "dy", "nodata_value",
 )
 # fmt: on
 MAX_DEPTH_M: Final = 12_000.0  # [m] of any sea: what is beyond is no depth
@@ -36,6 +36,8 @@ DEFAULT_NODATA_VALUE: Final = -9999.0  # at a sample without a value, where the 
 HEADER_LINE: Final = re.compile(r"[ \t]*([A-Za-z_]\w*)[ \t]+(\S+)[ \t]*(?:\r\n|\r|\n|$)")
 SOUNDINGS_PREFIX: Final = "soundings/1 "  # what the text of a grid begins with
 SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG = 33550, 33922, 34735, 42113  # tags
+VALUES_TAG: Final = 42112  # GDAL's: what a sample is multiplied by, and what is added
+VALUES_ITEM: Final = re.compile(r'<Item[^>]*\brole="(scale|offset)"[^>]*>\s*([^<\s]+)\s*</Item>')
 # Keys of the tag GEO_KEYS_TAG.
 RASTER_TYPE_KEY, GEOGRAPHIC_KEY, PROJECTED_KEY, LINEAR_UNIT_KEY = 1025, 2048, 3072, 3076
 PIXEL_IS_POINT, WGS84_CODE, USER_DEFINED_CODE, METRE_CODE = 2, 4326, 32767, 9001  # of GeoTIFF
@@ -111,24 +113,30 @@ def read_ascii(data: bytes, path: Path) -> Grid:
         raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong{why})") from None
     header, at = _keywords(text, path)
     rows, columns = (_count(header, name, path) for name in ("nrows", "ncols"))
-    cell = _number(header, "cellsize", path)
-    if cell <= 0.0:
-        raise _wrong(path, "cellsize", header["cellsize"], "must be above 0")
+    sizes = ("dy", "dx") if "dx" in header and "cellsize" not in header else ("cellsize",) * 2
+    down, across = (_number(header, name, path) for name in sizes)
+    for name, size in zip(sizes, (down, across), strict=True):
+        if size <= 0.0:
+            raise _wrong(path, name, header[name], "must be above 0")
     _refuse_large(rows, columns, path)
     values = _samples(text[at:], rows * columns, path).reshape(rows, columns)
     depths = _without_absent(values, header.get("nodata_value", f"{DEFAULT_NODATA_VALUE}"), path)
-    west, south = (_low(header, axis, cell, path) for axis in "xy")
-    return Grid(depths[::-1], west, south, (cell, cell), degrees=False)
+    west, south = _low(header, "x", across, path), _low(header, "y", down, path)
+    return Grid(depths[::-1], west, south, (down, across), degrees=False)
 
 
-def _without_absent(values: Numbers, said: str, path: Path) -> Numbers:
-    """Return a raster's values, NaN where they are ``said`` or too deep; ConfigError.
+def _without_absent(
+    values: Numbers, said: str, path: Path, size: float = 1.0, added: float = 0.0
+) -> Numbers:
+    """Return a raster's depths, NaN where its values are ``said`` or too deep; ConfigError.
+
+    A depth is a value times ``size`` with ``added`` [m].
 
     Programs print that value with other digits than the samples, so it is compared roughly.
     """
     plain = said.strip("\0 ").lower()
     absent = math.nan if plain == "nan" else _number({"nodata_value": plain}, "nodata_value", path)
-    depths = np.where(np.isclose(values, absent), np.nan, values)
+    depths = np.where(np.isclose(values, absent), np.nan, size * values + added)
     beyond = np.abs(depths) > MAX_DEPTH_M
     if beyond.any() and not np.isclose(depths[beyond], depths[beyond][0]).all():
         fault = f"sample {int(np.argmax(beyond)) + 1} = {depths[beyond][0]:g}: no sea is deeper"
@@ -238,7 +246,7 @@ def read_geotiff(path: Path) -> Grid:
             page = file.pages.first
             tags = {
                 number: page.tags[number].value
-                for number in (SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG)
+                for number in (SCALE_TAG, TIE_POINT_TAG, GEO_KEYS_TAG, NODATA_TAG, VALUES_TAG)
                 if number in page.tags
             }
             _refuse_coding(int(page.compression), path)
@@ -275,8 +283,13 @@ def _locate_raster(values: Numbers, tags: Mapping[int, Any], path: Path) -> Grid
     half = 0.0 if keys.get(RASTER_TYPE_KEY) == PIXEL_IS_POINT else 0.5
     west = x + (half - column) * across
     south = y - (values.shape[0] - 1 + half - row) * down
+    said = dict(VALUES_ITEM.findall(str(tags.get(VALUES_TAG, ""))))
+    header = {"scale": "1", "offset": "0", **said}
+    size, added = (_number(header, name, path) for name in ("scale", "offset"))
+    if size == 0.0:
+        raise _wrong(path, "scale", header["scale"], "must not be 0")
     known = np.where(np.isfinite(values), values, np.nan)
-    depths = _without_absent(known, str(tags.get(NODATA_TAG, "nan")), path)[::-1]
+    depths = _without_absent(known, str(tags.get(NODATA_TAG, "nan")), path, size, added)[::-1]
     return Grid(
         depths, west, south, (down, across), GEOGRAPHIC_KEY in keys and PROJECTED_KEY not in keys
     )

@@ -118,13 +118,15 @@ MCAP_TOPICS: Final = (POSE_TOPIC, FRAME_TOPIC, MOTION_TOPIC, ORDERS_TOPIC, EVENT
 def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | None) -> list[Path]:
     """Write a branch, the past that led to it and all events.
 
-    Return the file's name. Times count from when the recording was begun. RecordingError if it
-    cannot be written whole.
+    Return the file's name. Times count from when the recording was begun, or from 1970 where the
+    clock stood earlier, because the format has none before. RecordingError if it cannot be written
+    whole.
     """
     from mcap.writer import Writer  # noqa: PLC0415  of an extra
 
     chosen = recording.branch if branch is None else branch
-    begun = round(datetime.fromisoformat(recording.header()["started"]).timestamp() * SECOND_NS)
+    started = datetime.fromisoformat(recording.header()["started"]).timestamp()
+    begun = round(max(started, 0.0) * SECOND_NS)
     lines = sorted(_log_messages(recording, layout, chosen), key=itemgetter(0))
     messages = heapq.merge(lines, _motion_messages(recording, layout, chosen), key=itemgetter(0))
     try:

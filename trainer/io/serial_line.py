@@ -29,7 +29,7 @@ MAX_BAUD_RATE = 4_000_000  # [baud]
 URL_SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
 NETWORK_SCHEMES = ("socket", "rfc2217")
 # pyserial has raised each of these on open.
-OPEN_ERRORS = (OSError, ValueError, TypeError, LookupError)
+OPEN_ERRORS = (OSError, ValueError, TypeError, LookupError, re.error)
 SYSTEM_TEXT_PATTERN = re.compile(r"(?:Errno -?\d+\] |\(\d+, ')([^:']+)")
 
 
@@ -124,13 +124,15 @@ def open_port(url: str, baud: int) -> "serial.Serial":
         raise LinkError(f"{url}: {baud} baud: a line runs at 1 to {MAX_BAUD_RATE} baud")
     if scheme.lower() in NETWORK_SCHEMES and not is_address(url):
         raise LinkError(f"{url}: say {scheme}://HOST:PORT, the port 1 to 65535")
+    # a line by RFC 2217 has no limit on how long a write takes, and refuses to be given one
+    patience = None if scheme.lower() == "rfc2217" else WRITE_TIMEOUT_S
     try:
-        return serial.serial_for_url(
-            url, baud, timeout=READ_TIMEOUT_S, write_timeout=WRITE_TIMEOUT_S
-        )
+        return serial.serial_for_url(url, baud, timeout=READ_TIMEOUT_S, write_timeout=patience)
     except OPEN_ERRORS as error:
-        missing = "" if separator or not device_is_absent(error) else nearest(url, devices())
-        raise LinkError(f"{url}: {reason(error)}{missing}") from error
+        advice = "" if separator or not device_is_absent(error) else nearest(url, devices())
+        if "option 'control'" in str(error):
+            advice = "; a line without control lines: add ?ign_set_control to its address"
+        raise LinkError(f"{url}: {reason(error)}{advice}") from error
 
 
 def is_address(url: str) -> bool:

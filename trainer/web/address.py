@@ -60,7 +60,7 @@ def announce_address(address: Address) -> str:
     import segno  # noqa: PLC0415  a tenth of the start, and most servers draw nothing
 
     drawn = io.StringIO()
-    segno.make(address.url, error="l").terminal(drawn, compact=True, border=2)
+    segno.make_qr(address.url, error="l").terminal(drawn, compact=True, border=2)
     return f"{text}\n{drawn.getvalue().rstrip()}"
 
 

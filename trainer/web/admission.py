@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final, cast
 
+from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from trainer.io.machine import THIS_MACHINE, machine_of
@@ -182,7 +183,23 @@ class WholeRequests:
             return
         body = await whole_body(receive)
         with visit.answering():
-            await self._app(scope, replay_parts(body, receive), send)
+            await self._app(scope, replay_parts(body, receive), end_where_unsure(scope, send))
+
+
+def end_where_unsure(scope: Scope, send: Send) -> Send:
+    """Return a ``send`` that closes the connection after an answer where its end is in doubt.
+
+    A request that gives its length twice, by Transfer-Encoding and by Content-Length, may be read
+    otherwise by what stands before this server (RFC 9112, 6.1).
+    """
+    names = {name for name, _ in scope["headers"]}
+
+    async def send_last(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            MutableHeaders(scope=message)["Connection"] = "close"
+        await send(message)
+
+    return send_last if names >= {b"transfer-encoding", b"content-length"} else send
 
 
 async def whole_body(receive: Receive) -> list[Message]:

@@ -26,6 +26,7 @@ from socket import socket
 from typing import Final
 from urllib.parse import quote
 
+from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from trainer.io.connection import carried_for
@@ -249,7 +250,7 @@ def check_frame(message: Mapping[str, object], allowance: Allowance) -> str:
     return text
 
 
-def machine_at(page: WebSocket) -> str:
+def machine_at(page: HTTPConnection) -> str:
     """Return the name under which a page's machine is counted; see ``machine_of``."""
     return machine_of(page.client.host, page.scope["server"][0]) if page.client else ""
 

@@ -54,9 +54,12 @@ class Syncer:
 
     @property
     def behind(self) -> bool:
-        """Return whether a commit is late on the disk, or one was within QUIET_S."""
+        """Return whether a commit is late on the disk, or one was within QUIET_S.
+
+        A process that was stopped has asked the disk late: that is no fault of the disk's.
+        """
         now = time.monotonic()
-        return self.failure is not None or now < self._quiet or now > min(self._due, self._asked)
+        return self.failure is not None or now < self._quiet or now > self._asked
 
     def expect(self, seconds: float) -> None:
         """Expect a commit to be on the disk within so many seconds.
@@ -75,19 +78,19 @@ class Syncer:
 
     def _run(self) -> None:
         while not self._closing.wait(SYNC_PERIOD_S):
-            if time.monotonic() > self._begin:
-                self._sync()
+            if (late := time.monotonic() - self._begin) > 0.0:
+                self._sync(max(late - SYNC_PERIOD_S, 0.0))
         if self._descriptor >= 0:
             os.close(self._descriptor)
 
-    def _sync(self) -> None:
-        """Ask the disk for all that is committed, and wait for it.
+    def _sync(self, late: float) -> None:
+        """Ask the disk, ``late`` [s], for all that is committed, and wait for it.
 
         After a failed fsync the system may have dropped the pages, and yet report the next fsync
         as good. So a failure stands until a checkpoint has written all pages again.
         """
         with self._lock:
-            self._asked, self._begin, self._due = self._due, NEVER_DUE, NEVER_DUE
+            self._asked, self._begin, self._due = self._due + late, NEVER_DUE, NEVER_DUE
         if self._opens():
             try:
                 os.fsync(self._descriptor)

@@ -95,6 +95,17 @@ INSTRUMENTS: Final = (
         TRUE_NOTE,
     ),
     Instrument(
+        "PASHR",
+        "attitude",
+        (
+            ("UTC hhmmss.sss", "time_to_ms"), ("heading [deg]", "heading"), "T",
+            ("heel [deg], to starboard positive", "heel"),
+            ("pitch [deg], bow up positive", "pitch"),
+            "-", "-", "-", "-", "0", "0",
+        ),
+        f"heading {GAUGES_NOTE}, heel and pitch true",
+    ),
+    Instrument(
         "INGGA",
         "fix, with the depth as altitude",
         (
@@ -133,17 +144,6 @@ INSTRUMENTS: Final = (
         ),
         GAUGES_NOTE,
         ground=True,
-    ),
-    Instrument(
-        "PASHR",
-        "attitude",
-        (
-            ("UTC hhmmss.sss", "time_to_ms"), ("heading [deg]", "heading"), "T",
-            ("heel [deg], to starboard positive", "heel"),
-            ("pitch [deg], bow up positive", "pitch"),
-            "-", "-", "-", "-", "0", "0",
-        ),
-        f"heading {GAUGES_NOTE}, heel and pitch true",
     ),
     Instrument("INHDT", "heading", (("heading [deg true]", "heading"), "T"), GAUGES_NOTE),
     Instrument(

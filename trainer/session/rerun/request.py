@@ -49,15 +49,15 @@ def open_log(
 ) -> Log | None:
     """Return the feeds of the file and viewer asked for, None without either.
 
-    A line says what is missing. ConfigError for a bad address, or a file that cannot be written.
+    A line says what the viewer lacks. ConfigError for a bad address, or a file that cannot be
+    written.
     """
     path, wanted = options.rrd, options.rerun or options.rerun_at
     host, port = parse_address(options.rerun_at or "")
     if path is None and not wanted:
         return None
     if find_spec("rerun") is None:
-        advice = advise_install("rerun", "--rerun" if wanted else "--rrd")
-        click.echo(f"trainer: {advice}", err=True)
+        click.echo(f"trainer: {advise_install('rerun', '--rerun')}", err=True)
         return None
 
     from trainer.session.rerun.drawing import Drawing  # noqa: PLC0415  rerun itself
