@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, partial
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from helpers.explored import (
 from helpers.givers import journalled
 from helpers.sessions import start_plan
 
+from trainer.boat.effects import effects_of_boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.config.files import shipped_names
 from trainer.debrief.attainable import NoCurve, RunExplorer
@@ -399,6 +400,57 @@ def test_orders_are_the_same_that_say_the_same_to_the_same_control() -> None:
     assert isinstance(other, Order)
     assert is_same_order(first, same)
     assert not is_same_order(first, other)
+
+
+def test_orders_that_move_other_controls_are_never_taken_for_one() -> None:
+    effects = effects_of_boat(plan_of("leaking-leg").launch_boat())
+    plain = [(parse(each.words), each) for each in effects if each.number is None]
+    for (one, first), (other, second) in combinations(plain, 2):
+        if isinstance(one, Order) and isinstance(other, Order):
+            assert not is_same_order(one, other) or first.writes == second.writes, first.words
+
+
+UNDONE = (  # an order more, the order it comes for, and until when [s] brute force wins
+    ("fire-aft", 130.0, "ventilation run", "", 310),
+    ("port-bus-lost", 130.0, "loads back", "", 149),
+    ("flooding-aft", 110.0, "bell stop", "", 550),
+    ("leaking-leg", 95.0, "bow planes emergency", "stern planes emergency", 285),
+)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "seconds", "text", "instead", "won_s"), UNDONE)
+def test_what_was_undone_or_done_to_the_wrong_surface_can_be_put_right_until_it_is_too_late(
+    name: str, seconds: float, text: str, instead: str, won_s: int
+) -> None:
+    curve = attainable_curve(explored(name, planted(name, seconds, text, instead)))
+    assert curve.until_won is not None
+    assert abs(curve.until_won * STEP_S - won_s) <= 5.0
+
+
+def test_only_the_order_that_was_undone_is_given_again() -> None:
+    run = explored("fire-aft", planted("fire-aft", 130.0, "ventilation run"))
+    assert [each.text for each in run.reference_orders(2 * 150)] == ["ventilation secure"]
+
+
+def test_where_an_undoing_has_served_by_now_it_is_left_so() -> None:
+    run = explored("steering-jam", planted("steering-jam", 84.0, "bell ahead full"))
+    own = run.judge(run.trajectory).total
+    assert own
+    assert all(run.point(tick).marks > own - 1.0 for tick in range(0, run.last, 20))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("stern-servo", "fire-aft"),
+        *(pytest.param(name, marks=pytest.mark.slow, id=f"{name}-all") for name in SHIPPED),
+    ],
+)
+def test_the_reference_crew_never_undoes_what_it_has_ordered(name: str) -> None:
+    run = explored(name, by_crew(name))
+    crews = (each.crew.crew for each in run.departures.values() if each.crew)
+    assert not any(each.undone for crew in crews for each in crew.followed)
 
 
 def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:

@@ -95,6 +95,25 @@ def test_what_is_ordered_meanwhile_is_overdue_no_more(line: Line, jam: Crewed) -
     assert len(told_in(jam, 1)) == 1
 
 
+def test_after_the_wrong_surface_the_hint_is_the_right_one(crewed: Begin) -> None:
+    ship = crewed(plan=planned("leaking-leg"), seconds=600.0)
+    line = trainee(ship)
+    ship.fly(190)
+    ship.say(line, "bow planes emergency")
+    ship.fly(20)
+    assert asks(ship, line)[1].startswith("hint, 5 marks: stern planes emergency, due since")
+
+
+def test_what_is_undone_is_due_again_and_the_hint_says_why(line: Line, jam: Crewed) -> None:
+    for order in ("bell astern full", "bow planes rise 30"):
+        jam.say(line, order)
+        jam.fly(4)
+    jam.say(line, "bell ahead full")
+    jam.fly(4)
+    undone = "hint, 5 marks: bell astern full, due since 00:01:24: another order has undone it"
+    assert asks(jam, line) == ("ok", undone)
+
+
 def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
     line = trainee(ship)

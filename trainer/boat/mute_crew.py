@@ -6,9 +6,13 @@ of it can take over and speak.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
+from itertools import pairwise
 from operator import itemgetter
+from typing import Final
+
+import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.crew_hands import TIME_ROUNDING_S
@@ -16,7 +20,12 @@ from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
+from trainer.config.score_rules import ANSWER_ORDERS
 from trainer.io.orders.grammar import Order, Refused
+from trainer.io.orders.words import ORDER_WORDS
+
+AXES_OF_HANDS: Final = {"planesman": "planes", "helmsman": "rudder"}
+WATER_ORDERS: Final = ("flood", "pump")  # so many tonnes into a tank, out of it, or to another
 
 
 class MuteCrew:
@@ -31,8 +40,10 @@ class MuteCrew:
 
         A rule is done when somebody gave its order since what it waits for came. It is also done
         when its order is due and would change nothing, because another order has done the same.
+        What it ordered is then wanted, and due again once an order works its control against it.
         """
         crew, orders = self.crew, list(given)
+        carried_out = []
         crew.notice()
         for progress in crew.followed:
             if progress.due is None:
@@ -42,10 +53,15 @@ class MuteCrew:
                 done = crew.is_due(progress)
             else:
                 done = any(is_same_order(order, each) for each in orders) or (
-                    crew.is_due(progress) and self._stands(order)
+                    crew.is_due(progress)
+                    and (not progress.undone or bool(orders))
+                    and self._stands(order)
                 )
             if done:
                 crew.count(progress)
+                carried_out.append(progress)
+        if orders or carried_out:
+            self._keep_wants(orders, carried_out)
         for hand in crew.hands.values():
             hand.look(crew.gauges)
             hand.find_ordered()
@@ -55,6 +71,19 @@ class MuteCrew:
         other = copy(self)
         other.crew = self.crew.aboard(boat)
         return other
+
+    def ways(self) -> "Iterator[MuteCrew]":
+        """Yield the crews that could go on from here: this one, and one that repeats nothing.
+
+        They differ where an order was undone: what came of that may serve better by now.
+        """
+        yield self
+        if any(each.undone for each in self.crew.followed):
+            other = self.aboard(self.crew.boat)
+            for each in other.crew.followed:
+                if each.undone:
+                    other.crew.forget(each)
+            yield other
 
     def speak(self) -> ReferenceCrew:
         """Return the crew that gives orders from now on, what is overdue first."""
@@ -76,6 +105,48 @@ class MuteCrew:
             hand.looked = -math.inf
             yield name, hand.look(self.crew.gauges)
 
+    def _keep_wants(self, orders: Sequence[Order], carried_out: Sequence[RuleProgress]) -> None:
+        """Have each rule due again whose control an order has worked against it, and no other.
+
+        So a party that fights a fire is not sent anew because a fan runs again. A later rule, or a
+        hand that is at work, ends what an earlier rule wants of its control.
+        """
+        crew = self.crew
+        steered = {AXES_OF_HANDS[hand] for hand in crew.hands}
+        coming = {  # what hands steer that follow at once, and may have ordered in this tick
+            AXES_OF_HANDS.get(each.rule.order.name)
+            for lead, each in pairwise(crew.followed)
+            if lead in carried_out and each.rule.row.then
+        }
+        for each in crew.followed:
+            order = each.rule.order
+            later = [other.rule.order for other in carried_out if other is not each]
+            if not each.wanted:
+                continue
+            if axis_of(order) in steered or any(self._undoes(other, order) for other in later):
+                crew.forget(each)
+            elif each.due is None and axis_of(order) not in coming:
+                others = (x for x in orders if x.name in ANSWER_ORDERS)
+                if any(self._undoes(x, order) for x in others if not is_same_order(x, order)):
+                    each.due, each.undone, each.over = crew.boat.time, True, False
+
+    def _undoes(self, order: Order, wanted: Order) -> bool:
+        """Return whether an order that stands is against one that is wanted.
+
+        It is if it would put back what that would change. Both are tried, and the boat put back.
+        """
+        untried = {*SAID_ORDERS, *CREW_HANDS, *WORLD_PARTS}
+        if {order.name, wanted.name} & untried or wanted.name in WATER_ORDERS:
+            return False
+        boat, before = self.crew.boat, self.crew.boat.snapshot()
+        obey_order(boat, wanted)
+        meant = boat.snapshot()
+        obey_order(boat, order)
+        after = boat.snapshot()
+        boat.restore(before)
+        old, new, last = (each.view(np.uint64) for each in (before, meant, after))
+        return bool(((old != new) & (new != last)).any())
+
     def _stands(self, order: Order) -> bool:
         """Return whether an order would change nothing of the boat.
 
@@ -92,12 +163,16 @@ class MuteCrew:
         return same and not refused
 
 
+def axis_of(order: Order) -> str:
+    """Return the axis whose surfaces an order puts to an angle, "" for none."""
+    word = ORDER_WORDS.get(order.name)  # a hand of the crew has none
+    return word.works if word and word.needs != "plant" else ""
+
+
 def is_same_order(order: Order, other: Order) -> bool:
-    """Return whether two orders say the same to the same control."""
-    return (order.name, order.word, order.subject, order.numbers, order.value) == (
-        other.name,
-        other.word,
-        other.subject,
-        other.numbers,
-        other.value,
+    """Return whether two orders say the same to the same control, whose name is in the words."""
+    said, others = (
+        (each.name, each.word, each.words, each.subject, each.numbers, each.value)
+        for each in (order, other)
     )
+    return said == others

@@ -78,6 +78,8 @@ class RuleProgress:
     given: float | None = None  # [s] when it last was
     over: bool = False
     noticed: float = 0.0  # the order to the crew that it has reacted to, by its tick in the state
+    wanted: bool = False  # what it ordered is to stand: it was given, and no later rule is against
+    undone: bool = False  # it is due again, because an order worked its control against it
 
 
 class ReferenceCrew:
@@ -261,19 +263,27 @@ class ReferenceCrew:
         """Count a rule as carried out now; one that comes again waits again."""
         row, order = progress.rule.row, progress.rule.order
         progress.given, progress.due = self.boat.time, None
+        progress.wanted, progress.undone = True, False
         progress.over = row.ordered is None and row.every_s is None
         if order.name in CREW_HANDS:
             self._switch(order)
+
+    def forget(self, progress: RuleProgress) -> None:
+        """Want no longer what a rule has ordered."""
+        if progress.undone:
+            row = progress.rule.row
+            progress.due, progress.over = None, row.ordered is None and row.every_s is None
+        progress.wanted = progress.undone = False
 
     def come_late(self) -> None:
         """Take up what is overdue.
 
         It is given at once, because its reaction has passed since its cause came. A rule whose
-        cause is over waits for it again.
+        cause is over waits for it again, but for one that was undone: it is wanted since.
         """
         now = self.boat.time
         for progress in self.followed:
-            if progress.due is None or progress.due >= now - TIME_ROUNDING_S:
+            if progress.due is None or progress.undone or progress.due >= now - TIME_ROUNDING_S:
                 continue
             if progress.rule.row.when is not None and self._begun(progress) is None:
                 progress.due = None

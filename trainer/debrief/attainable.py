@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.mute_crew import MuteCrew, is_same_order
+from trainer.boat.mute_crew import WATER_ORDERS, MuteCrew, is_same_order
 from trainer.boat.reference_crew import RuleProgress
 from trainer.config.outcome import Outcome
 from trainer.config.reference_crew import MARK_ORDER, SAID_ORDERS
@@ -28,9 +28,9 @@ from trainer.debrief.attainable_stretches import (
     AttainablePoint,
     finest_period,
 )
-from trainer.debrief.controls import HAND_CONTROLS, WATER_ORDERS, opposite_order, share_of
+from trainer.debrief.controls import HAND_CONTROLS, opposite_order, share_of
 from trainer.debrief.episodes import crew_orders
-from trainer.debrief.reference import can_fly, join_runs
+from trainer.debrief.reference import best_way, can_fly, join_runs
 from trainer.debrief.rehearsal import (
     ByReference,
     Departure,
@@ -76,6 +76,7 @@ class RunExplorer:
     progress: Callable[[float], object] = field(default=lambda _: None)  # the share that is flown
     finest: int = field(init=False)  # [ticks] between moments to depart from
     departures: dict[int, Departure] = field(init=False, default_factory=dict)  # by tick
+    ways: dict[int, Departure] = field(init=False, default_factory=dict)  # the best, by tick
     points: dict[int, AttainablePoint] = field(init=False, default_factory=dict)
     better: dict[int, list[RecordedOrder]] = field(init=False, default_factory=dict)
     hands: dict[int, dict[str, list[str]]] = field(init=False, default_factory=dict)
@@ -133,11 +134,12 @@ class RunExplorer:
 
     def from_moment(self, tick: int, until: int | None = None) -> Rehearsal:
         """Return the reference crew's run from a tick on, to its end or ``until`` another."""
-        here = self.departure(tick)
-        if here.tick < tick:
-            _, here = fly(self.plan, here, self.recorded, until=tick)
-        run, _ = fly(self.plan, here, self.later, speaks_from=tick, until=until)
-        return run
+        if tick not in self.ways:
+            here = self.departure(tick)
+            if here.tick < tick:
+                _, here = fly(self.plan, here, self.recorded, until=tick)
+            self.ways[tick] = best_way(self.plan, self.trajectory, here, self.later, self.judge)
+        return fly(self.plan, self.ways[tick], self.later, speaks_from=tick, until=until)[0]
 
     def reference_orders(self, tick: int) -> list[RecordedOrder]:
         """Return what the reference crew orders in BETTER_TIME_S from a tick on."""
@@ -176,6 +178,7 @@ class RunExplorer:
         past = join_runs(self.trajectory, prefix.trajectory)
         if there.tick < end:
             return point_of(there.tick, self.judge(past)).marks
+        there = best_way(self.plan, past, there, self.later, self.judge)
         run, _ = fly(self.plan, there, self.later, speaks_from=end)
         return point_of(end, self.judge(join_runs(past, run.trajectory))).marks
 

@@ -163,6 +163,9 @@ def blame_order(run: RunExplorer, given: RecordedOrder, change: MarkChange) -> M
 def blame_rule(run: RunExplorer, late: RuleProgress, change: MarkChange) -> MarkChange:
     """Return a fall as that of an overdue order, or of its opposite."""
     right, due = late.rule.order, run.due_tick(late)
+    if late.undone and (by := [each for each in run.crew if each.tick == due]):
+        undone = replace(change, cause=ChangeCause.ORDER, order=by[-1].text, tick=due)
+        return replace(undone, who=by[-1].who)
     came = run.came(right, due)
     until = change.end if came is None else min(came, change.end)
     since = due - round(SUSPECT_TIME_S / run.step)

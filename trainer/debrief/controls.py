@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Mapping
 from typing import Final
 
-from trainer.boat.mute_crew import is_same_order
+from trainer.boat.mute_crew import AXES_OF_HANDS, WATER_ORDERS, is_same_order
 from trainer.config.condition import PLANT_QUANTITIES, STATE_QUANTITIES
 from trainer.config.score_rules import ScoreRule
 from trainer.io.orders.grammar import Order, parse
@@ -26,10 +26,9 @@ OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
 WAY_WORDS: Final = (*OPPOSITE_WORDS, ("flood", "blow"), ("on", "off"))
 HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
     hand: (axis, frozenset(w.name for w in ORDER_WORDS.values() if w.works == axis))
-    for hand, axis in (("planesman", "planes"), ("helmsman", "rudder"))
+    for hand, axis in AXES_OF_HANDS.items()
 }
 SURFACE_ORDERS: Final = frozenset().union(*(orders for _, orders in HAND_CONTROLS.values()))
-WATER_ORDERS: Final = ("flood", "pump")  # so many tonnes into a tank, out of it, or to another
 SCOPE_AXIS: Final = "scope"  # worked beside HAND_AXES
 # The axes that move a quantity or, of a rule without one, a measure: the first one steers it. An
 # estimate: everything aboard moves everything a little.

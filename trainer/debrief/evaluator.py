@@ -27,7 +27,7 @@ from trainer.debrief.attainable import NoCurve, point_of, refuse_plan
 from trainer.debrief.data import events_of, find_branch, nobody_aboard
 from trainer.debrief.episodes import ordered_beyond
 from trainer.debrief.judgement import WIDTH_FACTORS, judge_run
-from trainer.debrief.reference import join_runs
+from trainer.debrief.reference import best_way, join_runs
 from trainer.debrief.rehearsal import ByReference, Departure, Flight, Rehearsal, due_tick, fly
 from trainer.debrief.scoring import Scorecard
 from trainer.debrief.trajectory import Trajectory
@@ -109,7 +109,9 @@ class RunFollower:
         """Return the marks of a whole run."""
         return judge_run(trajectory, self.plan, self.nobody, self.width)
 
-    def go_on(self, end: Departure, orders: Sequence[RecordedOrder], text: str = "") -> Rehearsal:
+    def go_on(
+        self, past: Trajectory, end: Departure, orders: Sequence[RecordedOrder], text: str = ""
+    ) -> Rehearsal:
         """Return the reference crew's run from a moment, the orders of its tick among them.
 
         With ``text`` that order is given too, before the crew's own.
@@ -125,7 +127,8 @@ class RunFollower:
                 )
         if text:
             later[end.tick].append(order_of(end.tick, ASKER, text))
-        run, _ = fly(self.plan, end, later, speaks_from=end.tick)
+        best = best_way(self.plan, past, end, later, self.judge)
+        run, _ = fly(self.plan, best, later, speaks_from=end.tick)
         return run
 
 
@@ -168,11 +171,11 @@ class Evaluator:
         past = self.follower.past(orders, marks, tick)
         so_far = self.follower.judge(past) if tick else None
         answer: dict[str, Any] = {"so_far": so_far.total if so_far else 0.0}
-        answer |= self._marks(past, self.follower.go_on(end, orders))
+        answer |= self._marks(past, self.follower.go_on(past, end, orders))
         beyond = ordered_beyond(orders)
         answer["beyond"] = beyond[-1].text if beyond else ""
         if text := asked.get("order", ""):
-            run = self.follower.go_on(end, orders, text)
+            run = self.follower.go_on(past, end, orders, text)
             wrong = [each for each in run.refused if each.giver == ASKER and each.text == text]
             answer["refused"] = wrong[0].answer if wrong else ""
             answer["with"] = self._marks(past, run)["marks"]

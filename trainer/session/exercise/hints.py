@@ -131,6 +131,8 @@ def overdue_text(mute: MuteCrew) -> str:
 def _why(progress: RuleProgress) -> str:
     """Return what a rule of the reference crew waited for, in words."""
     row = progress.rule.row
+    if progress.undone:
+        return "another order has undone it"
     if row.ordered is not None:
         return f"{AXIS_TEXTS.get(row.ordered, f'a {row.ordered}')} was ordered"
     if row.when is not None:
