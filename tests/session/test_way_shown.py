@@ -184,6 +184,42 @@ def test_what_is_shown_ends_with_the_exercise_and_never_ends_it(crewed: Begin) -
     assert not ship.conduct.ending.over
 
 
+LATE_S = 165.0  # [s] of a boat whose stern planes nobody has helped, and which goes down
+TICKS_A_SECOND = 2
+
+
+@pytest.mark.parametrize(
+    ("lost", "seconds", "found"),
+    [
+        ((), 90.0, ""),
+        (("depth > 200",), 90.0, ""),
+        (("depth > 200",), 140.0, "loses at 00:02:"),
+        ((), LATE_S, "goes past test depth at 00:02:46, 250 m deep"),
+    ],
+)
+def test_a_way_that_loses_or_passes_test_depth_is_not_shown_and_it_is_told_what_was_found(
+    crewed: Begin, lost: tuple[str, ...], seconds: float, found: str
+) -> None:
+    ship = crewed(plan=planned("stern-servo"), seconds=480.0, lost=lost)
+    ship.fly(round(TICKS_A_SECOND * 85))
+    ship.order("bow planes emergency")
+    ship.fly(round(TICKS_A_SECOND * (seconds - 85)))
+    ship.order("freeze")
+    before = ship.boat.snapshot().tobytes()
+
+    ship.order("demonstrate for 30 s")
+    ship.settle(lambda: not ship.session.dispatch.way.preparing)
+
+    told = ship.events(ship.instructor, "shown")[0]
+    assert (ship.session.dispatch.way.origin is None) is bool(found)
+    if found:
+        assert told.startswith(f"the way is not shown: from here the reference crew {found}")
+        assert ship.boat.snapshot().tobytes() == before
+    else:
+        ship.fly(SHOWN_TICKS + 5)
+        assert ship.facts(ship.instructor, "shown")[0] == "stern planes emergency"
+
+
 def test_a_session_that_ends_meanwhile_ends_on_the_crews_branch(jam: Crewed) -> None:
     shows(jam)
     jam.fly(10)

@@ -23,10 +23,14 @@ def entries_due(boat: Boat, schedule: Iterable[ScheduledOrder]) -> dict[int, lis
     It is the first that is not before an order's time, and not before those ahead of it.
     """
     due: dict[int, list[int]] = defaultdict(list)
-    ticks = accumulate((boat.ticks_in(each.seconds) for each in schedule), max)
-    for entry, tick in enumerate(ticks):
+    for entry, tick in enumerate(ticks_due(boat, schedule)):
         due[max(tick, 0)].append(entry)
     return due
+
+
+def ticks_due(boat: Boat, schedule: Iterable[ScheduledOrder]) -> Iterator[int]:
+    """Return the tick of each entry of a schedule: its own time, or that of one ahead of it."""
+    return accumulate((boat.ticks_in(each.seconds) for each in schedule), max)
 
 
 def orders_due(boat: Boat, schedule: Sequence[ScheduledOrder]) -> dict[int, list[Order]]:

@@ -1,13 +1,15 @@
 """The reference crew shows the way from a frozen moment.
 
 It does so on a branch that counts for no mark. A thread has the crew follow the run so far, mute
-(``reference_flight``). Then it comes aboard and speaks: its orders go the road of all orders, are
+(``reference_flight``), and flies on to the end of the exercise: a way that loses, or goes past test
+depth, is not shown. Then it comes aboard and speaks: its orders go the road of all orders, are
 told to everybody, and move the controls that all screens show. Afterwards the boat is back at the
 moment, frozen.
 """
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
@@ -15,7 +17,7 @@ from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError
-from trainer.session.exercise.reference_flight import crew_so_far
+from trainer.session.exercise.reference_flight import WayAhead, crew_so_far
 from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
 from trainer.session.past.run_modes import ShownRun
@@ -49,10 +51,24 @@ class Demonstration:
         until = moment.tick + round(order.value / self.session.boat.method.step)
         plan = self.session.conduct.terms.plan
         assert plan is not None  # noqa: S101 (else it is barred)
+        ending = self.session.conduct.ending
+        ahead = WayAhead(
+            plan,
+            frozenset(each.entry for each in history.said()),
+            int(until if math.isinf(ending.last_tick) else ending.last_tick),
+            [replace(each) for each in ending.lost],
+        )
+        follow = crew_so_far(plan, history)
+
+        def find() -> tuple[MuteCrew, str]:
+            mute = follow()
+            faults = [(way, ahead.fault(way)) for way in mute.ways()]
+            return next((each for each in faults if not each[1]), faults[0])
+
         self.session.conduct.work.begin(
             "way",
-            crew_so_far(plan, history),
-            lambda mute: self._begin(mute, moment, until, why),
+            find,
+            lambda found: self._begin(*found, moment, until, why),
             lambda e: self._give_up(f"the way cannot be shown: {type(e).__name__}: {e}"),
         )
         self.preparing = True
@@ -80,14 +96,20 @@ class Demonstration:
         self.preparing = False
         self.session.event_log.tell(SHOWN_KIND, why)
 
-    def _begin(self, mute: MuteCrew, moment: Moment, until: int, why: str) -> None:
-        """Have the crew come aboard, unless the session has gone elsewhere meanwhile."""
+    def _begin(self, mute: MuteCrew, fault: str, moment: Moment, until: int, why: str) -> None:
+        """Have the crew come aboard, unless its way is no good or time has gone elsewhere."""
         session = self.session
         history, time = session.history, session.time
         now = history.now()
         here, there = ((each.branch, each.tick, each.after) for each in (now, moment))
         if here != there or not time.frozen or session.conduct.ending.over:
             self._give_up("the way is not shown: something was ordered meanwhile")
+            return
+        if fault:
+            self._give_up(
+                f"the way is not shown: from here the reference crew {fault}; go back further, "
+                "and demonstrate again"
+            )
             return
         self.preparing, self.origin = False, now
         self.crew = mute.aboard(session.boat).speak()

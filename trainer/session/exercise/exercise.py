@@ -85,7 +85,7 @@ class ExerciseEnd:
         """End the exercise if the tick that was just computed ends it."""
         if self.over or not self.watched:
             return
-        if why := self.control.failure or self._lost(self.control.boat):
+        if why := self.control.failure or loss_of(self.lost, self.control.boat):
             self.lose(why)
         elif self.control.boat.ticks >= self.last_tick:
             self._end(Outcome.ENDED, "time is up")
@@ -134,10 +134,11 @@ class ExerciseEnd:
         self.show()
         self.then()
 
-    def _lost(self, boat: Boat) -> str:
-        """Return the condition that loses the exercise now, "" for none."""
-        # A list, not the first match: each monitor has to count its ticks at every tick.
-        lost = [each.loss.text for each in self.lost if each.look(boat)]
-        heel, pitch = CAPSIZE_ANGLES_RAD
-        turned = abs(boat.plain[PHI_OFFSET]) > heel or abs(boat.plain[THETA_OFFSET]) > pitch
-        return lost[0] if lost else ("turned over" if turned else "")
+
+def loss_of(monitors: Sequence[LossMonitor], boat: Boat) -> str:
+    """Return the condition that loses the exercise after this tick, "" for none."""
+    # A list, not the first match: each monitor has to count its ticks at every tick.
+    lost = [each.loss.text for each in monitors if each.look(boat)]
+    heel, pitch = CAPSIZE_ANGLES_RAD
+    turned = abs(boat.plain[PHI_OFFSET]) > heel or abs(boat.plain[THETA_OFFSET]) > pitch
+    return lost[0] if lost else ("turned over" if turned else "")
