@@ -255,6 +255,41 @@ def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     assert s.z == pytest.approx(17.5, abs=0.5)
 
 
+def test_afloat_after_a_blow_no_depth_is_said_to_be_kept_until_the_boat_dives(boat: Boat) -> None:
+    obey_all(boat, "emergency blow")
+    fly(boat, 120.0)
+    blowing = answer(boat, "depth 60")
+    obey_all(boat, "blow stop")
+    fly(boat, 30.0)
+    before = boat.snapshot().tobytes()
+
+    for line in ("depth 60", "periscope depth", "hover 30"):
+        refused = answer(boat, line)
+        assert isinstance(refused, Refused)
+        assert refused.reason.startswith("main ballast is blown: the boat is 4")
+        assert refused.reason.endswith(" m; dive first")
+    assert boat.snapshot().tobytes() == before
+    assert isinstance(blowing, Refused)
+    assert answer(boat, "depth 0") == "keeping depth 0 m"
+    obey_all(boat, "dive")
+    assert answer(boat, "depth 60") == "keeping depth 60 m"
+    fly(boat, 600.0)
+    assert float(boat.state.z) == pytest.approx(60.0, abs=1.0)
+
+
+def test_a_boat_that_is_a_little_light_keeps_a_depth_if_it_is_fast_enough() -> None:
+    kept = []
+    for speed_kn in (5.0, 12.0):
+        boat = under_way(speed_kn=speed_kn)
+        obey_all(boat, "emergency blow")
+        fly(boat, 8.0)
+        obey_all(boat, "blow stop")
+        said = isinstance(answer(boat, "depth 60"), str)
+        fly(boat, 600.0)
+        kept.append((said, abs(float(boat.state.z) - 60.0) < 1.0))
+    assert kept == [(False, False), (True, True)]
+
+
 def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
     boat = under_way(speed_kn=3.0)
     obey_all(boat, "bell stop", "planes manual", "flood depth-control 2", "hover on")

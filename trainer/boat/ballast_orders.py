@@ -14,7 +14,8 @@ from typing import Final
 from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import limit_refusal
 from trainer.boat.effects import MAIN_TANKS, SPACE_NAMES, holds, write_effect
-from trainer.core.autopilot.ascent import NO_ASCENT
+from trainer.boat.limits import is_surfacing
+from trainer.core.autopilot.ascent import EMERGENCY_OPENING, NO_ASCENT, SURFACED_DEPTH
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import MAX_WAY_SPEED, SURE_PUMP_SHARE, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
@@ -102,7 +103,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
         return "hovering off"
     depth = float(s.z) if order.word else order.value
     too_deep = None if order.word else limit_refusal(boat, "depth", depth)
-    if refusal := too_deep or cannot_hover(boat, depth):
+    if refusal := too_deep or too_light(boat, depth) or cannot_hover(boat, depth):
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0  # the order ends what had given depth up
     s.ordered_depth = depth
@@ -133,6 +134,33 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
     return Refused(
         f"the pump cannot hold {depth:.0f} m here: waves ask it for {wanted:.0f} kg/s, and it is "
         f"sure of {sure:.0f}; {held}"
+    )
+
+
+def too_light(boat: Boat, depth: float) -> Refused | None:
+    """Return why no planes can keep a depth [m] with main ballast blown as it is, None if they can.
+
+    Afloat they cannot. Below it is what level flight there allows, at the speed that is ordered.
+    Open vents fill the tanks again, and the depth-control tank takes what it has room for.
+    """
+    s = boat.state
+    surfaced = SURFACED_DEPTH * float(boat.vessel.diameter)
+    if depth <= surfaced or not is_surfacing(boat) or any(s[f"vent_{tank}"] for tank in MAIN_TANKS):
+        return None
+    light = (float(boat.vessel.buoyancy) - float(s.weight)) / float(boat.vessel.g) / 1000.0
+    control = TANKS.index("depth_control")
+    if 1000.0 * light <= float(boat.vessel.capacity[control] - s.water[control]):
+        return None
+    ordered = float(s.ordered_u_c if s.speed_by_hand else s.ordered_speed)
+    if s.z > surfaced and EMERGENCY_OPENING not in s.blow:
+        there = boat.snapshot()
+        s.z = depth
+        held = boat.trimmed(max(float(s.u), ordered))
+        boat.restore(there)
+        if held:
+            return None
+    return Refused(
+        f"main ballast is blown: the boat is {light:.0f} t too light for {depth:g} m; dive first"
     )
 
 

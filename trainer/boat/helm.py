@@ -123,6 +123,9 @@ def _depth(boat: Boat, order: Order) -> Reply:
         return refusal
     if not boat.automatic:
         return _without_autopilot(boat)
+    depth = float(boat.state.ordered_depth) if order.word == "auto" else order.value
+    if refusal := ballast_orders.too_light(boat, depth):
+        return refusal
     # hovering, the pump has to hold the new depth, where waves may ask more than it gives
     if order.word != "auto" and boat.state.hover:
         refusal = ballast_orders.cannot_hover(boat, order.value)
