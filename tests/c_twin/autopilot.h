@@ -50,6 +50,15 @@ static void slew_depth(double h, const double *gains, struct state *s)
         move_reference(DEPTH_AXIS, s->z, h, gains, s);
 }
 
+/* a turn astern takes longer */
+static void slow_turns(double *gains, struct state *s)
+{
+    double *slew = gains + DEPTH_SLEW + SLEW_COUNT;
+    slew[SLEW_RATE] *= ASTERN_PACE;
+    slew[SLEW_ACCELERATION] *= ASTERN_PACE * ASTERN_PACE;
+    s->psi_reference_rate = within(s->psi_reference_rate, 0.0, slew[SLEW_RATE]);
+}
+
 static void slew_course(double h, const double *gains, struct state *s)
 {
     if (s->rudder_by_hand != 0.0)
@@ -520,6 +529,8 @@ static void autopilot(const struct vessel *c, double h, struct state *s, double 
 {
     if (c->gain_count > 0.0)
         scheduled_gains(c, fabs(s->u), gains);
+    if (c->gain_count > 0.0 && s->u < ASTERN_SPEED)
+        slow_turns(gains, s);
     slew_depth(h, gains, s);
     slew_course(h, gains, s);
     if (slot_of(AUTOPILOT_FAILED, s) >= 0) {

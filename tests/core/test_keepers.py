@@ -400,6 +400,23 @@ def test_going_astern_course_and_depth_are_kept_as_they_can_be() -> None:
     assert len([text for text in news if "astern" in text]) == 1
 
 
+@pytest.mark.parametrize("speed_kn", [-8.0, -4.0])
+@pytest.mark.parametrize("given_s", [0.0, 300.0])
+def test_going_astern_the_boat_turns_to_its_course_and_stays_there(
+    speed_kn: float, given_s: float
+) -> None:
+    boat = start(8.0, 100.0)
+    obey_all(boat, f"turns {speed_kn:g}")
+    if given_s:
+        sail(boat, given_s)
+    obey_all(boat, "course 090")
+    rows = sail(boat, 2400.0, "psi", "u")
+
+    assert rows[-1, 1] < -2.0 * KNOT
+    assert rows[:, 0].max() < 100.0 * DEGREE
+    assert np.abs(rows[-400:, 0] - 90.0 * DEGREE).max() < DEGREE
+
+
 def test_slow_astern_the_planes_lie_amidships() -> None:
     boat = start(4.0, 100.0)
     boat.state.u = -2.0 * KNOT

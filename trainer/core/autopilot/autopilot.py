@@ -10,9 +10,10 @@ itself; its law then only stands by and follows, so that the autopilot can take 
 from trainer.core.autopilot.ascent import NO_ASCENT, come_up, go_on_from, lay_amidships, watch_blow
 from trainer.core.autopilot.course import course_law, keep_course
 from trainer.core.autopilot.depth import keep_depth, plane_law
-from trainer.core.autopilot.reference import slew_course, slew_depth
+from trainer.core.autopilot.reference import slew_course, slew_depth, slow_turns
 from trainer.core.autopilot.speed import keep_speed
 from trainer.core.autopilot.steering import (
+    ASTERN_SPEED,
     BOW,
     RUDDER,
     STERN,
@@ -82,6 +83,8 @@ def autopilot(vessel: Record, h: float, state: Record, scratch: Record) -> None:
     s, gains = state[0], scratch[0].gains
     if vessel[0].gain_count > 0.0:
         scheduled_gains(vessel, abs(s.u), gains)
+        if s.u < ASTERN_SPEED:
+            slow_turns(gains, state)
     slew_depth(h, gains, state)
     slew_course(h, gains, state)
     if slot_of(AUTOPILOT_FAILED, state) >= 0 or is_dead(FED_AUTOPILOT, state):

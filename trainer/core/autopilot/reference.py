@@ -11,6 +11,8 @@ from trainer.core.kernel import Numbers, Record, inline_kernel
 from trainer.core.vessel import DEPTH_SLEW, SLEW_ACCELERATION, SLEW_COUNT, SLEW_RATE
 
 DEPTH_AXIS, COURSE_AXIS = 0, 1  # which of the two references
+COURSE_SLEW = DEPTH_SLEW + SLEW_COUNT * COURSE_AXIS
+ASTERN_PACE = 0.25  # [-] of turns astern: there a drift grows, and the rudder must stop it (flown)
 
 LEASH_SHARE = 0.25  # [-]
 APPROACH_TICKS = 4.0  # [ticks] time constant of the last approach, too slow to hunt
@@ -90,6 +92,15 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
         follow_boat(DEPTH_AXIS, s.z, s.zdot, gains, state)
     else:
         move_reference(DEPTH_AXIS, s.z, h, gains, state)
+
+
+@inline_kernel
+def slow_turns(gains: Numbers, state: Record) -> None:
+    """Make a turn astern last longer, and go no further before it stops, than one ahead."""
+    s = state[0]
+    gains[COURSE_SLEW + SLEW_RATE] *= ASTERN_PACE
+    gains[COURSE_SLEW + SLEW_ACCELERATION] *= ASTERN_PACE * ASTERN_PACE
+    s.psi_reference_rate = within(s.psi_reference_rate, 0.0, gains[COURSE_SLEW + SLEW_RATE])
 
 
 @inline_kernel
