@@ -187,7 +187,7 @@ class WholeRequests:
 
 
 def end_where_unsure(scope: Scope, send: Send) -> Send:
-    """Return a ``send`` that closes the connection after an answer where its end is in doubt.
+    """Return a ``send`` that closes the connection where a request's end is in doubt.
 
     A request that gives its length twice, by Transfer-Encoding and by Content-Length, may be read
     otherwise by what stands before this server (RFC 9112, 6.1).
