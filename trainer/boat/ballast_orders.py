@@ -138,7 +138,7 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 
 
 def too_light(boat: Boat, depth: float) -> Refused | None:
-    """Return why no planes can keep a depth [m] with main ballast blown as it is, None if they can.
+    """Return why no planes can keep a depth [m] with main ballast blown, or None.
 
     Afloat they cannot. Below it is what level flight there allows, at the speed that is ordered.
     Open vents fill the tanks again, and the depth-control tank takes what it has room for.

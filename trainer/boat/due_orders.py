@@ -29,7 +29,7 @@ def entries_due(boat: Boat, schedule: Iterable[ScheduledOrder]) -> dict[int, lis
 
 
 def ticks_due(boat: Boat, schedule: Iterable[ScheduledOrder]) -> Iterator[int]:
-    """Return the tick of each entry of a schedule: its own time, or that of one ahead of it."""
+    """Return each entry's tick: its own time, or that of one ahead of it."""
     return accumulate((boat.ticks_in(each.seconds) for each in schedule), max)
 
 

@@ -73,7 +73,7 @@ class MuteCrew:
         return other
 
     def ways(self) -> "Iterator[MuteCrew]":
-        """Yield the crews that could go on from here: this one, and one that repeats nothing.
+        """Yield the crews that could go on: this one, and one that repeats nothing.
 
         They differ where an order was undone: what came of that may serve better by now.
         """
@@ -170,7 +170,7 @@ def axis_of(order: Order) -> str:
 
 
 def is_same_order(order: Order, other: Order) -> bool:
-    """Return whether two orders say the same to the same control, whose name is in the words."""
+    """Return whether two orders say the same to the same control."""
     said, others = (
         (each.name, each.word, each.words, each.subject, each.numbers, each.value)
         for each in (order, other)

@@ -66,7 +66,7 @@ def best_way(
     orders: OrdersByTick,
     judge: Callable[[Trajectory], Scorecard],
 ) -> Departure:
-    """Return a moment with the reference crew that earns most from there, by the orders beside it.
+    """Return a moment with the reference crew that earns most from there.
 
     Where that crew could go on in several ways, each is flown to its end.
     """

@@ -96,7 +96,7 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
 
 @inline_kernel
 def slow_turns(gains: Numbers, state: Record) -> None:
-    """Make a turn astern last longer, and go no further before it stops, than one ahead."""
+    """Make a turn astern slower than one ahead, so that it ends as far on."""
     s = state[0]
     gains[COURSE_SLEW + SLEW_RATE] *= ASTERN_PACE
     gains[COURSE_SLEW + SLEW_ACCELERATION] *= ASTERN_PACE * ASTERN_PACE
