@@ -17,6 +17,7 @@ PROVING = (
     "cases",
     "faults",
     "fuzz",
+    "layouts",
     "mutation",
     "simulation",
     "soak",

@@ -44,6 +44,7 @@ REASONS = {
     "io/recording/durability.py _open": "asks the disk to keep what SQLite wrote",
     "io/recording/file.py connect": "a recording that is there, for reading or to go on with",
     "io/recording/file.py _write_whole": "a folder of its own, then a free name",
+    "io/recording/file.py _write_converted": "a folder of its own, then a free name",
     "io/recording/file.py _give_name": "a free name",
     "io/tables.py _write_csv": "is given what replacing yields",
     "io/tables.py _write_parquet": "is given what replacing yields",

@@ -154,13 +154,18 @@ def test_it_goes_on_where_its_end_was_if_the_user_insists(name: str, old: Path) 
     parent, first, last = OLD[name].branches[-1]
     seconds = 0.5 * last + 5.0
     options = RunOptions(headless=True, speed=math.inf, duration=seconds, priority="normal")
+    before, copied = old.read_bytes(), OLD[name].numbers != len(LAYOUT)
 
     code = resume_boat(old, options, anyway=True)
 
-    with closing(Recording.look(old)) as recording:
+    goes_on = old.with_name(f"{name}-2.trainer") if copied else old
+    assert not copied or old.read_bytes() == before
+    with closing(Recording.look(goes_on)) as recording:
         (*_, newest) = recording.branches()
         assert (newest.parent, newest.tick) == (parent, first)
         assert recording.last_tick(newest.id) == round(2 * seconds)
         assert not any("cannot" in each for each in notes(recording.header()))
     assert code in (0, 1)  # by the marks
-    assert format_of(old) == 2
+    assert format_of(goes_on) == 2
+    if not OLD[name].parting:
+        assert replay_file(goes_on, {}, anyway=True, as_json=False) == 0

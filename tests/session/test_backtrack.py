@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from trainer.boat.casualties import active_casualties
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording, RecordingError
-from trainer.session.past.header import layout_of
 from trainer.session.past.options import RunOptions
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
@@ -456,7 +455,6 @@ def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
         assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
         end = ship.history.flown.end().state if ship.history.flown.replaying else ship.state
         boat = start_plan(ship.plan)
-        header = ship.recording.header()
-        history = bring_up(ship.recording, ship.plan, boat, layout_of(header))
+        history = bring_up(ship.recording, ship.plan, boat)
         assert boat.records.state.tobytes() == end
         assert (history.after, history.entry) >= (0, 0)

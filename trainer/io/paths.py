@@ -117,9 +117,18 @@ def recording_paths(name: str, folder: Path | None = None) -> Iterator[Path]:
     """
     folder = made_folder(folder or recordings_folder())
     name = dated_name(name)
-    yield folder / f"{name}{RECORDING_SUFFIX}"
+    path = folder / f"{name}{RECORDING_SUFFIX}"
+    yield path
+    yield from further_paths(path)
+
+
+def further_paths(path: Path) -> Iterator[Path]:
+    """Yield the same name with -2, -3 and so on.
+
+    Each is for use when the earlier ones are taken.
+    """
     for again in count(2):
-        yield folder / f"{name}-{again}{RECORDING_SUFFIX}"
+        yield path.with_name(f"{path.stem}-{again}{path.suffix}")
 
 
 def dated_name(name: str) -> str:

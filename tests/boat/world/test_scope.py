@@ -46,7 +46,7 @@ from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.facts import station
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording
-from trainer.session.past.header import layout_of, plan_of
+from trainer.session.past.header import plan_of
 from trainer.session.resume import bring_up
 from trainer.session.stations.channels import CHANNELS
 
@@ -350,7 +350,7 @@ def test_a_resumed_run_goes_on_counting(tmp_path: Path) -> None:
         rows, raises = shown_ticks(gather_debrief(recording, file, None).trajectory)
         plan = plan_of(recording.header())
         boat = Boat(plan.file, plan.method)
-        bring_up(recording, plan, boat, layout_of(recording.header()))
+        bring_up(recording, plan, boat)
     scope, before = scope_of(boat), rows[:-1]
     assert (boat.ticks, rows.size) == (180, 181)
     assert 10.0 < scope.exposed(180, raised=False) == 0.5 * before.sum() < 60.0

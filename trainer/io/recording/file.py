@@ -174,7 +174,22 @@ def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
 
 
 def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
-    """Make a recording and return it for writing; RecordingError if the name is taken.
+    """Make a recording and return it for writing; RecordingError if the name is taken."""
+    return _make(path, lambda made: _write_whole(made, header, state))
+
+
+def create_converted(
+    path: Path, source: Path, header: Mapping[str, str], convert: Callable[[bytes], bytes]
+) -> sqlite3.Connection:
+    """Make a recording of all that ``source`` holds, each state converted; return it for writing.
+
+    Its header is that of ``source`` with the values of ``header``.
+    """
+    return _make(path, lambda made: _write_converted(made, source, header, convert))
+
+
+def _make(path: Path, write: Callable[[Path], None]) -> sqlite3.Connection:
+    """Have a recording written, and return it for writing; RecordingError if the name is taken.
 
     It is made under another name in the same folder, so that nobody finds it half made.
     """
@@ -183,7 +198,7 @@ def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Conne
     try:
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
             made = Path(folder) / path.name
-            _write_whole(made, header, state)
+            write(made)
             _give_name(made, path)
     except OSError as error:
         raise RecordingError(f"{path} cannot be made: {error.strerror}") from None
@@ -226,12 +241,16 @@ def open_beside_writer(path: Path) -> sqlite3.Connection:
 def open_for_reading(path: Path) -> sqlite3.Connection:
     """Return a recording for reading, even while another program writes it.
 
-    To read a write-ahead log, SQLite makes a file beside it. Where that cannot be, the disk is full
-    or the medium read-only, and nobody writes the recording: it is read without that file.
+    A log that was left behind stays as it is, because SQLite would move it into the file at the end
+    (``bring_home``). To read it, SQLite makes a file beside it. Where that cannot be, the disk is
+    full or the medium read-only, and nobody writes the recording: it is read without that file.
     """
     _find(path)
+    index = path.with_name(f"{path.name}-shm")  # there as long as anybody writes
     try:
-        return _readable(connect(path, "mode=rw"), path)
+        if not _has_log(path):
+            return _readable(connect(path, "mode=rw"), path)
+        return _readable(connect(path, "mode=ro") if index.exists() else _connect_alone(path), path)
     except sqlite3.OperationalError as error:
         if error.sqlite_errorcode & 0xFF not in UNWRITABLE_CODES:
             raise RecordingError(f"{path} cannot be read: {error}") from None
@@ -239,6 +258,15 @@ def open_for_reading(path: Path) -> sqlite3.Connection:
         return _readable(_connect_alone(path), path)
     except sqlite3.OperationalError as error:
         raise RecordingError(f"{path} cannot be read: {_why_not(error, path)}") from None
+
+
+def bring_home(path: Path) -> None:
+    """Move a log that was left behind into its recording, if nobody has it open."""
+    if _has_log(path):
+        with contextlib.suppress(sqlite3.Error):
+            own = connect(path, "mode=rw")
+            own.execute("PRAGMA user_version").fetchone()  # so that the log is found
+            own.close()
 
 
 def _fill(connection: sqlite3.Connection, header: Mapping[str, str], state: bytes) -> None:
@@ -252,12 +280,33 @@ def _fill(connection: sqlite3.Connection, header: Mapping[str, str], state: byte
 
 
 def _write_whole(path: Path, header: Mapping[str, str], state: bytes) -> None:
-    connection = sqlite3.connect(path, isolation_level=None)
-    try:
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
         _fill(connection, header, state)
-        (mode,) = connection.execute("PRAGMA journal_mode = WAL").fetchone()
-    finally:
-        connection.close()
+        _keep_log(connection, path)
+
+
+def _write_converted(
+    path: Path, source: Path, header: Mapping[str, str], convert: Callable[[bytes], bytes]
+) -> None:
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as made:
+        with contextlib.closing(open_for_reading(source)) as held:
+            held.backup(made)
+        _keep_log(made, path)
+    with contextlib.closing(reopen(path)) as made:  # in today's format
+        made.execute("BEGIN IMMEDIATE")
+        made.executemany("INSERT OR REPLACE INTO header VALUES (?, ?)", header.items())
+        for table in ("branches", "states", "snapshots"):
+            state_of = f"SELECT state FROM {table} WHERE rowid = ?"  # noqa: S608 our own names
+            update = f"UPDATE {table} SET state = ? WHERE rowid = ?"  # noqa: S608 our own names
+            for number in made.execute(f"SELECT rowid FROM {table}").fetchall():  # noqa: S608 our own
+                (state,) = made.execute(state_of, number).fetchone()
+                made.execute(update, (convert(state), *number))
+        made.execute("COMMIT")
+
+
+def _keep_log(connection: sqlite3.Connection, path: Path) -> None:
+    """Put a file into WAL mode; RecordingError if its file system cannot have it."""
+    (mode,) = connection.execute("PRAGMA journal_mode = WAL").fetchone()
     if mode != "wal":
         raise RecordingError(
             f"{path.parent.parent} cannot hold a recording: its file system lacks the shared "
@@ -363,12 +412,19 @@ def _claim(connection: sqlite3.Connection, path: Path, version: int) -> None:
 
 def _connect_alone(path: Path) -> sqlite3.Connection:
     """Return a connection for reading that makes no file, with the log that was left behind."""
-    log = path.with_name(f"{path.name}-wal")
-    if not (log.exists() and log.stat().st_size):
+    if not _has_log(path):
         return connect(path, "mode=ro&immutable=1")
     connection = connect(path, f"mode=ro&vfs={LOCKLESS_SYSTEM}")
     connection.execute("PRAGMA locking_mode = EXCLUSIVE")  # the index of the log is in memory
     return connection
+
+
+def _has_log(path: Path) -> bool:
+    """Return whether anything is written ahead of a recording."""
+    try:
+        return path.with_name(f"{path.name}-wal").stat().st_size > 0
+    except OSError:
+        return False
 
 
 def _why_not(error: sqlite3.OperationalError, path: Path) -> str:

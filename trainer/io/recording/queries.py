@@ -8,11 +8,13 @@ back to a moment after them.
 """
 
 import sqlite3
+from collections import deque
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, Final, NamedTuple, TypeVar
 
 from trainer.io.orders.grammar import KEPT_ORDERS, name_of
@@ -77,6 +79,7 @@ COLUMN_KINDS: Final[Mapping[str, ColumnKind]] = {
     **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT_KIND),
     **dict.fromkeys(("parent", "latest"), COUNT_KIND._replace(perhaps=True)),
     **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT_KIND),
+    "quick_check": TEXT_KIND,
     **dict.fromkeys(("cause", "giver", "role", "crew_news", "crew_order"), TEXT_KIND),
     **dict.fromkeys(("scheduled", "done"), ENTRY_KIND._replace(perhaps=True)),
     **dict.fromkeys(("lateness_ns", "work_ns"), TIME_KIND),
@@ -344,6 +347,18 @@ class Past:
             if (count := self._count(table)) > most
         )
 
+    def checked_states(self) -> Iterator[bytes]:
+        """Yield every state, also of snapshots; RecordingError where anything is damaged."""
+        orders = f"SELECT {self._order_columns} FROM orders WHERE branch = ? ORDER BY id"  # noqa: S608 our own
+        for branch in self.branches():
+            self._journalled(branch, self._all(orders, branch.id))
+            yield from (state for _, state in self.states(branch.id))
+        yield from (state for (state,) in self._rows("SELECT state FROM snapshots"))
+        deque(chain(self.events(), self.notes()), 0)
+        for (found,) in self._rows("PRAGMA quick_check(1)"):
+            if found != "ok":
+                raise self._damaged(found.splitlines()[-1])
+
     def refuse_branches(self) -> None:
         """Raise RecordingError if there are more branches than are read of a file.
 
@@ -415,8 +430,10 @@ class Past:
 
     def _rows(self, question: str, *values: int) -> Iterator[Row]:
         try:
-            with understanding(self._name):
-                answer = self._connection.execute(question, values)
+            with (
+                understanding(self._name),
+                closing(self._connection.execute(question, values)) as answer,
+            ):
                 kinds = [COLUMN_KINDS[column] for column, *_ in answer.description]
                 for row in answer:
                     for value, kind in zip(row, kinds, strict=True):

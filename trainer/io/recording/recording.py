@@ -34,6 +34,7 @@ from trainer.io.recording.file import (
     TOUCH_STATEMENT,
     RecordingError,
     TakenError,
+    bring_home,
     erase_header,
     wall_time,
 )
@@ -60,6 +61,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "TakenError",
+    "bring_home",
     "erase_header",
 ]
 
@@ -182,6 +184,16 @@ class Recording(Past):
             only = file.temporary(header, state)
             return cls(only, only, "the temporary recording", None)
         return cls._writing(file.create(path, header, state), path)
+
+    @classmethod
+    def create_converted(
+        cls, path: Path, source: Path, header: Mapping[str, str], convert: Callable[[bytes], bytes]
+    ) -> "Recording":
+        """Go on with what ``source`` holds in another file, each state converted; RecordingError.
+
+        ``source`` stays as it is.
+        """
+        return cls._writing(file.create_converted(path, source, header, convert), path)
 
     @classmethod
     def reopen(cls, path: Path) -> "Recording":

@@ -46,7 +46,7 @@ from trainer.config.score_rules import RULES_FORM
 from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest, same_core
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import Recording, RecordingError, bring_home
 from trainer.session.past.layout import LAYOUT, changes
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
@@ -100,6 +100,7 @@ def open_whole_recording(path: Path) -> Iterator[Recording]:
     with open_recording(path) as recording:
         recording.refuse_branches()
         yield recording
+    bring_home(path)  # not after a refusal, which leaves everything as it was
 
 
 @contextmanager

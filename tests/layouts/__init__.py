@@ -1,0 +1,1 @@
+"""A machine plays commands over recordings of any layout, and none is ruined."""
