@@ -80,6 +80,9 @@ PARTS: Final = {
         ("tests.mutation", "--jobs", "2", "--minutes", "300", "--on", "sunday"),
     ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
+    "layouts": Part(
+        "recordings of any layout: no command ruins one", ("tests.layouts", "--seeds", "500")
+    ),
     "fuzz": Part(
         "bad input at every reader", ("tests.fuzz", "--seconds", FUZZING_S, "--jobs", "2")
     ),

@@ -1,5 +1,6 @@
 """``python -m tests.layouts`` plays commands over recordings of any layout, by seeds."""
 
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -23,16 +24,17 @@ def layouts(*, seeds: int, first: int) -> None:
     Exit codes: 0 every law holds, 1 one is broken.
     """
     commands = refused = broken = 0
-    for seed in range(first, first + seeds):
-        with tempfile.TemporaryDirectory(prefix="trainer-l-", ignore_cleanup_errors=True) as folder:
-            desk = Path(folder) / "desk"
-            desk.mkdir()
+    with tempfile.TemporaryDirectory(prefix="trainer-l-", ignore_cleanup_errors=True) as folder:
+        for seed in range(first, first + seeds):
+            desk = Path(folder) / f"{seed}" / "desk"
+            desk.mkdir(parents=True)
             played = play(seed, desk)
-        commands += len(played.given) - 1
-        refused += played.refused
-        broken += bool(played.wrong)
-        for wrong in played.wrong:
-            click.echo(f"seed {seed}: {wrong}")
+            shutil.rmtree(desk.parent, ignore_errors=True)  # a session's judge may still read there
+            commands += len(played.given) - 1
+            refused += played.refused
+            broken += bool(played.wrong)
+            for wrong in played.wrong:
+                click.echo(f"seed {seed}: {wrong}")
     click.echo(f"{seeds} seeds, {commands} commands, {refused} refused: {broken} seeds break a law")
     sys.exit(1 if broken else 0)
 
