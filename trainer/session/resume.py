@@ -81,6 +81,7 @@ def resume_boat(
             why = "its states are of another version"
             click.echo(f"{path}: {why}: it stays as it is, and {made} goes on", err=True)
     kept, seconds = made or path, options.duration
+    flown_from: int | None = None  # [ticks]
     begun = LastingParts(debriefing=debriefing, course=course)
     try:
         with contextlib.closing(recording):
@@ -89,6 +90,7 @@ def resume_boat(
             with refusing_damage():
                 history = bring_up(recording, plan, boat)
                 history.noted()  # a damaged past raises an error here, before anything begins
+            flown_from = boat.ticks
             how = "time is frozen: say run" if options.frozen else "going on"
             if seconds is None and plan.duration is not None and plan.duration <= boat.time:
                 how = "at its end; --duration goes on beyond it"
@@ -98,7 +100,8 @@ def resume_boat(
             prepared = PreparedRun(plan, boat, history, str(kept), begun, why_single(options))
             ended = fly_session(prepared, options)
     except ConfigError:
-        discard_recording(made)  # it was begun for a run that is refused
+        if boat.ticks == flown_from or flown_from is None:
+            discard_recording(made)  # it was begun for a run that is refused
         raise
     return run_following(ended, options, begun)
 
