@@ -82,7 +82,7 @@ def follow_run(
 
 @dataclass(frozen=True)
 class WayAhead:
-    """How a way from a moment is judged: to its last tick, and by what loses the exercise."""
+    """How a way from a moment is judged, and up to which tick."""
 
     plan: Plan
     given: frozenset[int | None]  # entries of the schedule that were given before
