@@ -11,11 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from trainer.boat.boat import Boat
+import numpy as np
+
+from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.crew_orders import limit_refusal
 from trainer.boat.effects import MAIN_TANKS, SPACE_NAMES, holds, write_effect
 from trainer.boat.limits import is_surfacing
-from trainer.core.autopilot.ascent import EMERGENCY_OPENING, NO_ASCENT, SURFACED_DEPTH
+from trainer.core.autopilot.ascent import NO_ASCENT, SURFACED_DEPTH
 from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import MAX_WAY_SPEED, SURE_PUMP_SHARE, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
@@ -34,6 +36,7 @@ PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
 PUMP_OF: Final = {name: pump for pump, names in enumerate(TANKS_OF) for name in names}
 PUMP_DIRECTIONS: Final = {0: ("forward", "aft")}
 WAVELESS_DEPTH_M: Final = 300.0  # [m] below all waves
+TRIED_S: Final = 600.0  # [s] that an order is flown to see whether it can be obeyed: an estimate
 EMPTY_BANK_SHARE: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
@@ -138,10 +141,10 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 
 
 def too_light(boat: Boat, depth: float) -> Refused | None:
-    """Return why no planes can keep a depth [m] with main ballast blown, or None.
+    """Return why no planes can bring a boat with blown ballast to a depth [m], or None.
 
-    Afloat they cannot. Below it is what level flight there allows, at the speed that is ordered.
-    Open vents fill the tanks again, and the depth-control tank takes what it has room for.
+    It is flown: a boat that does not come half the way to that depth in TRIED_S is too light for
+    it. Open vents fill the tanks again, and the depth-control tank takes what it has room for.
     """
     s = boat.state
     surfaced = SURFACED_DEPTH * float(boat.vessel.diameter)
@@ -151,14 +154,13 @@ def too_light(boat: Boat, depth: float) -> Refused | None:
     control = TANKS.index("depth_control")
     if 1000.0 * light <= float(boat.vessel.capacity[control] - s.water[control]):
         return None
-    ordered = float(s.ordered_u_c if s.speed_by_hand else s.ordered_speed)
-    if s.z > surfaced and EMERGENCY_OPENING not in s.blow:
-        there = boat.snapshot()
-        s.z = depth
-        held = boat.trimmed(max(float(s.u), ordered))
-        boat.restore(there)
-        if held:
-            return None
+    there, begun = boat.snapshot(), float(s.z)
+    write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
+    flown = np.full((boat.ticks_in(TRIED_S), 1), begun)
+    boat.fly(np.array([STATE_OFFSETS["z"]]), flown)
+    boat.restore(there)
+    if np.abs(flown - depth).min() <= 0.5 * abs(begun - depth):
+        return None
     return Refused(
         f"main ballast is blown: the boat is {light:.0f} t too light for {depth:g} m; dive first"
     )
