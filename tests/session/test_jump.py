@@ -24,7 +24,7 @@ from trainer.session.stations.station import News
 CARRIED: Final[Mapping[str, Sequence[str]]] = {  # by the follower that takes them back
     "Monitors": (
         *("LimitMonitor", "EncounterMonitor", "DepthMonitor"),
-        *("PilotMonitor", "TailMonitor", "EngineMonitor", "PlantMonitor"),
+        *("PilotMonitor", "TailMonitor", "EngineMonitor", "PlantMonitor", "BatteryWatch"),
     ),
     "ExerciseEnd": ("LossMonitor",),
     "DamageWatch": ("GroundMonitor",),

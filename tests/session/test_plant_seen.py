@@ -1,12 +1,15 @@
 """What a crew sees of the plant, and who sees what; the cause is the instructor's."""
 
+from typing import cast
+
 import numpy as np
 import pytest
-from helpers.boats import make_boat, start_bb2
+from helpers.boats import make_boat, start_bb2, start_boat
 from helpers.crewed import Crewed
 from helpers.line import Line, fields_of
 from helpers.sessions import frame_of, prompt_sender
 
+from trainer.boat.boat import Boat
 from trainer.boat.flown_ticks import FlownTicks
 from trainer.boat.helm import obey_order
 from trainer.boat.plant_alerts import PlantMonitor
@@ -15,6 +18,7 @@ from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.display import panel
 from trainer.session.stations.roles import ROLES, Access
 from trainer.session.stations.station import Station
+from trainer.units import KNOT
 
 ORDERS = ("role ballast", "subscribe plant", "subscribe tanks")
 
@@ -168,3 +172,101 @@ def test_flown_at_once_it_is_called_at_the_same_ticks() -> None:
     assert len(ticks) > 4
     assert quiet + 1 == ticks[0]
     assert PlantMonitor.over(make_boat("remus100")).quiet_ticks(boat, flown) == 600
+
+
+# The battery, which nobody has touched
+
+
+def with_charge(boat: Boat, charge: float) -> Boat:
+    """Have the battery hold a share of its charge."""
+    boat.state.battery_spent = (1.0 - charge) * boat.vessel.battery_full
+    return boat
+
+
+def calls_in(watch: PlantMonitor, boat: Boat, ticks: int) -> list[tuple[str, float]]:
+    """Return the key and the charge at each call within so many ticks."""
+    calls = []
+    for _ in range(ticks):
+        assert boat.tick() == 0
+        charge = 1.0 - float(boat.state.battery_spent / boat.vessel.battery_full)
+        calls += [(call.key, charge) for call in watch.look(boat)]
+    return calls
+
+
+def test_a_battery_that_drains_untouched_is_called_low_and_then_nearly_flat() -> None:
+    boat = with_charge(start_bb2(), 0.4002)
+    watch = PlantMonitor.over(boat)
+
+    low = calls_in(watch, boat, 100)
+    watch.reset_to(with_charge(boat, 0.2002))
+    flat = calls_in(watch, boat, 100)
+
+    assert boat.state.plant_touched == 0.0
+    (low_key, low_charge), (flat_key, flat_charge) = *low, *flat
+    assert (low_key, flat_key) == ("battery low", "battery nearly flat")
+    assert 0.3995 < low_charge < 0.4
+    assert 0.1995 < flat_charge < 0.2
+
+
+@pytest.mark.parametrize("charge", [0.249, 0.251, 0.449, 0.451])
+def test_an_alert_of_the_battery_is_over_well_above_where_it_begins(charge: float) -> None:
+    boat = with_charge(start_bb2(), 0.1)
+    watch = PlantMonitor.over(boat)
+    assert watch.holding == {"battery low", "battery nearly flat"}
+
+    watch.reset_to(with_charge(boat, charge))
+
+    over = {"battery nearly flat"} if charge >= 0.25 else set()
+    over |= {"battery low"} if charge >= 0.45 else set()
+    assert watch.holding == {"battery low", "battery nearly flat"} - over
+
+
+def test_full_speed_for_a_minute_calls_the_battery_by_its_minutes() -> None:
+    """At 20 kn a whole charge lasts 76 min: 60 are left at 79 %, 20 at 26 %."""
+    boat = with_charge(start_boat(20.0 * KNOT), 0.795)
+    watch = PlantMonitor.over(boat)
+
+    low = calls_in(watch, boat, 200)
+    watch.reset_to(with_charge(boat, 0.27))
+    flat = calls_in(watch, boat, 200)
+
+    assert [key for key, _ in low + flat] == ["battery low", "battery nearly flat"]
+    assert low[0][1] == pytest.approx(60.0 / 76.1, abs=5e-3)
+    assert flat[0][1] == pytest.approx(20.0 / 76.1, abs=5e-3)
+
+
+def test_half_a_minute_of_full_speed_is_no_draw_of_the_last_minute() -> None:
+    boat = with_charge(start_bb2(), 0.5)
+    watch = PlantMonitor.over(boat)
+    boat.restore(with_charge(start_boat(20.0 * KNOT), 0.5).snapshot())
+
+    assert not calls_in(watch, boat, 40)
+    assert PlantMonitor.over(boat).holding == {"battery low"}  # 38 min at this moment's draw
+    assert [key for key, _ in calls_in(watch, boat, 100)] == ["battery low"]
+
+
+def test_cells_that_are_lost_are_no_draw() -> None:
+    boat = start_bb2()
+    watch = PlantMonitor.over(boat)
+    calls_in(watch, boat, 40)
+    assert isinstance(obey_order(boat, cast("Order", parse("casualty cells-lost"))), str)
+
+    assert not calls_in(watch, boat, 300)
+    assert 0.4 < 1.0 - boat.state.battery_spent / boat.vessel.battery_full < 0.9
+
+
+def test_flown_at_once_the_battery_is_called_at_the_same_tick() -> None:
+    boat = with_charge(start_boat(18.0 * KNOT), 0.6)
+    watch, at_once = PlantMonitor.over(boat), PlantMonitor.over(boat)
+    rows, ticks = [], []
+    for _ in range(1200):
+        assert boat.tick() == 0
+        rows.append(boat.records.state["whole"][0].copy())
+        ticks += [boat.ticks] * bool(watch.look(boat))
+
+    quiet = at_once.quiet_ticks(boat, FlownTicks(np.array(rows[:20]), boat.method.step))
+    at_once.pass_over(boat, FlownTicks(np.array(rows[:20]), boat.method.step))
+    further = at_once.quiet_ticks(boat, FlownTicks(np.array(rows[20:]), boat.method.step))
+
+    assert quiet == 20
+    assert 20 + further + 1 == ticks[0] > 100

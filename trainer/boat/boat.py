@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 from copy import copy
 from operator import itemgetter
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ from trainer.units import KNOT
 
 STATE_OFFSETS = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
 TICK_OFFSET = STATE_OFFSETS["tick"]
+FLAT_WORDS: Final = ", after the battery went flat"  # of a loss
 
 
 @functools.cache
@@ -128,6 +129,12 @@ class Boat:
     def has_plant(self) -> bool:
         """Return whether the vessel file says what feeds the boat."""
         return bool(self.vessel.battery_full > 0.0)
+
+    @property
+    def flat_words(self) -> str:
+        """Return words to add to a loss where the battery is flat, "" where it is not."""
+        spent, full = float(self.state.battery_spent), float(self.vessel.battery_full)
+        return FLAT_WORDS if 0.0 < full <= spent else ""
 
     def carries(self, surface: str) -> bool:
         """Return whether the boat has that surface, and it does something."""
@@ -304,7 +311,7 @@ class Boat:
             f"{WATCHED_NAMES[status - 1]} is out of all bounds after tick {int(s.tick)} "
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
             f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
-            f"depth {s.z:.4g} m"
+            f"depth {s.z:.4g} m{self.flat_words}"
         )
 
     def numbers(self, names: tuple[str, ...]) -> list[float]:

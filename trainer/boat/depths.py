@@ -204,7 +204,7 @@ def collapse_of(boat: Boat) -> str:
     if limit is None or boat.plain[HELD_OFFSET]:
         return ""
     depth = hull_depth(boat)
-    return f"collapse at {depth:.0f} m" if depth >= limit else ""
+    return f"collapse at {depth:.0f} m{boat.flat_words}" if depth >= limit else ""
 
 
 def has_collapsed(boat: Boat, flown: FlownTicks) -> Mask:

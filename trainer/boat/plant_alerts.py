@@ -1,20 +1,28 @@
-"""The alerts of a boat's plant: oil, buses, overload, and smoke.
+"""The alerts of a boat's plant: oil, buses, overload, smoke, and the battery.
 
 A session asks ``PlantMonitor.look`` after each tick, and announces the calls. Each alert watches a
-number of the state, which has one bound where it begins and another where it is over, so that it
-does not come and go.
+number, which has one bound where it begins and another where it is over, so that it does not come
+and go. Most are numbers of the state, and only a plant that was touched changes them. The battery
+is drained all the time, so ``BatteryWatch`` looks at it whenever the core has drained it.
 """
 
-from collections.abc import Iterator
+import math
+from collections import deque
+from collections.abc import Collection, Iterator
+from copy import copy
 from dataclasses import dataclass, field
-from typing import Final
+from statistics import fmean
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.boat import STATE_OFFSETS, TICK_OFFSET, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.core.plant.parts import BUS_NAMES, MAIN, OIL_SYSTEMS, PLACE_NAMES
+from trainer.core.plant.plant import CALM_TICKS
+from trainer.core.readings import new_readings, write_readings
+from trainer.core.state import new_scratch
 
 MEGAPASCAL: Final = 1e6  # [Pa]
 LOW_MPA, WHOLE_MPA = 16.0, 18.0  # [MPa] oil is low below, and no more from here on; estimates
@@ -22,28 +30,47 @@ HALF_TANK, REFILLED_TANK = 0.5, 0.6  # [-]
 SEEN_SMOKE, THIN_SMOKE = 0.05, 0.02  # [-] estimates
 OIL_LOW, TANK_HALF, MAIN_LOST = "oil low", "oil tank half", "main oil lost"  # names of alerts
 BUS_LOST, OVERLOAD, FIRE = "bus lost", "overload", "fire"
+BATTERY_LOW, BATTERY_FLAT = "battery low", "battery nearly flat"
 PLANT_RANKS: Final = {
     MAIN_LOST: Rank.ALARM,
     FIRE: Rank.ALARM,
     OVERLOAD: Rank.ALARM,
     BUS_LOST: Rank.ALARM,
+    BATTERY_FLAT: Rank.ALARM,
+    BATTERY_LOW: Rank.WARNING,
     OIL_LOW: Rank.WARNING,
     TANK_HALF: Rank.WARNING,
 }
 TOUCHED_OFFSET: Final = STATE_OFFSETS["plant_touched"]
+SPENT_OFFSET, CELLS_OFFSET = STATE_OFFSETS["battery_spent"], STATE_OFFSETS["cells_gone"]
+DRAW_TIME_S: Final = 60.0  # [s] over which the battery's draw is the mean
+
+
+class Reserve(NamedTuple):
+    """What is left of a battery, and for how long at the draw of the last minute."""
+
+    charge: float  # [-]
+    minutes: float
+
+    def lies_below(self, other: "Reserve") -> bool:
+        """Return whether there is less of one of both."""
+        return self.charge < other.charge or self.minutes < other.minutes
+
+
+# where each begins, and where it is over
+BATTERY_BOUNDS: Final = {
+    BATTERY_LOW: (Reserve(0.40, 60.0), Reserve(0.45, 75.0)),
+    BATTERY_FLAT: (Reserve(0.20, 20.0), Reserve(0.25, 30.0)),
+}
 
 
 @dataclass(frozen=True)
-class PlantAlert:
-    """One alert: the number of the state that it watches, and its words."""
+class NamedAlert:
+    """An alert of the plant, and its words."""
 
     name: str
     part: str  # of the plant, "" where there is one
     words: str
-    offset: int  # in the state
-    begins: float  # above this
-    ends: float  # at this or below
-    sign: float = 1.0  # of the number
 
     @property
     def key(self) -> str:
@@ -54,6 +81,33 @@ class PlantAlert:
     def call(self) -> MonitorCall:
         """Return what is called."""
         return MonitorCall(self.words, PLANT_RANKS[self.name], self.key)
+
+
+@dataclass(frozen=True)
+class PlantAlert(NamedAlert):
+    """An alert by a number of the state."""
+
+    offset: int  # in the state
+    begins: float  # above this
+    ends: float  # at this or below
+    sign: float = 1.0  # of the number
+
+    def turns(self, number: Any, *, holds: bool) -> Any:
+        """Return whether the number, or each of many, has it begin, or end where it holds."""
+        value = self.sign * number
+        return value <= self.ends if holds else value > self.begins
+
+
+@dataclass(frozen=True)
+class BatteryAlert(NamedAlert):
+    """An alert by what the battery has left."""
+
+    begins: Reserve  # below one of both
+    ends: Reserve  # not below any
+
+    def turns(self, reserve: Reserve, *, holds: bool) -> bool:
+        """Return whether the reserve has it begin, or end where it holds."""
+        return not reserve.lies_below(self.ends) if holds else reserve.lies_below(self.begins)
 
 
 def oil_out(boat: Boat, system: int, pressure: float) -> float:
@@ -96,30 +150,91 @@ def plant_alerts(boat: Boat) -> Iterator[PlantAlert]:
         yield PlantAlert(FIRE, name, f"FIRE: smoke {name}", offset, SEEN_SMOKE, THIN_SMOKE)
 
 
+def battery_alerts() -> Iterator[BatteryAlert]:
+    """Yield the alerts of a battery."""
+    for name, (begins, ends) in BATTERY_BOUNDS.items():
+        bounds = f"below {100.0 * begins.charge:g} %, or less than {begins.minutes:g} min"
+        yield BatteryAlert(name, "", f"{name.upper()}: {bounds} at this draw", begins, ends)
+
+
+def power_drawn(boat: Boat) -> float:
+    """Return what drains a boat's battery now [W], its own losses included."""
+    c, readings = boat.vessel, new_readings()
+    write_readings(boat.records.vessel, boat.records.state, new_scratch(), readings)
+    speed = float(boat.state.u_c / c.screw_speed)
+    power = float(c.screw_power) * abs(speed) ** 3 + float(readings[0].bus_load.sum())
+    return power * (1.0 + power / float(c.cell_power))
+
+
+class BatteryWatch:
+    """The watch on a battery, looked at after each tick that has drained a plant that is well.
+
+    Of the time before it began, it takes the draw of that moment for the last minute's.
+    """
+
+    def __init__(self, boat: Boat) -> None:
+        self._full, self._interval = float(boat.vessel.battery_full), CALM_TICKS * boat.method.step
+        looks = max(round(DRAW_TIME_S / self._interval), 1)
+        self._draws: deque[float] = deque([power_drawn(boat)], looks)  # [W] from look to look
+        self._seen: tuple[float, float] | None = None  # [J] spent, [-] of cells, at the last look
+
+    def another(self) -> "BatteryWatch":
+        """Return a copy, which may look ahead."""
+        watch = copy(self)
+        watch._draws = self._draws.copy()  # noqa: SLF001  its own kind
+        return watch
+
+    @staticmethod
+    def due(ticks: Any) -> Any:
+        """Return whether, or at which of many ticks, it is looked at."""
+        return ticks % CALM_TICKS == 1.0
+
+    def take(self, numbers: Any) -> None:
+        """Take the numbers of a state when it is due. What went with lost cells is no draw."""
+        spent, gone = float(numbers[SPENT_OFFSET]), float(numbers[CELLS_OFFSET])
+        if self._seen and self._seen[1] == gone:
+            self._draws.append((spent - self._seen[0]) / self._interval)
+        self._seen = spent, gone
+
+    def reserve(self, numbers: Any) -> Reserve:
+        """Return what is left by the numbers of a state."""
+        left, draw = self._full - float(numbers[SPENT_OFFSET]), fmean(self._draws)
+        return Reserve(left / self._full, left / draw / 60.0 if draw > 0.0 else math.inf)
+
+
 @dataclass
 class PlantMonitor:
     """The watch on a plant: which alerts hold, and when each was called."""
 
     alerts: tuple[PlantAlert, ...] = ()
+    battery_alerts: tuple[BatteryAlert, ...] = ()
+    battery: BatteryWatch = field(init=False)  # where there is one
     holding: set[str] = field(default_factory=set)  # keys of the alerts called that hold still
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
 
     @classmethod
     def over(cls, boat: Boat) -> "PlantMonitor":
         """Return the watch over a boat; what holds now is no news."""
-        monitor = cls(tuple(plant_alerts(boat)))
+        of_battery = battery_alerts() if boat.has_plant else ()
+        monitor = cls(tuple(plant_alerts(boat)), tuple(of_battery))
         monitor.reset_to(boat)
         return monitor
 
     def reset_to(self, boat: Boat) -> None:
         """Take the boat as it is. Nothing of it is news."""
-        self._news(boat)
+        if self.battery_alerts:
+            self.battery = BatteryWatch(boat)
+            self._turn(self._turning(self.battery.reserve(boat.plain)))
+        self._turn(self._touched(boat))
 
     def look(self, boat: Boat) -> list[MonitorCall]:
         """Return what there is to call out after a tick."""
-        if not (boat.plain[TOUCHED_OFFSET] or self.holding):
-            return []
-        news = self._news(boat)
+        news: list[NamedAlert] = []
+        if boat.plain[TOUCHED_OFFSET] or self.holding:
+            news += self._turn(self._touched(boat))
+        if self.battery_alerts and BatteryWatch.due(boat.plain[TICK_OFFSET]):
+            self.battery.take(boat.plain)
+            news += self._turn(self._turning(self.battery.reserve(boat.plain)))
         for alert in news:
             self.times.setdefault(alert.key, []).append(boat.time)
         tick = f"tick {boat.ticks} ({boat.time:g} s)"
@@ -129,19 +244,34 @@ class PlantMonitor:
         """Return after how many ticks there may be something to call, or all of them."""
         mask: Mask = np.zeros(len(flown), np.bool_)
         for alert in self.alerts:
-            value = alert.sign * flown.rows[:, alert.offset]
-            mask |= value <= alert.ends if alert.key in self.holding else value > alert.begins
-        return count_before(mask)
+            mask |= alert.turns(flown.rows[:, alert.offset], holds=alert.key in self.holding)
+        quiet = count_before(mask)
+        if self.battery_alerts:
+            watch = self.battery.another()
+            for i in np.flatnonzero(BatteryWatch.due(flown.ticks[:quiet])).tolist():
+                watch.take(flown.rows[i])
+                if self._turning(watch.reserve(flown.rows[i])):
+                    return int(i)
+        return quiet
 
-    def _news(self, boat: Boat) -> list[PlantAlert]:
-        """Return the alerts that have begun since the last look, and forget those that are over."""
-        news = []
-        for alert in self.alerts:
-            value = alert.sign * boat.plain[alert.offset]
-            if alert.key in self.holding:
-                if value <= alert.ends:
-                    self.holding.discard(alert.key)
-            elif value > alert.begins:
-                self.holding.add(alert.key)
-                news.append(alert)
-        return news
+    def pass_over(self, _boat: Boat, flown: FlownTicks) -> None:
+        """Take these ticks as seen, in which there was nothing to call."""
+        if self.battery_alerts:
+            for row in flown.rows[BatteryWatch.due(flown.ticks)]:
+                self.battery.take(row)
+
+    def _touched(self, boat: Boat) -> list[NamedAlert]:
+        """Return the alerts of a plant that was touched that begin or end."""
+        plain, holding = boat.plain, self.holding
+        return [a for a in self.alerts if a.turns(plain[a.offset], holds=a.key in holding)]
+
+    def _turning(self, reserve: Reserve) -> list[NamedAlert]:
+        """Return the alerts of the battery that begin or end."""
+        holding = self.holding
+        return [a for a in self.battery_alerts if a.turns(reserve, holds=a.key in holding)]
+
+    def _turn(self, turning: Collection[NamedAlert]) -> list[NamedAlert]:
+        """Have alerts begin or end; return those that have begun."""
+        begun = [alert for alert in turning if alert.key not in self.holding]
+        self.holding ^= {alert.key for alert in turning}
+        return begun

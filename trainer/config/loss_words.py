@@ -36,10 +36,13 @@ SIDE_WORDS: Final[Mapping[str, str]] = {">": "more than", "<": "less than"}
 
 
 def word_loss(text: str) -> str:
-    """Return a condition that loses an exercise in words."""
+    """Return a condition that loses an exercise in words; what follows a comma stays as it is."""
+    text, comma, cause = text.partition(",")
     held = HELD_PATTERN.fullmatch(text)
     conditions, lasting = (held[1], f" for {held[2]} s") if held else (text, "")
-    return " and ".join(map(_word_condition, AND_PATTERN.split(conditions))) + lasting
+    return (
+        " and ".join(map(_word_condition, AND_PATTERN.split(conditions))) + lasting + comma + cause
+    )
 
 
 def _word_condition(text: str) -> str:

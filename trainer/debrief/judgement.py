@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.boat import FLAT_WORDS
 from trainer.boat.depths import lowest_depth
 from trainer.config.derived import Loss
 from trainer.config.loss_words import word_loss
@@ -195,7 +196,14 @@ def _turned_over(trajectory: Trajectory) -> str:
         return ""
     row = int(over[0])
     angles = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
-    return f"turned over at {clock(float(trajectory.seconds[row]))}: {angles}"
+    told = f"turned over at {clock(float(trajectory.seconds[row]))}: {angles}"
+    return told + _flat_words(trajectory, row)
+
+
+def _flat_words(trajectory: Trajectory, row: int) -> str:
+    """Return words to add to a loss at a row where the battery was flat, "" where it was not."""
+    full = float(trajectory.boat.vessel.battery_full)
+    return FLAT_WORDS if 0.0 < full <= trajectory.columns["battery_spent"][row] else ""
 
 
 def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
@@ -219,7 +227,8 @@ def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
             holds &= trajectory.holds(condition)
         row = first_for(holds, loss.seconds, trajectory)
         if row is not None:
-            yield f"{word_loss(loss.text)} at {clock(float(trajectory.seconds[row]))}"
+            told = f"{word_loss(loss.text)} at {clock(float(trajectory.seconds[row]))}"
+            yield told + _flat_words(trajectory, row)
 
 
 def _ended(trajectory: Trajectory, plan: Plan) -> str:
@@ -228,8 +237,11 @@ def _ended(trajectory: Trajectory, plan: Plan) -> str:
     if limit is None:
         return ""
     column = trajectory.columns
-    deepest = float(lowest_depth(column["z"], column["theta"], plan.file.hull.length).max())
-    return f"the hull collapsed at {deepest:.0f} m" if deepest >= limit else ""
+    depths = lowest_depth(column["z"], column["theta"], plan.file.hull.length)
+    if not (depths >= limit).any():
+        return ""
+    flat = _flat_words(trajectory, int((depths >= limit).argmax()))
+    return f"the hull collapsed at {depths.max():.0f} m{flat}"
 
 
 def _collided(trajectory: Trajectory) -> str:

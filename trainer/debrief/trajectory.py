@@ -67,6 +67,7 @@ NEWER_COLUMNS: Final = (
     *STATE_NAMES,
     *WATER_NAMES,
     *(quantity.field for quantity in PLANT_QUANTITIES.values()),
+    "battery_spent",
 )
 NEEDED_COLUMNS: Final = tuple(
     dict.fromkeys(

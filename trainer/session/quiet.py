@@ -104,6 +104,7 @@ class QuietTicks:
         """Have all monitors take the ticks as seen."""
         session, self._flown = self._session, flown
         session.monitors.pilot.pass_over(session.boat, flown)
+        session.monitors.plant.pass_over(session.boat, flown)
         session.monitors.limits.pass_over(session.boat, flown)
         session.conduct.damage_watch.ground.pass_over(session.boat, flown)
         session.conduct.look()

@@ -16,7 +16,7 @@ from trainer.analysis.manoeuvres.vehicle import Control, LostError, Watch
 from trainer.analysis.programs.neutral import trim_at
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.depths import collapse_of, feeling_surface, lowest_depth
+from trainer.boat.depths import collapse_of, feeling_surface, hull_depth, lowest_depth
 from trainer.boat.limits import height_showing
 from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
@@ -277,8 +277,8 @@ class Submarine:
         """Check the tick just made; LostError if the numbers went astray."""
         if status:
             raise LostError(self.boat.failure(status))
-        if self._depth is not None and (collapse := collapse_of(self.boat)):
-            raise LostError(f"{collapse} after {self.boat.time:g} s")
+        if collapse := self._collapse_words():
+            raise LostError(collapse)
         s = self.boat.state
         if abs(s.theta) > MAX_PITCH_RAD:
             raise LostError(
@@ -299,16 +299,26 @@ class Submarine:
         if watch:
             eye["watched"], eye["mark"] = WATCHED_QUANTITIES[watch.quantity], watch.mark
             eye["side"] = watch.side
-        rows = np.empty((max(last - int(self.boat.state.tick), 0), len(BOAT_COLUMNS)))
+        begun, start = self.boat.ticks, self.boat.snapshot()
+        rows = np.empty((max(last - begun, 0), len(BOAT_COLUMNS)))
         rows = rows[: entry.sail(self.boat.records, eye, rows)]
         collapse = self._collapse_in(rows)
         self._collapsed = ""
         if collapse is None:
             return rows
         rows = rows[: collapse + 1]
-        depth = float(self._lowest(rows.T)[-1])
-        self._collapsed = f"collapse at {depth:.0f} m after {rows[-1, 0]:g} s"
+        self.boat.restore(start)
+        eye["last"], eye["watched"] = begun + len(rows), entry.NO_QUANTITY
+        entry.sail(self.boat.records, eye, rows)  # to there again
+        self._collapsed = self._collapse_words()
         return rows
+
+    def _collapse_words(self) -> str:
+        """Return that the hull has collapsed, "" while it holds."""
+        if self._depth is None or not collapse_of(self.boat):
+            return ""
+        after = f"after {self.boat.time:g} s{self.boat.flat_words}"
+        return f"collapse at {hull_depth(self.boat):.0f} m {after}"
 
     def _collapse_in(self, rows: Numbers) -> int | None:
         """Return the first of the rows in which the hull is beyond collapse depth; None: in none.

@@ -141,4 +141,5 @@ def loss_of(monitors: Sequence[LossMonitor], boat: Boat) -> str:
     lost = [each.loss.text for each in monitors if each.look(boat)]
     heel, pitch = CAPSIZE_ANGLES_RAD
     turned = abs(boat.plain[PHI_OFFSET]) > heel or abs(boat.plain[THETA_OFFSET]) > pitch
-    return lost[0] if lost else ("turned over" if turned else "")
+    why = lost[0] if lost else "turned over" if turned else ""
+    return why and why + boat.flat_words

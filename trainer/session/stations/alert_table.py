@@ -21,6 +21,7 @@ from trainer.boat.limits import (  # fmt: skip
 )
 from trainer.boat.pilot import LACK_RECALL_S, MIN_LACK_TIME_S
 from trainer.boat.plant_alerts import (
+    BATTERY_BOUNDS,
     BUS_LOST,
     FIRE,
     HALF_TANK,
@@ -56,6 +57,14 @@ PLANT_WORDS: Final = {  # title, when it begins, when it is over
     ),
     OVERLOAD: ("Overload", "a breaker gives too much", "it does not, or is open"),
     BUS_LOST: ("Bus lost", "a bus is dead", "it is live"),
+    **{
+        name: (
+            name.capitalize(),
+            f"below {100.0 * begins.charge:g} %, or {begins.minutes:g} min at this draw",
+            f"{100.0 * ends.charge:g} %, and {ends.minutes:g} min",
+        )
+        for name, (begins, ends) in BATTERY_BOUNDS.items()
+    },
     OIL_LOW: ("Oil low", f"below {LOW_MPA:g} MPa", f"{WHOLE_MPA:g} MPa again"),
     TANK_HALF: (
         "Oil tank half empty",

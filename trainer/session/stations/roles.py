@@ -46,7 +46,7 @@ EVENT_KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "marks": ("the marks of an exercise, once they are released", ALL_ROLES),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", ALL_ROLES),
-    "plant": ("oil low or lost, a bus lost, overload, smoke", ALL_ROLES),
+    "plant": ("oil low or lost, a bus lost, overload, smoke, battery low", ALL_ROLES),
     "depth": (
         "test depth near, passed and beyond; the hull's collapse; the ground",
         ALL_ROLES,
