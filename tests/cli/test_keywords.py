@@ -29,6 +29,7 @@ RUN: dict[str, Case] = {
     "exercise": ("stern-plane-jam", "exercise", "stern-plane-jam"),
     "sea": ("sea-state-3", "sea", "sea-state-3"),
     "unsafe_step": (True, "unsafe_step", True),
+    "battery": ("endless", "battery", "endless"),
     "orders": ("orders.txt", "orders_file", Path("orders.txt")),
     "record": ("run.trainer", "record", Path("run.trainer")),
 }

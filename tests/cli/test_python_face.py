@@ -315,7 +315,7 @@ turn = partial(trainer.manoeuvre, "turn")
         (
             trainer.Boat,
             {"speeed": 5},
-            "no keyword 'speeed'; nearest is speed; there are course, depth, ",
+            "no keyword 'speeed'; nearest is speed; there are battery, course, ",
         ),
         (trainer.Boat, {"unsafe_stp": "yes"}, "no keyword 'unsafe_stp'; nearest is unsafe_step"),
         (trainer.Boat, {"speed": 5, "record": "a.trainer"}, "record=: a recorded run begins as"),

@@ -75,6 +75,7 @@ class BoatOptions(TypedDict, total=False):
     integrator: str | None
     step: float | None
     unsafe_step: bool
+    battery: Literal["drained", "endless"] | None
     orders: str | Path | None
     record: str | Path | None
 
@@ -126,6 +127,7 @@ class Boat:
     - ``sea``: name or path of a sea. ``seed``: of everything random.
     - ``equations``, ``rates``, ``trig``, ``integrator``, ``step`` [s], ``unsafe_step``: how the
       boat is computed.
+    - ``battery``: ``endless`` is never drained.
     - ``orders``: path of a schedule, which has a line ``SECONDS ORDER`` for each order.
     - ``record``: path of a recording to write. ``close`` ends it, and so does the end of a ``with``
       statement.

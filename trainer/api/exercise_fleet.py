@@ -299,6 +299,11 @@ class ExerciseFleet:
         self._at[chosen], self.lost[chosen] = 0, False
         return self._seen.copy()
 
+    def why_lost(self, index: int) -> str:
+        """Return why one boat is lost, "" while it is not."""
+        why = "turned over, or by what loses the exercise" if self.lost[index] else ""
+        return self._fleet.why_lost(index) or why
+
     def order(self, index: int, text: str) -> None:
         """Have the look-out of one boat carry out what no number says.
 

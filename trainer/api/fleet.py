@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final, Self, TypedDict, Unpack
+from typing import Any, Final, Literal, Self, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from trainer.api.by_number import (
     rules_of,
 )
 from trainer.boat.boat import Boat as CoreBoat
+from trainer.boat.depths import collapse_of
 from trainer.boat.due_orders import obey_all
 from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.config.files import ConfigError, quote
@@ -54,6 +55,7 @@ class FleetOptions(TypedDict, total=False):
     course: float | None
     sea: str | Path | None
     step: float | None
+    battery: Literal["drained", "endless"] | None
 
 
 # The keywords that say how each boat begins.
@@ -224,6 +226,12 @@ class Fleet:
         self._out[chosen, 0] = 0.0
         rows = self._whole[:, self.places]
         return rows.copy()
+
+    def why_lost(self, index: int) -> str:
+        """Return what one boat lost, its numbers or its hull, "" for neither."""
+        np.asarray(self._boat.plain)[:] = self._whole[index]
+        status = int(self._out[index, 0])
+        return self._boat.failure(status) if status > 0 else collapse_of(self._boat)
 
     def snapshot(self, index: int) -> Snapshot:
         """Return the moment of one boat, also for a ``Boat`` of the same file."""

@@ -132,7 +132,7 @@ class Boat:
 
     @property
     def flat_words(self) -> str:
-        """Return words to add to a loss where the battery is flat, "" where it is not."""
+        """Return words for a loss where the battery is flat, else ""."""
         spent, full = float(self.state.battery_spent), float(self.vessel.battery_full)
         return FLAT_WORDS if 0.0 < full <= spent else ""
 

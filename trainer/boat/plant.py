@@ -4,7 +4,7 @@
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from trainer.config.plant_records import Plant
@@ -24,6 +24,7 @@ from trainer.units import KNOT
 LITRE: Final = 1e-3  # [m3]
 STROKE_RAD: Final = math.radians(60.0)  # [rad] of which the file says the oil
 KILOWATT_HOUR: Final = 3.6e6  # [J]
+ENDLESS_KWH: Final = 1e24  # [kWh] so many that what is drawn in a voyage is lost in rounding
 NO_PLACE: Final = -1.0
 ENDURANCE_SPEEDS_KN: Final = (5.0, 10.0, 15.0, 20.0)
 
@@ -57,6 +58,14 @@ def plant_facts(plant: Plant, fastest: float) -> PlantFacts:
             for name in OIL_SYSTEMS
         },
     )
+
+
+def without_drain(file: VesselFile) -> VesselFile:
+    """Return a boat whose battery no voyage drains; lost cells still take their share."""
+    if file.plant is None:
+        return file
+    battery = replace(file.plant.battery, capacity_kwh=ENDLESS_KWH)
+    return replace(file, plant=replace(file.plant, battery=battery))
 
 
 def write_plant(file: VesselFile, record: Record) -> None:

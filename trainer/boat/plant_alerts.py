@@ -47,7 +47,7 @@ DRAW_TIME_S: Final = 60.0  # [s] over which the battery's draw is the mean
 
 
 class Reserve(NamedTuple):
-    """What is left of a battery, and for how long at the draw of the last minute."""
+    """What is left of a battery, and for how long at its draw."""
 
     charge: float  # [-]
     minutes: float
@@ -93,7 +93,7 @@ class PlantAlert(NamedAlert):
     sign: float = 1.0  # of the number
 
     def turns(self, number: Any, *, holds: bool) -> Any:
-        """Return whether the number, or each of many, has it begin, or end where it holds."""
+        """Return whether a number, or each of many, has it begin or end."""
         value = self.sign * number
         return value <= self.ends if holds else value > self.begins
 
@@ -106,7 +106,7 @@ class BatteryAlert(NamedAlert):
     ends: Reserve  # not below any
 
     def turns(self, reserve: Reserve, *, holds: bool) -> bool:
-        """Return whether the reserve has it begin, or end where it holds."""
+        """Return whether the reserve has it begin or end."""
         return not reserve.lies_below(self.ends) if holds else reserve.lies_below(self.begins)
 
 
@@ -167,7 +167,7 @@ def power_drawn(boat: Boat) -> float:
 
 
 class BatteryWatch:
-    """The watch on a battery, looked at after each tick that has drained a plant that is well.
+    """The watch on a battery, after each tick that drains it while the plant is well.
 
     Of the time before it began, it takes the draw of that moment for the last minute's.
     """

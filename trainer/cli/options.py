@@ -18,7 +18,7 @@ from trainer.cli.types import Duration, File, Name, Number, Output, Speed
 from trainer.config.extras import require_library
 from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
-from trainer.config.words import EQUATION_SETS
+from trainer.config.words import BATTERIES, EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.past.options import RunOptions
 
@@ -171,6 +171,12 @@ exercise_options = combine_options(
     ),
     click.option("--step", type=float, help="Step in s. [default: the vessel file's, 0.5 for bb2]"),
     click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
+    click.option(
+        "--battery",
+        type=click.Choice(BATTERIES),
+        default="drained",
+        help="Whether the boat's battery is drained, or never goes flat.",
+    ),
     seed_option("Seed of all random numbers."),
     click.option(
         "--orders",

@@ -36,7 +36,7 @@ SIDE_WORDS: Final[Mapping[str, str]] = {">": "more than", "<": "less than"}
 
 
 def word_loss(text: str) -> str:
-    """Return a condition that loses an exercise in words; what follows a comma stays as it is."""
+    """Return a condition that loses an exercise in words, all before a comma."""
     text, comma, cause = text.partition(",")
     held = HELD_PATTERN.fullmatch(text)
     conditions, lasting = (held[1], f" for {held[2]} s") if held else (text, "")

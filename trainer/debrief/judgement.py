@@ -201,7 +201,7 @@ def _turned_over(trajectory: Trajectory) -> str:
 
 
 def _flat_words(trajectory: Trajectory, row: int) -> str:
-    """Return words to add to a loss at a row where the battery was flat, "" where it was not."""
+    """Return words for a loss at a row where the battery was flat, else ""."""
     full = float(trajectory.boat.vessel.battery_full)
     return FLAT_WORDS if 0.0 < full <= trajectory.columns["battery_spent"][row] else ""
 

@@ -33,6 +33,7 @@ from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.html import paragraph, table
 from trainer.report.svg import clock
+from trainer.session.past.header import ENDLESS_KEY
 from trainer.session.stations.alerts import Alert, Instant
 
 MAX_TABLE_ROWS: Final = 1000  # lines of the log, of marks, of branches
@@ -654,6 +655,7 @@ def run_facts(debrief: DebriefData) -> Markup:
         ("computed by", f"{method.equations} set, {method.rates} rates, {method.integrator}"),
         ("step", f"{method.step:g} s"),
         ("seed", str(debrief.plan.seed)),
+        *([("battery", "endless: not drained")] if ENDLESS_KEY in header else []),
         ("trainees", ", ".join(debrief.trainees) or "-"),
         ("recorded", (header.get("started", "-"))),
         ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),

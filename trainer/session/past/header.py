@@ -4,10 +4,10 @@ A header holds these texts: ``plan``, the form of the header; ``trainer``, ``cor
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
-Some have ``width``, by which it is judged, ``trainees``, names as JSON, and ``alone``, where who
-trains sat alone at the console; ``nomoto`` is the form
-of the equation by which Nomoto ships went, the first where there is none; ``rules``, the same of
-the rules of marking.
+Some have ``width``, by which it is judged, ``trainees``, names as JSON, ``endless``, where the
+battery was not drained, and ``alone``, where who trains sat alone at the console; ``nomoto`` is the
+form of the equation by which Nomoto ships went, the first where there is none; ``rules``, the same
+of the rules of marking.
 
 ``texts`` makes a recording whole: it can be replayed after its exercise or vessel file has changed.
 ``differences`` lists what has changed since and may change bits, before a replay or a resumed run.
@@ -45,6 +45,7 @@ from trainer.config.progress import file_stem
 from trainer.config.score_rules import RULES_FORM
 from trainer.config.soundings import read_as_kept
 from trainer.config.vessel import load_vessel
+from trainer.config.words import ENDLESS_BATTERY
 from trainer.core.digest import core_digest, same_core
 from trainer.io.recording.recording import Recording, RecordingError, bring_home
 from trainer.session.past.layout import LAYOUT, changes
@@ -61,6 +62,7 @@ PLAN_OPTIONS: Final[Mapping[str, Any]] = {
 }
 TRAINEES_KEY: Final = "trainees"
 FAMILIARISATION_KEY: Final = "familiarisation"  # there in a run that has no marks
+ENDLESS_KEY: Final = "endless"  # there where the battery was not drained
 ALONE_KEY: Final = "alone"  # there where who trains sat alone at the console
 # form 1 differentiated a rudder that stood still within each step
 NOMOTO_FORM: Final = "2"
@@ -132,6 +134,7 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "nomoto": NOMOTO_FORM,
         "rules": RULES_FORM,
         **({TRAINEES_KEY: json.dumps(names_of(options.trainee))} if options.trainee else {}),
+        **({ENDLESS_KEY: "yes"} if options.battery == ENDLESS_BATTERY else {}),
         **({FAMILIARISATION_KEY: "yes"} if options.familiarisation else {}),
         **({ALONE_KEY: "yes"} if options.train else {}),
     }
@@ -174,6 +177,7 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NO_CHANGES
     plan_options, texts = _part(header, "options"), _part(header, "texts")
     _check_options(plan_options)
     options = RunOptions(
+        battery=ENDLESS_BATTERY if ENDLESS_KEY in header else "drained",
         **{name: plan_options[name] for name in PLAN_OPTIONS if name != "orders_file"},
         orders_file=plan_options["orders_file"] and Path(plan_options["orders_file"]),
         given=frozenset(plan_options["given"]) | otherwise.keys(),

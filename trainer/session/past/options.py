@@ -24,6 +24,7 @@ class RunOptions:
     integrator: str = "adams2"
     step: float | None = None  # [s]
     unsafe_step: bool = False
+    battery: str = "drained"  # or endless
     seed: int = 1
     width: str = "qualified"  # of the bands that it is judged by
     trainee: tuple[str, ...] = ()  # names

@@ -16,6 +16,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.depths import DepthGuard
+from trainer.boat.plant import without_drain
 from trainer.boat.world.encounters import refuse_touching
 from trainer.boat.world.world import world_of
 from trainer.config.baseline import Baseline, kept_baseline
@@ -35,6 +36,7 @@ from trainer.config.score_rules import ScoreRule, with_quiet_hands
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.steps import Step
 from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.words import ENDLESS_BATTERY
 from trainer.config.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
@@ -171,6 +173,8 @@ def plan_run(options: RunOptions) -> Plan:
     exercise = None if options.exercise is None else load_exercise(options.exercise)
     chosen = replace(options, **exercise_options(exercise, options.given)) if exercise else options
     file = load_vessel(chosen.vessel)
+    if chosen.battery == ENDLESS_BATTERY:
+        file = without_drain(file)
     if exercise:
         where = f"{exercise.path.name}: [initial] depth_m"
         refuse_depth(exercise.initial.depth_m, file, where)
