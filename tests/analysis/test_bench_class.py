@@ -1,7 +1,9 @@
 """A class of boats, timed: two boats for some seconds, and what the page says of them."""
 
+import asyncio
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -30,6 +32,25 @@ def test_a_class_of_two_boats_is_timed_with_its_stations(tmp_path: Path) -> None
         assert boat["session_mb"] > 20.0
         assert boat["judge_mb"] > 20.0
         assert 0.0 < boat["processor"] < 100.0
+
+
+def test_each_boat_gets_both_orders_however_short_the_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Planes:
+        def __init__(self) -> None:
+            self.asked: list[str] = []
+
+        async def ask(self, words: str) -> None:
+            self.asked.append(words)
+
+    monkeypatch.setattr(class_boats, "ORDER_PAUSE_S", 0.0)
+    planes: Any = [Planes() for _ in range(5)]
+
+    answers = asyncio.run(class_boats.give_orders(planes, 0.0))
+
+    assert len(answers) == 10
+    assert all(tuple(each.asked) == class_boats.PLANE_ORDERS for each in planes)
 
 
 def test_the_page_has_a_row_for_each_boat() -> None:

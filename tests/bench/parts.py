@@ -23,6 +23,7 @@ from helpers.places import tests_environment
 from trainer.analysis.bench.tick import (
     SEA_NAME,
     STANDARD_METHOD,
+    Voyage,
     in_a_loop,
     ready_boat,
     time_batches,
@@ -188,7 +189,8 @@ def run_part(boat: Boat, loop: Loop, count: int) -> None:
 def time_regime(file: VesselFile, sea: str, depth: float) -> dict[str, float]:
     """Return the least times [ns] of the tick and of its parts."""
     boat = boat_in(file, sea, depth)
-    works: list[Callable[[int], object]] = [partial(in_a_loop, boat_in(file, sea, depth).records)]
+    other = boat_in(file, sea, depth)
+    works: list[Callable[[int], object]] = [Voyage.of(other, partial(in_a_loop, other.records))]
     works += [partial(run_part, boat, loop) for loop in PARTS.values()]
     costs = time_batches(works)
     return dict(zip(("tick", *PARTS), (cost.least_ns for cost in costs), strict=True))

@@ -13,7 +13,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.bench.tick import STANDARD_METHOD, BatchCost, ready_boat, time_batches
+from trainer.analysis.bench.tick import (
+    STANDARD_METHOD,
+    BatchCost,
+    Voyage,
+    ready_boat,
+    time_batches,
+)
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -70,6 +76,7 @@ def scipy_steps(integrate: Any, boat: Boat) -> Iterator[float]:
     """Yield the length [s] of each step of scipy's RK45 along the boat's straight flight."""
     state, records = boat.records.state, tuple(boat.records)
     motion, now = state["motion"][0], state["rates"][0]
+    start = motion.copy()
 
     def slopes(_time: float, y: Numbers) -> Numbers:
         motion[:] = y
@@ -77,7 +84,7 @@ def scipy_steps(integrate: Any, boat: Boat) -> Iterator[float]:
         return np.array(now)
 
     while True:
-        flight = integrate.RK45(slopes, 0.0, motion.copy(), 60.0, rtol=TOLERANCE, max_step=2.0)
+        flight = integrate.RK45(slopes, 0.0, start, 60.0, rtol=TOLERANCE, max_step=2.0)
         while flight.status == "running":
             flight.step()
             yield flight.step_size
@@ -96,13 +103,13 @@ def repeat(step: Callable[[], object]) -> Callable[[int], None]:
 def time_peers(file: VesselFile) -> Peers:
     """Return what a step costs here and in what is installed of the others."""
     boat = ready_boat(file, STANDARD_METHOD, file.run.step_s)
-    steps: list[Callable[[], object]] = [boat.tick]
+    works: list[Callable[[int], object]] = [Voyage.of(boat, repeat(boat.tick))]
     names, lengths = ["trainer"], [file.run.step_s]
     missing = []
     if jsbsim := library("jsbsim"):
         step, length = jsbsim_step(jsbsim)
         names, lengths = [*names, "jsbsim"], [*lengths, length]
-        steps.append(step)
+        works.append(repeat(step))
     else:
         missing.append("jsbsim")
     if integrate := library("scipy.integrate"):
@@ -111,10 +118,10 @@ def time_peers(file: VesselFile) -> Peers:
         )
         length = float(np.median(list(itertools.islice(flight, 100))))
         names, lengths = [*names, "scipy"], [*lengths, length]
-        steps.append(flight.__next__)
+        works.append(repeat(flight.__next__))
     else:
         missing.append("scipy")
-    ours, *costs = time_batches([repeat(step) for step in steps])
+    ours, *costs = time_batches(works)
     peers = tuple(
         Peer(
             name=name,

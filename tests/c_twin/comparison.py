@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from helpers.places import tests_environment
@@ -18,6 +19,7 @@ from trainer.analysis.bench.standard_hour import TickRunner
 from trainer.analysis.bench.tick import (
     SEA_NAME,
     STANDARD_METHOD,
+    Voyage,
     in_a_loop,
     ready_boat,
     time_repetitions,
@@ -71,14 +73,8 @@ def under_way(file: VesselFile, sea: str) -> Boat:
 
 
 def batch(boat: Boat, take: TickRunner) -> Callable[[int], None]:
-    """Return what takes so many ticks of a boat; ConfigError if it loses its numbers."""
-
-    def run(count: int) -> None:
-        status = take(boat.records, count)
-        if status:
-            raise ConfigError(f"{boat.file.path.name}: {boat.failure(status)}")
-
-    return run
+    """Return what takes so many ticks of a boat, which is put back before each batch."""
+    return Voyage.of(boat, partial(take, boat.records))
 
 
 def time_pair(
@@ -86,7 +82,7 @@ def time_pair(
 ) -> tuple[float, float, float]:
     """Return the least times [ns] of two works' ticks, and their batches' median ratio."""
     for each in (work, other):
-        each(TICKS)
+        time_repetitions(each, TICKS)
     pairs = [(time_repetitions(work, TICKS), time_repetitions(other, TICKS)) for _ in range(PAIRS)]
     ones, others = zip(*pairs, strict=True)
     ratio = statistics.median(one / another for one, another in pairs)

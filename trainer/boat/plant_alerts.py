@@ -167,7 +167,7 @@ def power_drawn(boat: Boat) -> float:
 
 
 class BatteryWatch:
-    """The watch on a battery, after each tick that drains it while the plant is well.
+    """The watch on a battery, after each tick that drains it while all is well.
 
     Of the time before it began, it takes the draw of that moment for the last minute's.
     """

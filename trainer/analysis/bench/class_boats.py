@@ -176,6 +176,9 @@ async def sail(sockets: list[str], seconds: float, owner: int, load: float | Non
     after = {crew: seconds_of(crew, own) for crew, own in whole.items()}
     used = {crew: 100.0 * (after[crew] - before[crew]) / lasted for crew in whole}
     ledgers = [station.shown.get("ledger", []) for station in instructors]
+    for number, ledger in enumerate(ledgers, 1):
+        if ledger and not int(ledger[TICKS_FIELD]):
+            raise ConfigError(f"boat {number} of the class has no figure: it did no tick")
     for task in hearing:
         task.cancel()
     for station in stations:
@@ -212,12 +215,15 @@ async def attach(address: str, role: str) -> AttachedStation:
 
 
 async def give_orders(planes: list[AttachedStation], until: float) -> list[float]:
-    """Give orders from boat to boat until a time [s]; return how long each answer took [s]."""
+    """Give orders from boat to boat until a time [s], both to each boat at least.
+
+    Return how long each answer took [s].
+    """
     answers: list[float] = []
     for number in itertools.count():
         station = planes[number % len(planes)]
         begun = time.monotonic()
-        if begun >= until and len(answers) > 1:
+        if begun >= until and len(answers) >= 2 * len(planes):  # both orders to each boat
             return answers
         await station.ask(PLANE_ORDERS[number // len(planes) % 2])
         answers.append(time.monotonic() - begun)

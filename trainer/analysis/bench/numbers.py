@@ -3,6 +3,7 @@
 ``trainer dev bench --numbers`` measures it, in one run, in a calm and in a sea.
 """
 
+from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,9 +16,11 @@ import trainer
 from trainer.analysis.bench.tick import (
     STANDARD_METHOD,
     BatchCost,
+    Voyage,
     in_a_loop,
     ready_boat,
     time_batches,
+    trouble_of,
 )
 from trainer.boat.helm import obey_order
 from trainer.config.sea import load_sea
@@ -92,7 +95,7 @@ def _time_threads(file: VesselFile, ticks: int) -> FleetCost:
     fleets = [
         trainer.Fleet(
             file.path, FLEET_BOATS, orders=["stern"], reads=READ_NAMES, sea=sea, depth=100.0,
-            ticks=ticks, threads=threads,
+            ticks=ticks, threads=threads, battery="endless",
         )
         for threads in (1, 2)
     ]  # fmt: skip
@@ -101,9 +104,20 @@ def _time_threads(file: VesselFile, ticks: int) -> FleetCost:
     def step(fleet: trainer.Fleet, count: int) -> None:
         for _ in range(count):
             fleet.step(level)
-        fleet.reset()  # before it is beyond the sea
 
-    costs = time_batches([partial(step, fleet) for fleet in fleets])
+    def trouble(fleet: trainer.Fleet, count: int) -> str:
+        if lost := next(filter(None, map(fleet.why_lost, range(FLEET_BOATS))), ""):
+            return lost
+        if fleet.column("dc_dead").any():
+            return "without power"
+        return "frozen" if fleet.column("tick").min() < count * ticks else ""
+
+    costs = time_batches(
+        [
+            Voyage(file.path.name, partial(step, each), each.reset, partial(trouble, each))
+            for each in fleets
+        ]
+    )
     return FleetCost(sea, ticks, *(_each(cost, FLEET_BOATS) for cost in costs))
 
 
@@ -122,10 +136,16 @@ def _time_learning() -> LearningCost:
     def fly(count: int) -> None:
         for _ in range(count):
             fleet.step(actions)
-            if fleet.over[0]:
+            if fleet.over.all():
                 fleet.reset()
 
-    works: list[Callable[[int], None]] = [look, fly]
+    def trouble(_count: int) -> str:
+        return next(filter(None, map(fleet.why_lost, range(FLEET_BOATS))), "")
+
+    works: list[Callable[[int], object]] = [
+        look,
+        Voyage(EXERCISE_NAME, fly, fleet.reset, trouble),
+    ]
     if find_spec("gymnasium") is not None:
         works.append(_gymnasium_s_steps(drill.plan.method.step))
     looked, flown, *stepped = time_batches(works)
@@ -162,7 +182,8 @@ def _each(cost: BatchCost, count: int) -> BatchCost:
 
 def _time_in(file: VesselFile, sea: str) -> StepCost:
     """Return the costs in a sea; the works take turns, so that they meet the same machine."""
-    told, steered = (trainer.Boat(file.path, sea=sea) for _ in range(2))
+    told, steered = (trainer.Boat(file.path, sea=sea, battery="endless") for _ in range(2))
+    moments = [each.snapshot() for each in (told, steered)]
     bare = ready_boat(file, STANDARD_METHOD, file.run.step_s)
     bare.put_to_sea(load_sea(sea))
     orders = [order for order in map(parse, ORDER_WORDS) if isinstance(order, Order)]
@@ -182,7 +203,17 @@ def _time_in(file: VesselFile, sea: str) -> StepCost:
             told.run(file.run.step_s)
             _ = told.state["z"]
 
-    tick, stepped, said = time_batches([partial(in_a_loop, bare.records), step, tell])
+    def trouble(face: trainer.Boat, count: int) -> str:
+        seen = bare.another()
+        seen.plain[:] = array("d", face.state.values())
+        return face.lost or trouble_of(seen, 0, count)
+
+    faces = zip((steered, told), (step, tell), reversed(moments), strict=True)
+    works = [
+        Voyage(file.path.name, work, partial(face.restore, moment), partial(trouble, face))
+        for face, work, moment in faces
+    ]
+    tick, stepped, said = time_batches([Voyage.of(bare, partial(in_a_loop, bare.records)), *works])
     over = stepped.least_ns - tick.least_ns
     return StepCost(sea, tick, stepped, said, over, said.least_ns / stepped.least_ns)
 

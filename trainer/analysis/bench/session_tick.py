@@ -20,7 +20,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.bench.tick import BatchCost, time_batches
+from trainer.analysis.bench.tick import BatchCost, Voyage, time_batches, trouble_of
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError
@@ -99,14 +99,14 @@ def session_of(
 
 
 def run_to(session: Session, tick: int) -> None:
-    """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
+    """Run up to ``tick``; ConfigError if the boat is lost, frozen or without power before."""
     session.last_tick = tick
     session.run()
-    if session.control.failure:
+    if trouble := session.control.failure or trouble_of(session.boat, tick, 0):
         method = session.boat.method
         raise ConfigError(
             f"{session.boat.file.path.name} has no place in a benchmark at a step of "
-            f"{method.step:g} s with {method.integrator}: {session.control.failure}"
+            f"{method.step:g} s with {method.integrator}: {trouble}"
         )
 
 
@@ -140,7 +140,8 @@ def time_attended(make: Callable[[], Boat]) -> SessionTickCost:
                 (subscribed, temporary(subscribed), SUBSCRIBED_CHANNELS),
             )
         ]
-        costs = time_batches([tick, row, *(whole(session) for session in sessions)])
+        runs = [whole(session) for session in sessions]  # from batch to batch they sail on
+        costs = time_batches([Voyage.of(alone, tick), row, *runs])
     boat_cost, row_cost, *rest = costs
     ratio = rest[2].least_ns / rest[0].least_ns
     return SessionTickCost(boat_cost, rest[0], row_cost, rest[1], rest[2], ratio)

@@ -17,11 +17,15 @@ import numpy as np
 from trainer.boat import casualties
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of
 from trainer.boat.limits import height_showing
 from trainer.boat.machine_code import EMPTY_CHART
+from trainer.boat.plant import without_drain
+from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core.entry import fly
+from trainer.core.plant.parts import BUS_NAMES
 from trainer.units import KNOT
 
 BATCH_COUNT: Final = 21  # batches: an odd number has a median of its own
@@ -75,10 +79,51 @@ def long_enough(work: Callable[[int], object]) -> int:
 
 
 def time_repetitions(work: Callable[[int], object], count: int) -> int:
-    """Return the time [ns] that ``count`` repetitions take."""
+    """Return the time [ns] that ``count`` repetitions take.
+
+    A boat's ``Voyage`` is put back before; ConfigError where it was none afterwards.
+    """
+    voyage = work if isinstance(work, Voyage) else None
+    if voyage:
+        voyage.put_back()
     start = time.perf_counter_ns()
     work(count)
-    return time.perf_counter_ns() - start
+    taken = time.perf_counter_ns() - start
+    if voyage and (trouble := voyage.trouble(count)):
+        raise ConfigError(f"{voyage.name} has no figure in a benchmark: {trouble}")
+    return taken
+
+
+@dataclass(frozen=True)
+class Voyage:
+    """Work with a boat, which is put back before each batch, and refused where it is lost."""
+
+    name: str
+    work: Callable[[int], object]
+    put_back: Callable[[], object]
+    trouble: Callable[[int], str]  # after so many repetitions; "" for none
+
+    def __call__(self, count: int) -> None:
+        """Do so many repetitions."""
+        self.work(count)
+
+    @classmethod
+    def of(cls, boat: Boat, work: Callable[[int], object]) -> "Voyage":
+        """Return work with a boat that takes a tick at least in each repetition."""
+        start = boat.snapshot()
+        ticks = boat.ticks
+        trouble = partial(trouble_of, boat, ticks)
+        return cls(boat.file.path.name, work, partial(boat.restore, start), trouble)
+
+
+def trouble_of(boat: Boat, begun: int, ticks: int) -> str:
+    """Return why a boat's ticks since ``begun`` are no figure: frozen, lost or without power."""
+    if boat.ticks - begun < ticks:
+        return f"it has done {boat.ticks - begun} of {ticks} ticks"
+    if lost := collapse_of(boat) or boat.flat_words:
+        return lost.removeprefix(", ")
+    dead = [name for name in BUS_NAMES if boat.state[f"{name}_dead"]]
+    return f"{' and '.join(dead)} without power" if dead else ""
 
 
 @dataclass(frozen=True)
@@ -109,12 +154,13 @@ def in_a_loop(records: Records, count: int) -> int:
 
 
 def ready_boat(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
-    """Return a boat under way in trim, its tick compiled.
+    """Return a boat under way in trim, its tick compiled, with an endless battery.
 
-    The garbage is collected and frozen, because a collection during a batch would count as ticks.
+    A quick machine's batch is longer than a battery lasts. The garbage is collected and frozen,
+    because a collection during a batch would count as ticks.
     """
     equations, rates, integrator = way
-    boat = Boat(file, Method(equations, rates, "exact", integrator, step))
+    boat = Boat(without_drain(file), Method(equations, rates, "exact", integrator, step))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     start = boat.snapshot()
     # the first calls compile; their one tick of motion is then taken back
@@ -134,7 +180,8 @@ def time_update(boat: Boat) -> UpdateCost:
         for _ in range(count):
             tick()
 
-    called, in_kernel = time_batches([call, partial(in_a_loop, boat.records)])
+    works = call, partial(in_a_loop, boat.records)
+    called, in_kernel = time_batches([Voyage.of(boat, work) for work in works])
     method = boat.method
     return UpdateCost(
         equations=method.equations,
@@ -159,5 +206,5 @@ def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> CasualtyTick:
     for name in CASUALTY_KINDS:
         casualties.insert_casualty(troubled, name)
 
-    calm, worst = time_batches([partial(in_a_loop, boat.records) for boat in boats])
+    calm, worst = time_batches([Voyage.of(b, partial(in_a_loop, b.records)) for b in boats])
     return CasualtyTick(calm, worst, worst.least_ns / calm.least_ns)
