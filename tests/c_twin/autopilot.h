@@ -533,7 +533,7 @@ static void autopilot(const struct vessel *c, double h, struct state *s, double 
         slow_turns(gains, s);
     slew_depth(h, gains, s);
     slew_course(h, gains, s);
-    if (slot_of(AUTOPILOT_FAILED, s) >= 0) {
+    if (slot_of(AUTOPILOT_FAILED, s) >= 0 || is_dead(FED_AUTOPILOT, s)) {
         hold_commands(gains, s);
         return;
     }

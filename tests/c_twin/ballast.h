@@ -151,6 +151,8 @@ static double delivery(const struct vessel *c, double depth)
 
 static double sound_rate(const struct vessel *c, int pump, const struct state *s)
 {
+    if (is_dead(FED_TRIM + pump, s))
+        return 0.0;
     return c->pump_rate[pump] * (1.0 - clamped(s->pump_fault[pump], 0.0, 1.0));
 }
 

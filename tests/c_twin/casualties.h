@@ -3,6 +3,11 @@
 enum { SLOTS = sizeof(((struct state *)0)->casualty) / sizeof(double) };
 enum { TRIGGER_COUNT = sizeof(((struct scheme *)0)->trigger_kind) / sizeof(double) };
 
+static int is_dead(int consumer, const struct state *s)
+{
+    return s->unpowered != 0.0 && (((int)s->unpowered >> consumer) & 1);
+}
+
 static int slot_of(int kind, const struct state *s)
 {
     for (int i = 0; i < SLOTS; i++) {
@@ -104,6 +109,8 @@ static int begin(int kind, double amount, double ticks, struct state *s)
         slot = slot_of(0, s);
         if (slot < 0)
             return 0;
+        if (KIND_IN_PLANT[kind])
+            s->plant_touched = 1.0;
         s->casualty[slot] = kind;
         s->casualty_amount[slot] = onset(kind, s);
     }

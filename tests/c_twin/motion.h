@@ -270,9 +270,59 @@ static double told(
     return within(command, 0.0, c->limit[surface]);
 }
 
+static int servo_of(int surface, const struct state *s)
+{
+    return s->mode[surface] == NORMAL ? slot_of(SERVO_CODE[surface], s) : -1;
+}
+
+static double fed_target(
+    const struct vessel *c, double furthest, int surface, double share, const struct state *s)
+{
+    if (share == 0.0 && c->trail_share > 0.0)
+        return 0.0;
+    int slot = servo_of(surface, s);
+    if (slot >= 0)
+        return within(s->casualty_amount[slot], 0.0, c->limit[surface]);
+    return told(c, furthest, surface, fault_of(surface, s), s);
+}
+
+static void move_fed_surfaces(const struct vessel *c, double h, double share, struct state *s)
+{
+    double was[3], target[3], furthest[3];
+    for (int i = 0; i < 3; i++) {
+        double fed = fed_share(c, i, s);
+        was[i] = s->surface[i];
+        target[i] = fed_target(c, c->surface_rate * h / share, i, fed, s);
+        furthest[i] = c->surface_rate * h * (fed > 0.0 ? fed : c->trail_share);
+    }
+    if (c->x_tail != 0.0) {
+        double slower = least(furthest[RUDDER], furthest[STERN]);
+        if (fault_of(RUDDER, s) >= 0 || servo_of(RUDDER, s) >= 0)
+            target[STERN] = within(target[STERN], 0.0, most(c->limit_s - fabs(target[RUDDER]), 0.0));
+        else if (fault_of(STERN, s) >= 0 || servo_of(STERN, s) >= 0)
+            target[RUDDER] = within(target[RUDDER], 0.0, most(c->limit_s - fabs(target[STERN]), 0.0));
+        double one = s->delta_s + s->delta_r, other = s->delta_s - s->delta_r;
+        one = moved(one, target[STERN] + target[RUDDER], c->limit_s, slower, share);
+        other = moved(other, target[STERN] - target[RUDDER], c->limit_s, slower, share);
+        s->delta_s = 0.5 * (one + other);
+        s->delta_r = 0.5 * (one - other);
+    } else {
+        s->delta_s = moved(s->delta_s, target[STERN], c->limit_s, furthest[STERN], share);
+        s->delta_r = moved(s->delta_r, target[RUDDER], c->limit_r, furthest[RUDDER], share);
+    }
+    s->delta_b = moved(s->delta_b, target[BOW], c->limit_b, furthest[BOW], share);
+    draw_oil(
+        c, fabs(s->delta_r - was[RUDDER]), fabs(s->delta_s - was[STERN]), fabs(s->delta_b - was[BOW]),
+        s);
+}
+
 static void move_surfaces(const struct vessel *c, double h, struct state *s)
 {
     double share = c->surface_lag > 0.0 ? 1.0 - exponential(-h / c->surface_lag) : 1.0;
+    if (s->plant_touched != 0.0) {
+        move_fed_surfaces(c, h, share, s);
+        return;
+    }
     double furthest = c->surface_rate * h;
     int rudder_fault = fault_of(RUDDER, s), stern_fault = fault_of(STERN, s);
     double rudder = told(c, furthest / share, RUDDER, rudder_fault, s);

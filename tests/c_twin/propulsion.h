@@ -27,6 +27,8 @@ static double thrust_astern(const struct vessel *c, const struct state *s)
 
 static double propulsion_target(const struct state *s)
 {
+    if (is_dead(FED_PROPULSION, s))
+        return 0.0;
     int stuck = slot_of(PROPULSION_STUCK, s), lost = slot_of(PROPULSION_LOST, s);
     double wanted = stuck >= 0 ? s->casualty_amount[stuck] : s->telegraph_answer;
     return lost >= 0 ? wanted * (1.0 - s->casualty_amount[lost]) : wanted;
@@ -71,15 +73,17 @@ static double within_engine(const struct vessel *c, double wanted, const struct 
 
 static void answer_telegraph(const struct vessel *c, double h, struct state *s)
 {
-    double standing = s->speed_by_hand != 0.0 ? s->ordered_u_c : s->ordered_speed;
-    if (standing != s->telegraph_order) {
-        s->telegraph_order = standing;
-        s->telegraph_ticks = floor(c->telegraph_dead_time / h + 0.5);
+    if (!is_dead(FED_TELEGRAPH, s)) {
+        double standing = s->speed_by_hand != 0.0 ? s->ordered_u_c : s->ordered_speed;
+        if (standing != s->telegraph_order) {
+            s->telegraph_order = standing;
+            s->telegraph_ticks = floor(c->telegraph_dead_time / h + 0.5);
+        }
+        if (s->telegraph_ticks > 0.0)
+            s->telegraph_ticks -= 1.0;
+        else
+            s->telegraph_answer = s->command_u_c;
     }
-    if (s->telegraph_ticks > 0.0)
-        s->telegraph_ticks -= 1.0;
-    else
-        s->telegraph_answer = s->command_u_c;
     double share = c->propulsion_lag > 0.0 ? 1.0 - exponential(-h / c->propulsion_lag) : 1.0;
     double target = propulsion_target(s);
     if (c->torque_limit > 0.0)

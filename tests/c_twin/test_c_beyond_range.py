@@ -48,12 +48,17 @@ STEP: Final = {  # [s] long enough to be divided
 }
 PUSHED: Final = 40  # [ticks] after the boat was put into any motion at all
 SUFFERED: Final = 20  # [ticks] with a casualty, and after it is cleared
-# Only stations see a broken gauge, so that a tick has nothing of it. The C has a plant that is well
-# alone; what happens to one is proved by the numbers of a program of its own in core/test_plant.
+# Only stations see a broken gauge, so that a tick has nothing of it. The C has no fire, which is
+# proved by the numbers of a program of its own in core/test_plant.
 FELT_KINDS: Final = [
-    kind.name for kind in CASUALTY_TABLE if kind.equipment not in GAUGES and not kind.plant
+    kind.name
+    for kind in CASUALTY_TABLE
+    if kind.equipment not in GAUGES and not kind.name.startswith("fire")
 ]
-FEELING: Final = ("surface", "u_c", "command_u_c", "water", "tank_air", "bank")
+FEELING: Final = (
+    *("surface", "u_c", "command_u_c", "water", "tank_air", "bank"),
+    *("plant_fault", "oil_spent", "bus_dead", "battery_spent"),
+)
 
 
 @pytest.fixture(
@@ -248,6 +253,26 @@ def test_bb2_at_work_suffers_every_casualty(kind: str, in_c: TickRunner) -> None
     fly_both(boat, SUFFERED, in_c)
 
     assert felt, f"nothing in bb2_at_work feels {kind}: put at work what it acts on"
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_bb2_goes_flat_and_black_and_her_oil_is_spent(in_c: TickRunner, *, automatic: bool) -> None:
+    boat = boat_of("bb2", WAYS[0])
+    boat.start(10.0 * KNOT, 60.0, 0.0)
+    s = boat.state
+    s.battery_spent = float(boat.vessel.battery_full) - 3e7
+    if not automatic:
+        in_hand(boat, float(s.u_c))
+
+    for stroke in range(40):  # from stop to stop, until the accumulators are empty
+        s.ordered_depth = 60.0 + 40.0 * (stroke % 2)
+        s.ordered[:] = 0.4 * (-1.0) ** stroke
+        fly_both(boat, 30, in_c)
+
+    assert s.bus_dead.all()
+    assert s.gyro_unfed > 0.0
+    assert s.u_c < 0.1
+    assert automatic or s.oil_spent[0] > 0.9 * boat.vessel.oil_usable[0]
 
 
 def bb2_at_work() -> Boat:

@@ -1,7 +1,7 @@
 /* One tick of the boat in plain C: what trainer/core/update.py does in the standard configuration.
 
    Compact set and the wide one, Adams' integration, sea, the boat afloat, autopilot by its own law,
-   surfaces, tanks, air, pumps, casualties, triggers, holds. It works on the records of the trainer; records.h
+   surfaces, tanks, air, pumps, plant (no fire), casualties, triggers, holds. It works on the records of the trainer; records.h
    is written from their layout, with the constants that both share. Kept plain on purpose: this is
    what a good programmer writes, for the compiler to make fast. */
 
@@ -10,6 +10,7 @@
 #include "records.h"
 #include "elementary.h"
 #include "casualties.h"
+#include "plant.h"
 #include "autopilot.h"
 #include "suction.h"
 #include "ballast.h"
@@ -27,7 +28,6 @@
 #include "stall.h"
 #include "attitude.h"
 #include "rates.h"
-#include "plant.h"
 #include "integrators.h"
 
 static int lost(const struct state *s)
