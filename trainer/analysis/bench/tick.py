@@ -83,14 +83,13 @@ def time_repetitions(work: Callable[[int], object], count: int) -> int:
 
     A boat's ``Voyage`` is put back before; ConfigError where it was none afterwards.
     """
-    voyage = work if isinstance(work, Voyage) else None
-    if voyage:
-        voyage.put_back()
+    if isinstance(work, Voyage):
+        work.put_back()
     start = time.perf_counter_ns()
     work(count)
     taken = time.perf_counter_ns() - start
-    if voyage and (trouble := voyage.trouble(count)):
-        raise ConfigError(f"{voyage.name} has no figure in a benchmark: {trouble}")
+    if isinstance(work, Voyage) and (trouble := work.trouble(count)):
+        raise ConfigError(f"{work.name} has no figure in a benchmark: {trouble}")
     return taken
 
 
@@ -110,10 +109,8 @@ class Voyage:
     @classmethod
     def of(cls, boat: Boat, work: Callable[[int], object]) -> "Voyage":
         """Return work with a boat that takes a tick at least in each repetition."""
-        start = boat.snapshot()
-        ticks = boat.ticks
-        trouble = partial(trouble_of, boat, ticks)
-        return cls(boat.file.path.name, work, partial(boat.restore, start), trouble)
+        put_back = partial(boat.restore, boat.snapshot())
+        return cls(boat.file.path.name, work, put_back, partial(trouble_of, boat, boat.ticks))
 
 
 def trouble_of(boat: Boat, begun: int, ticks: int) -> str:
