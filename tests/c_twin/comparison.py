@@ -73,7 +73,7 @@ def under_way(file: VesselFile, sea: str) -> Boat:
 
 
 def batch(boat: Boat, take: TickRunner) -> Callable[[int], None]:
-    """Return what takes so many ticks of a boat, which is put back before each batch."""
+    """Return what takes so many ticks of a boat put back before."""
     return Voyage.of(boat, partial(take, boat.records))
 
 

@@ -300,7 +300,7 @@ class ExerciseFleet:
         return self._seen.copy()
 
     def why_lost(self, index: int) -> str:
-        """Return why one boat is lost, "" while it is not."""
+        """Return how one boat was lost, "" for one that is not."""
         why = "turned over, or by what loses the exercise" if self.lost[index] else ""
         return self._fleet.why_lost(index) or why
 

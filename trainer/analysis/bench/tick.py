@@ -95,7 +95,7 @@ def time_repetitions(work: Callable[[int], object], count: int) -> int:
 
 @dataclass(frozen=True)
 class Voyage:
-    """Work with a boat, which is put back before each batch, and refused where it is lost."""
+    """Work with a boat that is put back before each batch."""
 
     name: str
     work: Callable[[int], object]
