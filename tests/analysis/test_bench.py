@@ -20,7 +20,7 @@ from trainer.analysis.bench.bench import (
     run_paced,
     samples_up,
 )
-from trainer.analysis.bench.sections import SECTIONS, OmittedSection, Section, or_left_out
+from trainer.analysis.bench.sections import SECTIONS, Section
 from trainer.analysis.bench.session_tick import effect
 from trainer.analysis.bench.tick import (
     BATCH_COUNT,
@@ -34,7 +34,6 @@ from trainer.analysis.bench.tick import (
     ready_boat,
     time_batches,
 )
-from trainer.analysis.bench.web import NoBrowserError
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
@@ -365,18 +364,3 @@ def test_all_is_the_standard_figures_and_every_part() -> None:
     assert tree.keys() == {"standard", *SECTIONS}
     assert said("--all").startswith("STANDARD\n\nPART ")
     assert said("--all").count("PART ") == len(SECTIONS)
-
-
-def test_any_other_trouble_of_a_part_is_not_taken_for_what_the_machine_lacks() -> None:
-    def fails(_: Any) -> None:
-        raise ValueError("another")
-
-    def lacks(_: Any) -> None:
-        raise NoBrowserError("none")
-
-    def measured(measure: Any) -> Any:
-        return or_left_out(NoBrowserError, Section(measure, list)).measure(None)  # type: ignore[arg-type]
-
-    assert measured(lacks) == OmittedSection("none")
-    with pytest.raises(ValueError, match="another"):
-        measured(fails)

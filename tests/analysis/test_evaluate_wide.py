@@ -15,7 +15,7 @@ from trainer.analysis.programs.evaluate import evaluate_lines
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 
-BOAT = "trainer/analysis/bench/standard_boat.toml"  # frozen, so that the vectors stay
+BOAT = "tests/bench/standard_boat.toml"  # frozen, so that the vectors stay
 STATES = (DATA / "wide" / "states.jsonl").read_text().splitlines()
 EXPECTED = (DATA / "wide" / "expected.jsonl").read_text().splitlines()
 SURFACED_COUNT = 5  # of the states, at the end

@@ -8,8 +8,8 @@ import click
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
 
-from bench.sections import SECTIONS, parts_against
-from trainer.analysis.bench.sections import BenchRequest, measure_sections
+from bench.sections import CLASS_BOATS, SECTIONS, BenchRequest, parts_against
+from trainer.analysis.bench.sections import measure_sections
 from trainer.cli.main import run_command
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 from trainer.config.vessel import load_vessel
@@ -20,9 +20,8 @@ from trainer.config.vessel import load_vessel
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
-    default=10,
-    show_default=True,
-    help="Of real time, for each loop of --beside-c.",
+    help="Of real time, for each loop of --beside-c, and for --web and --class. [default: 10; 60 "
+    "for --web and --class]",
 )
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
 @click.option("--beside-c", is_flag=True, help="Only how late ticks begin, beside a loop in C.")
@@ -36,9 +35,21 @@ from trainer.config.vessel import load_vessel
 @click.option("--instructions", is_flag=True, help="Only the instructions of a tick, by valgrind.")
 @click.option("--waits", is_flag=True, help="Only what whole commands take of the processor.")
 @click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
+@click.option("--numbers", is_flag=True, help="Only what a step of a boat by numbers costs.")
+@click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
+@click.option(
+    "--class",
+    is_flag=False,
+    flag_value=CLASS_BOATS,
+    type=click.IntRange(1, 24),
+    metavar="BOATS",
+    help="Only a class of so many boats with stations, and what each costs; 8 unless said.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-def bench(*, vessel: str, seconds: int, against: str | None, as_json: bool, **parts: bool) -> None:
-    """Compare the trainer with other programs, and with the machine of 1969.
+def bench(
+    *, vessel: str, seconds: int | None, against: str | None, as_json: bool, **parts: int | None
+) -> None:
+    """Compare the trainer with other programs, with the machine of 1969, and with itself.
 
     Without an option of a part it is all of them: some minutes.
 
@@ -49,7 +60,9 @@ def bench(*, vessel: str, seconds: int, against: str | None, as_json: bool, **pa
     """
     chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
     sections = SECTIONS | ({"parts": parts_against(against)} if against else {})
-    figures, pages = measure_sections(sections, chosen, BenchRequest(load_vessel(vessel), seconds))
+    boats = parts["class"] or CLASS_BOATS
+    wanted = BenchRequest(load_vessel(vessel), seconds or 10, attended=seconds or 60, boats=boats)
+    figures, pages = measure_sections(sections, chosen, wanted)
     click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
 
 

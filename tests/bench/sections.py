@@ -1,35 +1,74 @@
 """The comparisons of the bench, by the options that ask for each alone."""
 
+import contextlib
+from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from c_twin import comparison
 from c_twin.compiler import SAME_BITS, build
 
 from bench import (
+    class_boats,
     control,
     footprint,
     identify,
     instructions,
     machines,
+    numbers,
     parts,
     peers,
     waits,
     wasm,
+    web,
 )
-from trainer.analysis.bench import standard_hour as whole
-from trainer.analysis.bench.sections import Section, or_left_out
-from trainer.analysis.bench.standard_hour import SameBits, fly_hour
+from bench import standard_hour as whole
+from bench.standard_hour import SameBits, fly_hour
+from trainer.analysis.bench import sections
+from trainer.analysis.bench.sections import Section
 from trainer.boat.export.targets import NoCompilerError
 from trainer.config.files import ConfigError
 
+CLASS_BOATS: Final = 8  # where nobody says how many
 SAMPLES: Final = 2000  # of the records that are fitted
 
 
+@dataclass(frozen=True)
+class BenchRequest(sections.BenchRequest):
+    """The subject of a measurement, and its length."""
+
+    attended: float = 60.0  # [s] of a session with pages, and of a class
+    boats: int = 8  # of a class
+
+
+@dataclass(frozen=True)
+class OmittedSection:
+    """A part that cannot be measured here, and why."""
+
+    left_out: str
+
+
+def or_left_out(lacking: type[Exception], section: Section) -> Section:
+    """Return a section that becomes an ``OmittedSection`` where ``lacking`` is raised."""
+
+    def measure(wanted: BenchRequest) -> Any:
+        try:
+            return section.measure(wanted)
+        except lacking as error:
+            return OmittedSection(str(error))
+
+    def lines(figures: Any) -> list[str]:
+        return [figures.left_out] if isinstance(figures, OmittedSection) else section.lines(figures)
+
+    return Section(measure, lines)
+
+
 def same_bits_as_c() -> SameBits:
-    """Return in what bits the standard hour ends, in C as well; NoCompilerError without one."""
-    in_c = {f"C, {way.name}": partial(fly_hour, build(way)) for way in SAME_BITS}
-    return whole.same_bits(whole.ways() | in_c)
+    """Return in what bits the standard hour ends, in C as well where there is a compiler."""
+    ways = whole.ways()
+    with contextlib.suppress(NoCompilerError):
+        ways |= {f"C, {way.name}": partial(fly_hour, build(way)) for way in SAME_BITS}
+    return whole.same_bits(ways)
 
 
 def parts_against(commit: str) -> Section:
@@ -46,8 +85,17 @@ SECTIONS: Final = {
         NoCompilerError,
         Section(lambda wanted: control.time_beside_c(wanted.seconds), control.lines),
     ),
-    "same_bits": or_left_out(
-        NoCompilerError, Section(lambda _wanted: same_bits_as_c(), whole.lines)
+    "same_bits": Section(lambda _wanted: same_bits_as_c(), whole.lines),
+    "numbers": Section(lambda wanted: numbers.time_numbers(wanted.file), numbers.lines),
+    "web": or_left_out(
+        web.NoBrowserError,
+        Section(lambda wanted: web.time_pages(wanted.file, wanted.attended), web.lines),
+    ),
+    "class": or_left_out(
+        class_boats.NoProcessFiguresError,
+        Section(
+            lambda wanted: class_boats.time_class(wanted.boats, wanted.attended), class_boats.lines
+        ),
     ),
     "parts": Section(lambda wanted: parts.time_parts(wanted.file), parts.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),

@@ -15,8 +15,10 @@ from helpers.typed import type_command
 from bench import control, footprint, peers, sections, wasm
 from bench import parts as parts_module
 from bench.__main__ import bench
+from bench.sections import OmittedSection, or_left_out
+from bench.standard_hour import levels_here
+from bench.web import NoBrowserError
 from trainer.analysis.bench.sections import Section
-from trainer.analysis.bench.standard_hour import levels_here
 from trainer.analysis.bench.tick import BatchCost
 from trainer.cli.main import run_command
 from trainer.config.files import ConfigError
@@ -62,7 +64,7 @@ def test_a_part_without_its_compiler_is_left_out_and_says_why(
     monkeypatch.setenv("CC", "no-such-compiler")
 
     why = "no C was compiled: CC is 'no-such-compiler', which is not here"
-    for part in ("--against-c", "--same-bits", "--beside-c"):
+    for part in ("--against-c", "--beside-c"):
         assert said(part).startswith(why)
     assert json.loads(said("--against-c", "--json"))["against_c"]["left_out"].startswith(why)
 
@@ -187,3 +189,18 @@ def test_what_another_program_lacks_is_told_in_its_own_words(
 
     assert left.value.code == 1
     assert capsys.readouterr().err == "trainer: Can't find the default root directory\n"
+
+
+def test_any_other_trouble_of_a_part_is_not_taken_for_what_the_machine_lacks() -> None:
+    def fails(_: Any) -> None:
+        raise ValueError("another")
+
+    def lacks(_: Any) -> None:
+        raise NoBrowserError("none")
+
+    def measured(measure: Any) -> Any:
+        return or_left_out(NoBrowserError, Section(measure, list)).measure(None)
+
+    assert measured(lacks) == OmittedSection("none")
+    with pytest.raises(ValueError, match="another"):
+        measured(fails)

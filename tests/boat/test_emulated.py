@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from bench.standard_hour import digest, fly_standard_hour, standard_boat
 from helpers.emulated import (
     EMULATORS,
     emulated_ticks,
@@ -16,7 +17,6 @@ from helpers.emulated import (
 from helpers.installation import installed, run_program
 from helpers.places import ROOT
 
-from trainer.analysis.bench.standard_hour import digest, fly_standard_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER

@@ -6,12 +6,12 @@ import os
 from pathlib import Path
 
 import pytest
+from bench.standard_hour import digest, standard_boat
 from helpers.boats import take_ticks
 from helpers.installation import installed, run_program
 from helpers.tab import fly, standard_hour
 from helpers.typed import type_command
 
-from trainer.analysis.bench.standard_hour import digest, standard_boat
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from bench.standard_hour import TickRunner
 from helpers.places import tests_environment
 
 from c_twin.compiler import BUILDS, build, version
-from trainer.analysis.bench.standard_hour import TickRunner
 from trainer.analysis.bench.tick import (
     SEA_NAME,
     STANDARD_METHOD,

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 import pytest
+from bench.standard_hour import TickRunner
 from helpers.lanes import sample_cases
 
 from c_twin.compiler import SAME_BITS, build
-from trainer.analysis.bench.standard_hour import TickRunner
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat

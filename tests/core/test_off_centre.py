@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bench.standard_hour import digest
 from c_twin.compiler import SAME_BITS, build
 from helpers.boats import start_boat, take_ticks
 from helpers.lanes import sample_cases
 
-from trainer.analysis.bench.standard_hour import digest
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat

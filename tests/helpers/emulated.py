@@ -11,13 +11,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from helpers.places import ROOT
-from trainer.analysis.bench.standard_hour import (
+from bench.standard_hour import (
     TickRunner,
     digest,
     fly_standard_hour,
     standard_boat,
 )
+
+from helpers.places import ROOT
 from trainer.boat.assemble import Records
 from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.platforms import CPU_TARGETS

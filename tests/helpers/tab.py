@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from bench.standard_hour import digest, fly_standard_hour
+
 from helpers.installation import installed
 from helpers.places import ROOT
-from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED_PATH

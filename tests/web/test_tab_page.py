@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bench.standard_hour import standard_boat
 from helpers import node
 from helpers.altered import alter
 from helpers.firefox import firefox
@@ -27,7 +28,6 @@ from helpers.tab import standard_hour
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, expect
 
-from trainer.analysis.bench.standard_hour import standard_boat
 from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError, read_text, shipped_path
 from trainer.debrief import boat_page as boat_page_maker

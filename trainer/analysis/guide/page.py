@@ -170,8 +170,8 @@ def software(guide: Guide) -> Markup:
     rows = [("made", guide.made), ("step", f"{guide.step_s:g} s"), ("versions", versions)]
     rows += [(f"sha256 of {name}", value) for name, value in guide.checksums.items()]
     words = (
-        "The program is compared with others by trainer boat check-cases, with itself by trainer "
-        "dev bench --same-bits; trainer dev conform says what of STCW it has."
+        "The program is compared with others by trainer boat check-cases; trainer dev conform says "
+        "what of STCW it has."
     )
     facts = table((), rows, "facts")
     return section("software", CHAPTER_TITLES["software"], facts, paragraph(words))

@@ -4,13 +4,9 @@
 in the function, because the other commands need none of it.
 """
 
-from typing import Final
-
 import click
 
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
-
-CLASS_BOATS: Final = 8  # where nobody says how many
 
 
 @click.command()
@@ -19,9 +15,8 @@ CLASS_BOATS: Final = 8  # where nobody says how many
     "--seconds",
     type=click.IntRange(1, 3600),
     help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
-    "gives four in each. [default: 10; 60 for --web and --class]",
+    "gives four in each. [default: 10]",
 )
-@click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
 @click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
 @click.option(
     "--minutes",
@@ -30,17 +25,7 @@ CLASS_BOATS: Final = 8  # where nobody says how many
     help="Of --on-time, for a session among all that could hold it up.",
 )
 @click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
-@click.option("--numbers", is_flag=True, help="Only what a step of a boat by numbers costs.")
 @click.option("--starting", is_flag=True, help="Only how soon commands answer.")
-@click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
-@click.option(
-    "--class",
-    is_flag=False,
-    flag_value=CLASS_BOATS,
-    type=click.IntRange(1, 24),
-    metavar="BOATS",
-    help="Only a class of so many boats with stations, and what each costs; 8 unless said.",
-)
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(
@@ -50,16 +35,13 @@ def bench(
     minutes: float,
     everything: bool,
     as_json: bool,
-    **parts: int | None,
+    **parts: bool,
 ) -> None:
     """Measure duty cycle, work per tick, lateness and sizes on this machine.
 
     \b
     Example:  trainer dev bench --json
-              trainer dev bench --same-bits
               trainer dev bench --on-time --minutes 10
-              trainer dev bench --web
-              trainer dev bench --class 8
               trainer dev bench --all --json > figures.json
     """
     import json
@@ -80,9 +62,7 @@ def bench(
     if chosen:
         from trainer.analysis.bench.sections import SECTIONS, BenchRequest, measure_sections
 
-        wanted = BenchRequest(
-            file, seconds or 10, minutes, seconds or 60, parts["class"] or CLASS_BOATS
-        )
+        wanted = BenchRequest(file, seconds or 10, minutes)
         more_figures, more_pages = measure_sections(SECTIONS, chosen, wanted)
         figures |= more_figures
         pages += more_pages

@@ -7,18 +7,17 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from helpers.shell import typed
 
-from trainer.analysis.bench import class_boats
-from trainer.analysis.bench.class_boats import BoatUse, ClassUse, lines
-from trainer.cli import main
+from bench import class_boats
+from bench.__main__ import bench
+from bench.class_boats import BoatUse, ClassUse, lines
 
 
 @pytest.mark.process
 @pytest.mark.long
-def test_a_class_of_two_boats_is_timed_with_its_stations(tmp_path: Path) -> None:
-    done = typed("trainer dev bench --class 2 --seconds 3 --json", tmp_path, "")
-    assert done.returncode == 0, done.stderr
+def test_a_class_of_two_boats_is_timed_with_its_stations() -> None:
+    done = CliRunner().invoke(bench, ["--class", "2", "--seconds", "3", "--json"])
+    assert done.exit_code == 0, done.stderr
     found = json.loads(done.stdout)["class"]
 
     assert found["stations"] == 3
@@ -66,6 +65,6 @@ def test_a_system_that_does_not_tell_what_processes_use_leaves_it_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(class_boats, "PROCESS_FILE", Path("/nowhere/smaps_rollup"))
-    done = CliRunner().invoke(main.cli, ["dev", "bench", "--class", "2", "--json"])
+    done = CliRunner().invoke(bench, ["--class", "2", "--json"])
 
     assert "does not tell" in json.loads(done.output)["class"]["left_out"]

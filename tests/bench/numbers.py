@@ -1,6 +1,6 @@
 """The cost of a step by numbers, beside words, and of marks at each tick.
 
-``trainer dev bench --numbers`` measures it, in one run, in a calm and in a sea.
+``python -m tests.bench --numbers`` measures it, in one run, in a calm and in a sea.
 """
 
 from array import array

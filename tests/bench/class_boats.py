@@ -1,6 +1,6 @@
 """The cost of a class: many boats at once, each with stations attached.
 
-``trainer dev bench --class 8`` measures it. The class is one that ``trainer class`` begins. At each
+``python -m tests.bench --class 8`` measures it, in a class that ``trainer class`` begins. At each
 boat an instructor, the planes and an observer are attached as programs, and the planes give orders.
 Memory is proportional (PSS): what processes share is counted once among them. A boat is its session
 and the process that judges what could be earned.
@@ -118,7 +118,7 @@ def time_class(boats: int, seconds: float) -> ClassUse:
         words = ("class", CLASS_EXERCISE, "--boats", str(boats), "--web", "127.0.0.1:0")
         with (
             said.open("w") as out,
-            subprocess.Popen(  # noqa: S603  our own program
+            subprocess.Popen(
                 [*TRAINER_COMMAND, *words, "--folder", str(Path(name) / "kept")],
                 stdin=subprocess.DEVNULL,
                 stdout=out,

@@ -7,7 +7,7 @@ import pytest
 from c_twin.compiler import RECORDS, SAME_BITS, build, header
 from helpers.lanes import sample_cases
 
-from trainer.analysis.bench.standard_hour import (
+from bench.standard_hour import (
     digest,
     fly_standard_hour,
     for_level,

@@ -2,16 +2,14 @@
 
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from helpers.pages import find_chromium
-from helpers.shell import typed
 
-from trainer.analysis.bench import web
-from trainer.cli import main
+from bench import web
+from bench.__main__ import bench
 from trainer.session.time.ledger import Spread
 
 SPREAD = Spread(1_000, 2_000, 3_000, 4_000)
@@ -20,10 +18,10 @@ SPREAD = Spread(1_000, 2_000, 3_000, 4_000)
 TRIES = 3  # a machine that others use may be held up once
 
 
-def measured(folder: Path) -> dict[str, Any]:
+def measured() -> dict[str, Any]:
     """Return the figures of the shortest run: a few seconds beside starting and stopping."""
-    done = typed("trainer dev bench --web --seconds 2 --json", folder, "")
-    assert done.returncode == 0, done.stderr
+    done = CliRunner().invoke(bench, ["--web", "--seconds", "2", "--json"])
+    assert done.exit_code == 0, done.stderr
     found: dict[str, Any] = json.loads(done.stdout)["web"]
     return found
 
@@ -44,11 +42,11 @@ def beyond(found: dict[str, Any]) -> list[str]:
 
 @pytest.mark.process
 @pytest.mark.slow
-def test_stations_in_a_browser_are_within_ten_times_the_goals(tmp_path: Path) -> None:
+def test_stations_in_a_browser_are_within_ten_times_the_goals() -> None:
     find_chromium()
 
     for _ in range(TRIES):
-        found = measured(tmp_path)
+        found = measured()
         seen, attended = found["looking"], found["attended"]
         assert seen["first_picture"] > 0.0
         assert 0.0 < seen["answer_median"] <= seen["answer_p95"]
@@ -85,7 +83,7 @@ def test_the_page_names_each_figure_with_its_goal() -> None:
 def test_without_a_browser_the_bench_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(web, "find_browser", lambda: None)
 
-    done = CliRunner().invoke(main.cli, ["bench", "--web"])
+    done = CliRunner().invoke(bench, ["--web"])
 
     assert done.exit_code == 0
-    assert done.stdout == "trainer dev bench --web needs Chromium: install the package chromium\n"
+    assert done.stdout == "tests.bench --web needs Chromium: install the package chromium\n"

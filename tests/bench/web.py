@@ -1,6 +1,6 @@
 """The cost of stations in a browser, to people and to the session.
 
-``trainer dev bench --web`` measures it. A session sails twice for as long: alone, and with many
+``python -m tests.bench --web`` measures it. A session sails twice for as long: alone, and with many
 stations attached at its pages' server. At the second a real Chromium opens the helm's page, gives
 orders over the page's own line and counts pictures.
 """
@@ -173,10 +173,10 @@ def able_browser() -> str:
     """Return a Chromium, Chrome or Edge to be led; NoBrowserError naming what is missing."""
     for library in ("playwright", "websockets", "uvicorn", "starlette", "segno"):
         if find_spec(library) is None:
-            raise NoBrowserError(advise_install(library, "trainer dev bench --web"))
+            raise NoBrowserError(advise_install(library, "tests.bench --web"))
     browser = find_browser()
     if browser is None:
-        raise NoBrowserError("trainer dev bench --web needs Chromium: install the package chromium")
+        raise NoBrowserError("tests.bench --web needs Chromium: install the package chromium")
     return browser
 
 

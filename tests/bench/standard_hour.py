@@ -2,7 +2,7 @@
 
 However the tick is computed, compiled or interpreted, for whatever processor, the hour ends in the
 same bits; ``digest`` is their name. Orders are carried out by the helm, between ticks, on the
-records themselves. ``trainer dev bench`` flies it in each way, and says which differs.
+records themselves. ``python -m tests.bench --same-bits`` flies it in each way.
 """
 
 import hashlib
@@ -74,7 +74,7 @@ HOUR_ORDERS: Final = """
 TickRunner = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
 CHILD_PROGRAM: Final = """
 from trainer.analysis.bench.tick import in_a_loop
-from trainer.analysis.bench.standard_hour import digest, fly_standard_hour
+from bench.standard_hour import digest, fly_standard_hour
 print(digest(fly_standard_hour(in_a_loop, {last})))
 """
 
@@ -129,9 +129,9 @@ def in_another_process(environment: dict[str, str], last: int = HOUR_TICKS) -> s
 
     ConfigError if it fails.
     """
-    done = subprocess.run(  # noqa: S603
+    done = subprocess.run(
         [sys.executable, "-c", CHILD_PROGRAM.format(last=last)],
-        env=os.environ | environment,
+        env=os.environ | environment | {"PYTHONPATH": str(Path(__file__).parents[1])},
         capture_output=True,
         text=True,
         check=False,
