@@ -64,7 +64,7 @@ def or_left_out(lacking: type[Exception], section: Section) -> Section:
 
 
 def same_bits_as_c() -> SameBits:
-    """Return in what bits the standard hour ends, in C as well where there is a compiler."""
+    """Return in what bits the standard hour ends, in C too if it can be."""
     ways = whole.ways()
     with contextlib.suppress(NoCompilerError):
         ways |= {f"C, {way.name}": partial(fly_hour, build(way)) for way in SAME_BITS}

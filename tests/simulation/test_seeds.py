@@ -31,8 +31,8 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import ORDER_WORDS
 
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
-# They need an exercise with aids or an evaluation, and a boat that is crushed.
-SELDOM_SAID: Final = {"word ghost", "word what-if", "gate lost_gate"}
+# They need an exercise with aids or an evaluation, a boat that is crushed, and a leak that lasts.
+SELDOM_SAID: Final = {"word ghost", "word what-if", "gate lost_gate", "called oil tank half"}
 LONGEST_S: Final = 5.0  # that a process lives
 KEPT: Final = sorted((places.TESTS / "simulation" / "kept").glob("*.json"))
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing

@@ -141,7 +141,7 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 
 
 def too_light(boat: Boat, depth: float) -> Refused | None:
-    """Return why no planes can bring a boat with blown ballast to a depth [m], or None.
+    """Return why blown main ballast forbids a depth [m], or None.
 
     It is flown: a boat that does not come half the way to that depth in TRIED_S is too light for
     it. Open vents fill the tanks again, and the depth-control tank takes what it has room for.
