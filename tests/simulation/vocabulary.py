@@ -96,8 +96,8 @@ DEALT: Final = (
     "casualty oil-leak-header|step 200|rudder emergency|planes emergency|isolate main|open main",
     "casualty bus-port-lost|step 4|bus tie shut|step 20|loads shed|breaker port open|loads back",
     (
-        "casualty cells-lost 0.7|step 40|casualty cells-lost 0.9|step 40|casualty fire-aft|step 120|"
-        "ventilation secure|fight fire aft|hydraulic pump 1 stop"
+        "casualty cells-lost 0.7|step 40|casualty cells-lost 0.9|step 40|casualty fire-aft|"
+        "step 120|ventilation secure|fight fire aft|hydraulic pump 1 stop"
     ),
     (
         "run|casualty oil-leak-stern|step 40|snapshot A|isolate stern|stern hand|restore A|run|"

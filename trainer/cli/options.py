@@ -15,7 +15,6 @@ import click
 from click.core import ParameterSource
 
 from trainer.cli.types import Duration, File, Name, Number, Output, Speed
-from trainer.config.extras import require_library
 from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
 from trainer.config.words import BATTERIES, EQUATION_SETS
@@ -254,18 +253,6 @@ console_options = combine_options(
     ),
 )
 
-
-def needing(library: str) -> Callable[[click.Context, click.Parameter, Any], Any]:
-    """Return a callback that refuses an option which is given where a library is missing."""
-
-    def check(_: click.Context, option: click.Parameter, value: Any) -> Any:
-        if value is not None:
-            require_library(library, option.opts[0])
-        return value
-
-    return check
-
-
 rerun_options = combine_options(
     click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
     click.option(
@@ -273,12 +260,7 @@ rerun_options = combine_options(
         metavar="HOST:PORT",
         help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
     ),
-    click.option(
-        "--rrd",
-        type=RRD_OUTPUT,
-        callback=needing("rerun"),
-        help="Write the run to this file for Rerun.",
-    ),
+    click.option("--rrd", type=RRD_OUTPUT, help="Write the run to this file for Rerun."),
 )
 
 nmea_options = combine_options(

@@ -20,7 +20,7 @@ import click
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
-from trainer.config.extras import advise_install
+from trainer.config.extras import advise_install, require_library
 from trainer.config.files import ConfigError
 from trainer.io.outputs import open_output, replacing
 from trainer.io.paths import DEFAULT_HOST
@@ -50,12 +50,14 @@ def open_log(
     """Return the feeds of the file and viewer asked for, None without either.
 
     A line says what the viewer lacks. ConfigError for a bad address, or a file that cannot be
-    written.
+    written or made.
     """
     path, wanted = options.rrd, options.rerun or options.rerun_at
     host, port = parse_address(options.rerun_at or "")
     if path is None and not wanted:
         return None
+    if path is not None:
+        require_library("rerun", "--rrd")
     if find_spec("rerun") is None:
         click.echo(f"trainer: {advise_install('rerun', '--rerun')}", err=True)
         return None
