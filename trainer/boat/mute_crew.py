@@ -123,9 +123,10 @@ class MuteCrew:
             later = [other.rule.order for other in carried_out if other is not each]
             if not each.wanted:
                 continue
-            if axis_of(order) in steered or any(self._undoes(other, order) for other in later):
+            axes = axes_of(order)
+            if axes & steered or any(self._undoes(other, order) for other in later):
                 crew.forget(each)
-            elif each.due is None and axis_of(order) not in coming:
+            elif each.due is None and not axes & coming:
                 others = (x for x in orders if x.name in ANSWER_ORDERS)
                 if any(self._undoes(x, order) for x in others if not is_same_order(x, order)):
                     each.due, each.undone, each.over = crew.boat.time, True, False
@@ -163,10 +164,10 @@ class MuteCrew:
         return same and not refused
 
 
-def axis_of(order: Order) -> str:
-    """Return the axis whose surfaces an order puts to an angle, "" for none."""
+def axes_of(order: Order) -> set[str]:
+    """Return the axes whose surfaces an order puts to an angle."""
     word = ORDER_WORDS.get(order.name)  # a hand of the crew has none
-    return word.works if word and word.needs != "plant" else ""
+    return {*word.moves(order.word)} if word and word.needs != "plant" else set()
 
 
 def is_same_order(order: Order, other: Order) -> bool:

@@ -25,7 +25,7 @@ OPPOSITE_WORDS: Final = (  # the first that an order has is turned round
 )
 WAY_WORDS: Final = (*OPPOSITE_WORDS, ("flood", "blow"), ("on", "off"))
 HAND_CONTROLS: Final = {  # what the reference crew's hands work, and the orders that do
-    hand: (axis, frozenset(w.name for w in ORDER_WORDS.values() if w.works == axis))
+    hand: (axis, frozenset(w.name for w in ORDER_WORDS.values() if axis in w.moves("")))
     for hand, axis in AXES_OF_HANDS.items()
 }
 SURFACE_ORDERS: Final = frozenset().union(*(orders for _, orders in HAND_CONTROLS.values()))

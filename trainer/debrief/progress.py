@@ -95,7 +95,7 @@ def kind_of(change: MarkChange) -> str:
     came_late = change.cause is ChangeCause.MISSING and change.came is not None
     opposite = change.cause is ChangeCause.WRONG_WAY
     name = name_of(change.order)
-    trims = name in ORDER_WORDS and ORDER_WORDS[name].works == "ballast"
+    trims = name in ORDER_WORDS and "ballast" in ORDER_WORDS[name].moves("")
     if trims and not (came_late or opposite):
         return "trim"
     if change.cause is ChangeCause.ORDER and name in SURFACE_ORDERS:

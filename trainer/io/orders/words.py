@@ -57,14 +57,16 @@ class RoleControl:
 class OrderWord:
     """One order word.
 
-    ``gives_up`` are the hand axes that the order gives to the autopilot; if ``gives_up_by`` is not
-    empty, it does so with that word alone, as in `rudder auto`.
+    ``works`` are the hand axes that the order works by hand, ``gives_up`` those that it gives to
+    the autopilot. If ``works_by`` or ``gives_up_by`` is not empty, it does so with that word alone,
+    as in `rudder auto`. A test holds them to what the order writes.
     """
 
     name: str
     obeyer: Obeyer
     control: RoleControl = RoleControl()
-    works: str = ""  # the hand axis that it works by hand
+    works: tuple[str, ...] = ()
+    works_by: str = ""
     gives_up: tuple[str, ...] = ()
     gives_up_by: str = ""
     needs: str = ""  # the table that a vessel file must have
@@ -109,8 +111,11 @@ class OrderWord:
         """Return the hand axes that the order with that word works, or says to have."""
         if self.name == "have":
             return (word,)
-        worked = (self.works,) if self.works else ()
-        return tuple(dict.fromkeys((*worked, *self.automates(word))))
+        return tuple(dict.fromkeys((*self.moves(word), *self.automates(word))))
+
+    def moves(self, word: str) -> tuple[str, ...]:
+        """Return the hand axes that the order with that word works by hand."""
+        return self.works if word == self.works_by or not self.works_by else ()
 
     def automates(self, word: str) -> tuple[str, ...]:
         """Return the hand axes that the order with that word gives to the autopilot."""
@@ -170,7 +175,7 @@ autopilot_order = partial(boat_order, needs="autopilot")
 tank_order = partial(boat_order, needs="ballast")
 plant_order = partial(boat_order, needs="plant", control=PLANT_CONTROL)
 planes_order = partial(
-    boat_order, control=PLANES_CONTROL, works="planes", gives_up=("planes",), gives_up_by="auto")
+    boat_order, control=PLANES_CONTROL, works=("planes",), gives_up=("planes",), gives_up_by="auto")
 crew_order = partial(OrderWord, obeyer=Obeyer.CREW, in_replay=False)
 line_order = partial(OrderWord, obeyer=Obeyer.LINE, control=COMMON_CONTROL, watching=True)
 time_order = partial(OrderWord, obeyer=Obeyer.TIME, control=TRAINEE_CONTROL, scheduled=True)
@@ -194,21 +199,21 @@ BOAT_TOPICS: Final = (
     Topic("speed 12 | 6 m/s | auto", "keep a speed, in knots", (
         autopilot_order("speed", control=ENGINE_CONTROL, gives_up=("speed",)),)),
     Topic("turns 12 | rpm 80", "revolutions, held constant", (
-        boat_order("turns", control=ENGINE_CONTROL, works="speed"),
-        boat_order("rpm", control=ENGINE_CONTROL, works="speed"))),
+        boat_order("turns", control=ENGINE_CONTROL, works=("speed",)),
+        boat_order("rpm", control=ENGINE_CONTROL, works=("speed",)))),
     Topic("bell ahead standard | stop", "engine order; also `full astern`", (
-        boat_order("bell", control=ENGINE_CONTROL, works="speed"),)),
+        boat_order("bell", control=ENGINE_CONTROL, works=("speed",)),)),
     Topic("rudder left 15 | amidships", "also right, full, manual, auto", (
-        boat_order("rudder", control=RUDDER_CONTROL, works="rudder", gives_up=("rudder",),
+        boat_order("rudder", control=RUDDER_CONTROL, works=("rudder",), gives_up=("rudder",),
                    gives_up_by="auto"),)),
     Topic("stern planes dive 10 | bow rise 10", "also zero, manual, auto", (
         planes_order("stern"), planes_order("bow"))),
     Topic("planes zero | auto | lever dive 8", "both pairs of planes at once", (
         planes_order("planes"),
-        boat_order("lever", control=LEVER_CONTROL, works="planes"))),
+        boat_order("lever", control=LEVER_CONTROL, works=("planes",)))),
     Topic("autopilot on | off | report", "switch it, or choose its law", (
-        autopilot_order("autopilot", control=AUTOPILOT_CONTROL, gives_up=HAND_AXES,
-                        gives_up_by="on"),)),
+        autopilot_order("autopilot", control=AUTOPILOT_CONTROL, works=HAND_AXES, works_by="off",
+                        gives_up=HAND_AXES, gives_up_by="on"),)),
     Topic("surface | dive | periscope depth", "come up; flood; scope raise", (
         tank_order("surface", control=BOTH_WAYS_CONTROL),
         tank_order("dive", control=BOTH_WAYS_CONTROL),
@@ -219,19 +224,19 @@ BOAT_TOPICS: Final = (
         tank_order("emergency", control=MAIN_BALLAST_CONTROL))),
     Topic("vent all open | negative flood", "air out; the negative tank", (
         tank_order("vent", control=MAIN_BALLAST_CONTROL),
-        tank_order("negative", control=NEGATIVE_TANK_CONTROL, works="ballast"))),
+        tank_order("negative", control=NEGATIVE_TANK_CONTROL, works=("ballast",)))),
     Topic("flood auxiliary 5 | pump | trim auto", "tonnes to be moved; drain", (
-        tank_order("flood", control=TRIM_WATER_CONTROL, works="ballast"),
-        tank_order("pump", control=TRIM_WATER_CONTROL, works="ballast"),
-        autopilot_order("trim", control=TRIM_WATER_CONTROL, works="ballast", gives_up=("ballast",),
+        tank_order("flood", control=TRIM_WATER_CONTROL, works=("ballast",)),
+        tank_order("pump", control=TRIM_WATER_CONTROL, works=("ballast",)),
+        autopilot_order("trim", control=TRIM_WATER_CONTROL, works=("ballast",), gives_up=("ballast",),
                         gives_up_by="auto"),
-        tank_order("drain", control=TRIM_WATER_CONTROL, works="ballast"))),
+        tank_order("drain", control=TRIM_WATER_CONTROL, works=("ballast",)))),
     Topic("hover on | compressor on", "keep depth stopped; charge air", (
-        tank_order("hover", control=HOVERING_CONTROL, works="ballast", gives_up=("ballast",)),
-        tank_order("compressor", control=COMPRESSOR_CONTROL, works="ballast"))),
+        tank_order("hover", control=HOVERING_CONTROL, works=("ballast",), gives_up=("ballast",)),
+        tank_order("compressor", control=COMPRESSOR_CONTROL, works=("ballast",)))),
     Topic("stern emergency | isolate main", "what feeds it; breaker, bus, fight", (
-        plant_order("rudder-mode", control=RUDDER_MODE_CONTROL, works="rudder"),
-        plant_order("planes-mode", control=PLANES_MODE_CONTROL, works="planes"),
+        plant_order("rudder-mode", control=RUDDER_MODE_CONTROL, works=("rudder",)),
+        plant_order("planes-mode", control=PLANES_MODE_CONTROL, works=("planes",)),
         plant_order("isolate"),
         plant_order("open"),
         plant_order("hydraulic"),

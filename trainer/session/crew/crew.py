@@ -55,7 +55,7 @@ RUDDER_AMIDSHIPS: Final = Order(
 # [rad], [m]: closer than this an order counts as carried out, and neither way is wrong.
 REACHED_MARGINS: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}
 RUDDER_ORDERS: Final = frozenset(  # by hand, and to the autopilot
-    word.name for word in ORDER_WORDS.values() if "rudder" in (word.works, *word.gives_up)
+    word.name for word in ORDER_WORDS.values() if "rudder" in (*word.works, *word.gives_up)
 )
 MOVING_ORDERS: Final = RUDDER_ORDERS.union(*STEERING_ORDERS.values())
 PUMPED_ORDERS: Final = ("flood", "pump")  # whose end is reported

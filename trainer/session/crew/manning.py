@@ -37,7 +37,7 @@ BY_HAND: Final = {
 STEERED_BY_HAND: Final = {"course": "rudder", "depth": "planes", "pitch": "planes"}
 # the orders by hand that carry it out, to a side
 STEERING_ORDERS: Final = {
-    axis: frozenset(w.name for w in ORDER_WORDS.values() if w.works == hand and w.has_sides)
+    axis: frozenset(w.name for w in ORDER_WORDS.values() if hand in w.works and w.has_sides)
     for axis, hand in STEERED_BY_HAND.items()
 }
 
@@ -96,7 +96,7 @@ class HandWork:
 
         An order to the planes is refused while the depth guard holds them.
         """
-        planes = ORDER_WORDS[order.name].works == "planes"
+        planes = "planes" in ORDER_WORDS[order.name].moves(order.word)
         if planes and "planes" in self.worked and self.guard.holds(self.boat):
             deepest = self.guard.deepest
             return Refused(f"the boat levels by itself before {deepest:g} m: try again soon")
