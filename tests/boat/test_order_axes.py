@@ -1,4 +1,4 @@
-"""What an order works by hand is said by its row: here that row is held to what the order writes."""
+"""What an order works by hand is said by its row, which is held to what the order writes."""
 
 import pytest
 from helpers.boats import make_boat

@@ -228,8 +228,8 @@ BOAT_TOPICS: Final = (
     Topic("flood auxiliary 5 | pump | trim auto", "tonnes to be moved; drain", (
         tank_order("flood", control=TRIM_WATER_CONTROL, works=("ballast",)),
         tank_order("pump", control=TRIM_WATER_CONTROL, works=("ballast",)),
-        autopilot_order("trim", control=TRIM_WATER_CONTROL, works=("ballast",), gives_up=("ballast",),
-                        gives_up_by="auto"),
+        autopilot_order("trim", control=TRIM_WATER_CONTROL, works=("ballast",),
+                        gives_up=("ballast",), gives_up_by="auto"),
         tank_order("drain", control=TRIM_WATER_CONTROL, works=("ballast",)))),
     Topic("hover on | compressor on", "keep depth stopped; charge air", (
         tank_order("hover", control=HOVERING_CONTROL, works=("ballast",), gives_up=("ballast",)),
