@@ -493,4 +493,4 @@ def test_the_page_for_a_terminal_numbers_every_field() -> None:
     assert len(re.findall(r"^ +\d+  ", page, re.MULTILINE)) == sum(
         len(each.fields) for each in INSTRUMENTS
     )
-    assert [each["sentence"] for each in nmea_page.as_json()][:2] == ["$INRMC", "$INGGA"]
+    assert [each["sentence"] for each in nmea_page.as_json()][:2] == ["$INRMC", "$PASHR"]
