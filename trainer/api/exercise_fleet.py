@@ -18,12 +18,12 @@ from trainer.api.boat import plan_boat
 from trainer.api.by_number import choose_orders, numbers_of
 from trainer.api.fleet import Fleet, FleetOptions, Mask
 from trainer.boat.due_orders import obey_all, orders_due
-from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.files import ConfigError
 from trainer.config.reference_crew import SAID_ORDERS
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.rehearsal import LOOKOUT_GIVER, last_tick
+from trainer.debrief.tally_sheet import refuse_words
 from trainer.debrief.tick_judge import TickJudge, nobody_aboard
 from trainer.debrief.trajectory import CREW_ORDERS
 from trainer.io.orders.grammar import Order, parse
@@ -169,24 +169,6 @@ def drill_of(exercise: str | Path, step_s: float | None = None) -> Drill:
         judge.reads,
         np.array([last, plan.method.step / TIME_SIZE_S]),
     )
-
-
-def refuse_words(plan: Plan) -> None:
-    """Raise ConfigError where an exercise asks for words, or hides what numbers show."""
-    for rule in plan.scores:
-        if rule.score.measure == "response":
-            raise ConfigError(
-                f"{plan.title}: {rule.score.name}: an answer is an order in words, and numbers are "
-                "given at every step"
-            )
-    for entry in plan.schedule:
-        if entry.order.name in WORLD_PARTS:
-            raise ConfigError(
-                f"{plan.title}: its schedule orders {entry.order.text}, and the world is one for "
-                "all boats"
-            )
-    if plan.hides:
-        raise ConfigError(f"{plan.title}: its casualties deceive the gauges, and numbers do not")
 
 
 def step_ticks(plan: Plan, step_s: float | None, moments: set[int]) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
 from trainer.boat.depths import HULL_REACH
+from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.condition import STATE_QUANTITIES
 from trainer.config.derived import DERIVED_QUANTITIES, Condition
 from trainer.config.exercise import ExerciseLimits
@@ -135,6 +136,34 @@ def refuse_plan(plan: Plan) -> None:
         )
     if not plan.judged_by_tasks or plan.duration is None:
         raise ConfigError(f"{plan.title or 'no exercise'}: there are no tasks with an end to judge")
+
+
+def why_no_numbers(plan: Plan) -> str:
+    """Return why an exercise cannot be flown and judged by numbers, "" if it can."""
+    try:
+        refuse_plan(plan)
+        refuse_words(plan)
+    except ConfigError as why:
+        return str(why).removeprefix(f"{plan.title}: ")
+    return ""
+
+
+def refuse_words(plan: Plan) -> None:
+    """Raise ConfigError where an exercise asks for words, or hides what numbers show."""
+    for rule in plan.scores:
+        if rule.score.measure == "response":
+            raise ConfigError(
+                f"{plan.title}: {rule.score.name}: an answer is an order in words, and numbers are "
+                "given at every step"
+            )
+    for entry in plan.schedule:
+        if entry.order.name in WORLD_PARTS:
+            raise ConfigError(
+                f"{plan.title}: its schedule orders {entry.order.text}, and the world is one for "
+                "all boats"
+            )
+    if plan.hides:
+        raise ConfigError(f"{plan.title}: its casualties deceive the gauges, and numbers do not")
 
 
 def _table(dtype: np.dtype, rows: Sequence[Row], places: Mapping[Any, int]) -> Any:
