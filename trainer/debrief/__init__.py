@@ -18,6 +18,7 @@ rooms judge a run, rehearse an exercise, or write a page; what a page consists o
 __all__ = [
     "attainable", "beside", "boat_page", "class_page", "controls", "episodes", "evaluator",
     "forgetting", "forms", "history", "judgement", "page", "progress",
-    "progress_words", "recording_export", "rehearsal", "scoring", "tick_judge", "trajectory",
+    "progress_words", "recording_export", "rehearsal", "scoring", "tally_sheet", "tick_judge",
+    "trajectory",
 ]
 # fmt: on
