@@ -21,8 +21,10 @@ from typing import Final, NamedTuple
 
 from trainer.classroom.fleet import AnyBoat, Tell
 from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.config.files import quote
 from trainer.io import client
 from trainer.io.line import Line
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.io.serial_line import LinkError
 from trainer.units import KNOT
@@ -87,6 +89,7 @@ class SeaBoat:
     _pace: tuple[str, ...] = ()  # time, speed, held, branch, replay, shown; () if it is not heard
     _last: tuple[str, int] = "", -1  # branch and tick
     _lost: float = 0.0  # [s] since when it is not heard
+    _odd: float = -math.inf  # [s] when it was told last that it says what nobody can read
 
     @property
     def hears(self) -> bool:
@@ -124,14 +127,22 @@ class SeaBoat:
                 self._dialler = threading.Thread(target=self._dial, daemon=True)
                 self._dialler.start()
             return
-        for text in self._line.take(MOST_LINES):
-            if sentence := parse_sentence(str(text)):
-                self._hear(sentence)
-        if self._line.ended or self._line.trouble:
-            self._line.close(0.0)
-            if self._pace:  # a line that has said nothing makes it no less lost
-                self._lost = self.clock()
-            self._line, self._last, self._pace = None, ("", -1), ()
+        try:
+            for text in self._line.take(MOST_LINES):
+                if sentence := parse_sentence(str(text)):
+                    self._hear(sentence)
+        except (ValueError, IndexError):  # a number that is none, or too few
+            odd = quote(str(text))
+            if self.clock() - self._odd > LOST_AFTER_S:  # it may say so each time it is dialled
+                self._odd = self.clock()
+                self.tell(f"{self.boat.title} is lost in the sea of the others: it says {odd}")
+        else:
+            if not (self._line.ended or self._line.trouble):
+                return
+        self._line.close(0.0)
+        if self._at[1] >= self._dialled:  # a line that has told no place makes it no less lost
+            self._lost = self.clock()
+        self._line, self._last, self._pace = None, ("", -1), ()
 
     def say(self, words: str) -> None:
         """Give its session an order."""
@@ -191,26 +202,26 @@ class SeaBoat:
         self._line = line
 
     def _hear(self, said: Sentence) -> None:
+        """Take a sentence; ValueError or IndexError, and nothing is taken, for an odd one."""
         if said.kind == "TRA" and (said.tag, said.fields[0]) == (ROLE_TAG, "no"):
             self._dialled = math.inf  # each wrong word is counted there, and makes others wait
             self.tell(f"{self.boat.title} is not in the sea of the others: {said.fields[1]}")
         elif said.kind == "TRS" and said.fields[0] == "time":
+            state, speed, _, _, _, _ = said.fields[3:9]
+            rate = math.inf if speed == "max" else finite(speed)
             self._pace = said.fields[3:]
-            if self.shows_past or self._pace[0] != "running":
-                self.rate = 0.0
-            else:
-                self.rate = math.inf if self._pace[1] == "max" else float(self._pace[1])
+            self.rate = rate if state == "running" and not self.shows_past else 0.0
             if self.shows_past and not self._last[0]:
                 self._place = None  # a new line that begins in a replay: the boat is elsewhere now
             self._note_tick(int(said.fields[1]))
         elif said.kind == "TRS" and said.fields[0] == "motion" and not self.shows_past:
+            place = Place(*(finite(said.fields[3 + i]) for i in (5, 6, 0, 12, 13, 1)))
+            told = parse(boat_order(1, place._replace(north=0.0, east=0.0)))
+            if not isinstance(told, Order):  # so fast or deep that nobody can be told
+                raise ValueError
             self._note_tick(int(said.fields[1]))
             self._at = float(said.fields[2]), self.clock()
-            depth, heading, north, east, v_north, v_east = (
-                float(said.fields[3 + i] or 0.0) for i in (0, 1, 5, 6, 12, 13)
-            )
-            east += self.origin_east
-            self._place = Place(north, east, depth, v_north, v_east, heading)
+            self._place = place._replace(east=place.east + self.origin_east)
 
     def _note_tick(self, tick: int) -> None:
         """Note whether it has jumped: to an earlier tick, or to another branch."""
@@ -219,6 +230,13 @@ class SeaBoat:
         branch, before = self._last
         self.jumped |= branch != self._pace[3] or tick < before
         self._last = self._pace[3], tick
+
+
+def finite(text: str) -> float:
+    """Return the number of a field; ValueError if it is none, or not finite."""
+    if not math.isfinite(number := float(text)):
+        raise ValueError
+    return number
 
 
 def boat_order(number: int, place: Place) -> str:
