@@ -10,11 +10,11 @@ from trainer.cli.main import cli
 from trainer.config.class_file import (
     class_schema,
     class_text,
-    forget_in_classes,
     is_class_file,
     load_class,
 )
 from trainer.config.files import ConfigError, parse_toml
+from trainer.debrief.forgetting import forget_trainee
 from trainer.debrief.history import recordings_in
 
 WHOLE = """\
@@ -164,13 +164,13 @@ def test_a_name_that_is_forgotten_is_gone_from_a_class_and_the_rest_of_it_stays(
     kept.mkdir()
     path = kept / "class.toml"
     path.write_text(class_text(load_class(written(tmp_path, WHOLE))), encoding="utf-8")
-    steps = [*forget_in_classes([tmp_path], lambda name: name == "A. Jones")]
+    steps = [*forget_trainee("A. Jones", [path], [])]
 
     assert steps == [f"{path}: the name is removed"]
     left = load_class(path)
     assert left.row_of(2).trainees == ("B. Smith",)
     assert (left.row_of(2).name, left.row_of(3).seed) == ("Bravo", 99)
-    assert not [*forget_in_classes([kept], lambda name: name == "A. Jones")]
+    assert not [*forget_trainee("A. Jones", [path], [])]
 
 
 def test_the_recordings_of_a_class_are_found_in_the_folder_of_recordings(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.debrief.changes import change_of
 from trainer.debrief.data import debrief_figures
-from trainer.debrief.forgetting import forget_trainee
+from trainer.debrief.forgetting import files_of, forget_trainee
 from trainer.debrief.forms import form_text, judged_names, read_forms, with_forms, write_forms
 from trainer.debrief.history import (
     familiarisation_lines,
@@ -160,6 +160,6 @@ def test_a_name_is_forgotten_in_forms_too(tmp_path: Path) -> None:
     path = record(tmp_path / "drill.trainer", EXERCISE, {}, "helm")
     form = filled(tmp_path, "E. Green", "peer", 10, remark="said E. Green, beside him")
     write_forms(path, with_forms((), [form], plan_run(RunOptions(exercise=EXERCISE))))
-    assert list(forget_trainee("e. green", [path]))
+    assert list(forget_trainee("e. green", files_of([path]), []))
     (kept,) = read_forms(path)
     assert (kept.by, kept.remark) == ("(name removed)", "said (name removed), beside him")

@@ -55,7 +55,7 @@ def test_a_station_is_named_with_who_has_the_watch_then() -> None:
 
 
 def test_a_name_of_a_watch_is_forgotten(relieved: Path) -> None:
-    list(forget_trainee("anna ott", [relieved]))
+    list(forget_trainee("anna ott", [relieved], []))
 
     assert b"Ott" not in relieved.read_bytes()
     assert [each.person for each in read_dossier(relieved, None).watches][1:] == ["Berg"]

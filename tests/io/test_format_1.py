@@ -157,7 +157,7 @@ def test_a_text_that_is_none_is_damage_to_whoever_goes_on_or_reads_and_changes_n
 def test_a_remark_that_is_no_text_is_damage_to_whoever_forgets_a_name(old: Path) -> None:
     alter(old, "UPDATE events SET text = x'6d61726b20'")  # "mark "
     with pytest.raises(file.RecordingError, match="is damaged: a text"):
-        file.erase_header(old, {}, str.upper)
+        file.erase_texts(old, {}, str.upper)
 
 
 @pytest.mark.parametrize(

@@ -191,6 +191,8 @@ def recordings(
 
     PLACES are folders and recordings; without any it is the folder where recordings are kept.
     A mark with * was changed by the instructor.
+
+    Exit code 1 when a name that was to be removed still stands somewhere: where, and why, is told.
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
@@ -206,7 +208,7 @@ def recordings(
         if progress and trainee is not None:
             progress_words.print_progress(trainee)
     elif forget is not None:
-        forgetting.print_forgotten(places, forget)
+        sys.exit(forgetting.print_forgotten(places, forget))
     elif trainee is not None:
         history.print_history(places, trainee, as_json=as_json)
     else:

@@ -22,7 +22,6 @@ from trainer.config.files import (
     raise_problems,
     read_text,
     relative_name,
-    renew_file,
     toml_value,
     write_once,
 )
@@ -155,19 +154,6 @@ def read_class(path: Path) -> ClassFile:
 def recording_folders(folder: Path) -> list[Path]:
     """Return a folder, and those of the boats of classes kept in it."""
     return [folder, *(boat for kept in class_folders(folder) for boat in kept.glob("boat-*/"))]
-
-
-def forget_in_classes(folders: Iterable[Path], is_name: Callable[[str], bool]) -> Iterator[str]:
-    """Remove a trainee's name from the classes kept in folders; yield where. ConfigError."""
-    for path in (kept / CLASS_FILE_NAME for folder in folders for kept in class_folders(folder)):
-        planned = read_class(path)
-        rows = [
-            replace(row, trainees=tuple(each for each in row.trainees if not is_name(each)))
-            for row in planned.boat
-        ]
-        if tuple(rows) != planned.boat:
-            renew_file(path, class_text(replace(planned, boat=tuple(rows))))
-            yield f"{path}: the name is removed"
 
 
 def class_folders(folder: Path) -> list[Path]:

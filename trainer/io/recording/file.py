@@ -91,22 +91,13 @@ SQLITE_LIMITS: Final = (
 )
 SIGNAL_STEPS: Final = 100_000  # of SQLite's machine between looks for signals, such as Ctrl-C
 
-REMARK_QUERIES: Final = {  # texts that people have written, by the question that finds them
-    "events": (
-        "SELECT id, text FROM events WHERE kind = 'mark' OR text LIKE '%mark %' "
-        "OR text LIKE '%tell %' OR text LIKE '%report%' OR text LIKE '%to the crew: %' "
-        "OR text LIKE '%has the watch%'"
-    ),
-    "orders": (
-        "SELECT id, text FROM orders "
-        "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %' "
-        "OR text LIKE 'relief %'"
-    ),
+TEXTS: Final = {  # that people have written, or that repeat them, by the table
+    "branches": ("why",),
+    "orders": ("text", "who", "answer", "crew_order"),
+    "events": ("text", "who"),
 }
-ANSWER_QUERY: Final = (
-    "SELECT id, answer, crew_order FROM orders "
-    "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %' OR text LIKE 'relief %'"
-)
+# Orders whose words a person is free to choose; those of all others are the grammar's
+REMARK_ORDERS: Final = ("mark", "tell", "report", "relief")
 
 
 class RecordingError(Exception):
@@ -436,42 +427,53 @@ def _why_not(error: sqlite3.OperationalError, path: Path) -> str:
     return f"its disk is full ({error}); make room there" if full else str(error)
 
 
-def erase_header(
-    path: Path, header: Mapping[str, str | None], without: Callable[[str], str]
-) -> int:
-    """Give a recording other values in its header, None for none, and other remarks.
+def texts_in(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield all texts of a recording, each with where it stands; RecordingError."""
+    with contextlib.closing(open_for_reading(path)) as connection, understanding(path):
+        for table in ("header", "snapshots", *TEXTS):
+            for row in connection.execute(f"SELECT * FROM {table}"):  # noqa: S608 our own names
+                yield from ((f"{table} {row[0]}", each) for each in row if isinstance(each, str))
 
-    Return how many remarks were changed. RecordingError if it is in use or cannot be written.
+
+def erase_texts(
+    path: Path, header: Mapping[str, str | None], without: Callable[[str], str]
+) -> None:
+    """Give a recording other values in its header, None for none, and other texts.
+
+    The file is made anew, so that nothing is left of what stood there, not even in what it has
+    free. RecordingError if it is in use or cannot be written.
     """
     with contextlib.closing(reopen(path)) as connection, understanding(path):
         try:
+            connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 1)  # by which VACUUM works
             connection.execute("PRAGMA secure_delete = ON")
             connection.execute("BEGIN IMMEDIATE")
-            changed = _remarks(connection, without)
+            for table, columns in TEXTS.items():
+                _change_texts(connection, table, columns, without)
             for key, value in header.items():
                 connection.execute("DELETE FROM header WHERE key = ?", (key,))
                 if value is not None:
                     connection.execute("INSERT INTO header VALUES (?, ?)", (key, value))
             connection.execute("COMMIT")
+            connection.execute("VACUUM")
             connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{path} cannot be written: {error}") from None
-    return changed
 
 
-def _remarks(connection: sqlite3.Connection, without: Callable[[str], str]) -> int:
-    """Change the remarks, and the answers that repeat them; return how many were changed."""
-    changed = 0
-    for table, question in REMARK_QUERIES.items():
-        for number, text in connection.execute(question).fetchall():
-            format_1.check_texts(text)
-            if (new := without(text)) != text:
-                connection.execute(f"UPDATE {table} SET text = ? WHERE id = ?", (new, number))  # noqa: S608 our own names
-                changed += table == "events"
-    for number, *texts in connection.execute(ANSWER_QUERY).fetchall():
+def _change_texts(
+    connection: sqlite3.Connection,
+    table: str,
+    columns: tuple[str, ...],
+    without: Callable[[str], str],
+) -> None:
+    """Change texts of a table; of an order that is no remark its own words stay."""
+    asked = f"SELECT id, {', '.join(columns)} FROM {table}"  # noqa: S608 our own names
+    changing = f"UPDATE {table} SET {', '.join(f'{each} = ?' for each in columns)} WHERE id = ?"  # noqa: S608 our own names
+    for number, *texts in connection.execute(asked).fetchall():
         format_1.check_texts(*texts)
-        changed_texts = (*map(without, texts), number)
-        connection.execute(
-            "UPDATE orders SET answer = ?, crew_order = ? WHERE id = ?", changed_texts
-        )
-    return changed
+        new = [*map(without, texts)]
+        if table == "orders" and texts[0].partition(" ")[0] not in REMARK_ORDERS:
+            new[0] = texts[0]
+        if new != texts:
+            connection.execute(changing, (*new, number))

@@ -35,7 +35,8 @@ from trainer.io.recording.file import (
     RecordingError,
     TakenError,
     bring_home,
-    erase_header,
+    erase_texts,
+    texts_in,
     wall_time,
 )
 from trainer.io.recording.queries import (
@@ -62,7 +63,8 @@ __all__ = [
     "RecordingError",
     "TakenError",
     "bring_home",
-    "erase_header",
+    "erase_texts",
+    "texts_in",
 ]
 
 BATCH_ROWS: Final = 256  # [rows] of a kind gathered at most
