@@ -4,6 +4,7 @@ import contextlib
 import json
 import shutil
 import sqlite3
+from datetime import datetime
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from trainer.config.files import ConfigError
 from trainer.debrief.recording_export import export_file, read_recording
 from trainer.io.mcap import quaternion_of
+from trainer.io.recording.recording import Recording
 from trainer.units import DEGREE
 
 
@@ -85,6 +87,26 @@ def test_each_state_has_its_pose_in_axes_of_robots(drill: Path, told: Any) -> No
         level = np.cos(theta)
         assert ahead == pytest.approx([level * np.sin(psi), level * np.cos(psi), np.sin(theta)])
         assert told["/tf"][i][1]["rotation"] == pose["orientation"]
+
+
+def test_each_message_has_the_time_of_its_tick(drill: Path, told: Any) -> None:
+    run = read_recording(drill)
+    with contextlib.closing(Recording.look(drill)) as recording:
+        begun = datetime.fromisoformat(recording.header()["started"]).timestamp()
+        orders = [each.tick for each in recording.orders(1)]
+        events = [each.tick for each in recording.first_events()]
+    step = run["t"][1] - run["t"][0]
+    due = {topic: [*run["t"]] for topic in ("/boat/pose", "/tf", "/boat/motion")}
+    due |= {
+        "/orders": [step * tick for tick in orders],
+        "/events": [step * tick for tick in events],
+    }
+
+    assert len(set(orders)) > 3
+    assert told.keys() == due.keys()
+    for topic, seconds in due.items():
+        at = [time * 1e-9 - begun for time, _ in told[topic]]
+        assert at == pytest.approx(seconds, abs=1e-3), topic
 
 
 def test_a_roll_to_starboard_lowers_the_starboard_side() -> None:

@@ -281,3 +281,17 @@ def test_subscriptions_that_come_and_go_leave_nothing_in_memory(roster: Roster) 
     come_and_go(500)
 
     assert sys.getallocatedblocks() - before < 100
+
+
+def test_what_is_shown_at_once_puts_off_nothing_that_comes_after(
+    roster: Roster, boat: Boat
+) -> None:
+    to, subscription = ticks(0.5)
+    roster.add(subscription)
+    for i in range(8):  # frozen and let go on, within a second
+        roster.serve(picture(boat, i, (RUNNING, FROZEN)[i % 2]), 10.0 + 0.1 * i)
+
+    wait = roster.serve(picture(boat, 9, FROZEN), 11.0)
+
+    assert to.lines[-1] == "7"
+    assert wait == pytest.approx(1.7)

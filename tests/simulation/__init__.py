@@ -59,6 +59,9 @@ arrival of their last order and its answer, and the session that goes on is comp
 as long as the same law is broken. What is left goes into ``tests/simulation/kept``, in a file
 named after the fault, and is played again by every test run.
 
+**Faults of one line** (``planted``) that an outsider planted and nothing found stand there with
+others of their kind, each with a short script in which a law sees it.
+
 **That it finds anything** is shown by faults put back into the product (``mutants``), each of which
 has to break a law within a hundred seeds.
 

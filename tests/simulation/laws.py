@@ -19,9 +19,9 @@ import numpy as np
 import pytest
 
 from simulation.disk import Disk, log_of
-from simulation.machine import SECOND_NS, Machine
+from simulation.machine import LADEN_TURN_NS, SECOND_NS, Machine
 from simulation.milestones import Log, Stand
-from simulation.model import Before, Model
+from simulation.model import JUMP_WORDS, Before, Model
 from trainer.debrief.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
@@ -63,7 +63,8 @@ class Law(Enum):
     INSTRUMENTS = "L15: each sentence to an instrument is whole, and none is silent for long"
     AIS = "L16: each ship within reach is heard by AIS as often as is promised, and no other"
     MODEL = "L18: a session is what its lines make of it: plans, command, pictures, instruments"
-    PLANS = "L17: the orders ahead are after a kill what they were before it"
+    PLANS = "L17: the orders ahead are after a kill what they were before it; each is given once"
+    SHOWN = "L19: whatever is subscribed shows the present moment, also after a jump"
 
 
 class Breach(NamedTuple):
@@ -82,8 +83,21 @@ class Promise(NamedTuple):
     who: str
     what: str
     tick: int
-    kind: str  # "order", "refused" for one that was journalled and refused, "mark" or "snapshot"
+    kind: str  # "order", "refused" for one that was journalled and refused, "mark", "snapshot"
+    # or "branch"
     branch: int
+
+
+class Ahead(NamedTuple):
+    """The orders that are still to come."""
+
+    plans: Plans
+    entry: int  # the next of the schedule
+
+    @classmethod
+    def of(cls, session: Session) -> "Ahead":
+        """Return what is ahead of a session."""
+        return cls(session.agenda.plans, session.history.entry)
 
 
 @dataclass
@@ -99,6 +113,8 @@ class Docket:
     orders: int = 0
     answers: int = 0
     ticks: int = 0
+    pictures: list[int] = field(default_factory=list)  # [ns] when another moment came to be shown
+    picture: tuple[int, int] = (-1, 0)  # the tick and branch of that
     kills: int = 0
     power_cuts: int = 0
     log: Log = field(default_factory=Log)  # of the milestones
@@ -107,6 +123,16 @@ class Docket:
         """Enter a breach of a law, now."""
         now = self.machine.now / SECOND_NS
         self.breaches.append(Breach(law, f"process {self.life}, {now:.3f} s: {text}"))
+
+    def see_picture(self, tick: int, branch: int) -> None:
+        """Note the moment that is handed over to be shown."""
+        if self.picture != (tick, branch):
+            self.picture = tick, branch
+            self.pictures.append(self.machine.now)
+
+    def forget_pictures(self) -> None:
+        """Begin with a process, which has shown nothing."""
+        self.picture, self.pictures = (-1, 0), []
 
 
 @dataclass
@@ -122,13 +148,14 @@ class Witness:
     _who: str = ""  # gives the order that is heard, before it may take another role
     _meant: str = ""  # by the order that is heard, before it acts: belay takes back the newest
     _before: int = 0  # the last order in the journal before the one that is heard
-    ahead: Plans | None = None  # when the last order was done with; None in the midst of one
-    _left: Plans | None = None  # by the process before, where it was killed
+    ahead: Ahead | None = None  # when the last order was done with; None in the midst of one
+    _left: Ahead | None = None  # by the process before, where it was killed
 
     def __post_init__(self) -> None:
         self.model = Model(
             lambda text: self.docket.enter(Law.MODEL, text),
             lambda: self.machine.now / SECOND_NS,
+            self.docket.see_picture,
         )
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
@@ -162,8 +189,10 @@ class Witness:
             self.docket.ticks += 1
             self.ahead, stand, before = None, Stand.of(session), Before.of(session)
             tick(session)
+            if self.machine.turn == LADEN_TURN_NS:  # else it takes no time at all
+                self.machine.now += LADEN_TURN_NS
             self.model.tick(session, before)
-            self.ahead = session.agenda.plans
+            self.ahead = Ahead.of(session)
             self.docket.log.see_tick(session, stand)
 
         def greet_guest(attendance: Attendance, station: Station) -> None:
@@ -210,7 +239,7 @@ class Witness:
         self._who = asked.station.who
         self._meant = session.crew.meant(asked.order).text
         yield
-        self.ahead = session.agenda.plans
+        self.ahead = Ahead.of(session)
         after, name = Posture.of(session), asked.order.name
         station = asked.station
         self.docket.log.see_order(session, name, station.role.name, station, stand, self._reply)
@@ -259,6 +288,8 @@ class Witness:
             promise = Promise(self._who, text, tick, "mark", branch)
         elif name == "snapshot":
             promise = snapshot_promise(asked.order.subject, tick, session.boat.plain.tobytes())
+        elif name in JUMP_WORDS and not refused:
+            promise = branch_promise(branch, tick)
         else:
             return
         self.docket.promises.append((promise, self.machine.now))
@@ -273,7 +304,7 @@ class Witness:
     def _check_plans(self) -> None:
         """L17, when a session has answered what the process before had left."""
         assert self.session
-        left, ahead = self._left, self.session.agenda.plans
+        left, ahead = self._left, Ahead.of(self.session)
         self._left = None
         if left is not None and left != ahead:
             self.docket.enter(Law.PLANS, f"before: {left}; now: {ahead}")
@@ -377,10 +408,16 @@ def snapshot_promise(name: str, tick: int, state: bytes) -> Promise:
     return Promise(digest, name, tick, "snapshot", 0)
 
 
+def branch_promise(branch: int, tick: int) -> Promise:
+    """Return what is promised where a jump is answered: the branch that it begins."""
+    return Promise("", "", tick, "branch", branch)
+
+
 def promises_in(recording: Recording) -> Counter[Promise]:
     """Return the orders and marks in a recording, and how often each is there."""
     kept: Counter[Promise] = Counter()
     for branch in recording.branches():
+        kept[branch_promise(branch.id, branch.tick)] += 1
         for order in recording.orders(branch.id):
             if order.branch == branch.id and order.accepted is not None:
                 kind = "order" if order.accepted else "refused"
@@ -415,6 +452,10 @@ def check_whole(docket: Docket, path: Path) -> None:
                 )
         for branch in recording.branches():
             docket.trace.update(repr(branch).encode())
+            given = [order.entry for order in recording.orders(branch.id)]
+            given = [entry for entry in given if entry is not None]
+            if any(count > 1 for count in Counter(given).values()):
+                docket.enter(Law.PLANS, f"branch {branch.id}: of the schedule are given {given}")
             for order in recording.orders(branch.id):
                 docket.trace.update(repr(order).encode())
             for tick, state in recording.states(branch.id):

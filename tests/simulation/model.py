@@ -13,8 +13,10 @@ from typing import Any, Final, NamedTuple
 
 import pytest
 
-from trainer.io.orders.grammar import Order, Refused
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.nmea.sentences import InstrumentSet
+from trainer.session.past.control import Control
 from trainer.session.session import Session
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Publisher
@@ -46,6 +48,7 @@ class Model:
 
     tell: Callable[[str], object]  # told what is another
     clock: Callable[[], float]  # [s]
+    shown: Callable[[int, int], object]  # told the tick and the branch that are handed over
     plans: dict[int, ModelPlan] = field(default_factory=dict)
     made: dict[NamedPlan, int] = field(default_factory=dict)  # first tick, by every process
     # plans with each snapshot by name and tick: of two alike, that of the branch's own past wins
@@ -53,6 +56,7 @@ class Model:
     unread: set[tuple[str, int]] = field(default_factory=set)  # kept in a replay: plans untold
     holder: Station | None = None
     asked: dict[int, float] = field(default_factory=dict)  # [s] who asked for command, and when
+    to_fly: float = math.inf  # ticks that may come until somebody orders more
     offered: tuple[int, bytes, Pace] | None = None  # the picture that was last handed over
 
     def begin(self, session: Session) -> None:
@@ -60,14 +64,22 @@ class Model:
         self.plans.clear()
         self.asked.clear()
         self.holder = self.offered = None
+        self.to_fly = math.inf
         self._believe(session)
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
         """Note what is shown. Nothing of it is changed."""
-        offer, lines = Publisher.offer, InstrumentSet.lines
+        offer, lines, obey = Publisher.offer, InstrumentSet.lines, Control.obey
+
+        def obey_noted(control: Control, order: Order, who: str) -> Reply:
+            reply = obey(control, order, who)
+            if not isinstance(reply, Refused):
+                self._time(order)
+            return reply
 
         def offer_noted(publisher: Publisher, tick: int, state: bytes, pace: Pace) -> None:
             self.offered = tick, state, pace
+            self.shown(tick, pace.branch)
             offer(publisher, tick, state, pace)
 
         def lines_noted(instruments: InstrumentSet, frame: Frame) -> list[str]:
@@ -77,6 +89,7 @@ class Model:
 
         patch.setattr(Publisher, "offer", offer_noted)
         patch.setattr(InstrumentSet, "lines", lines_noted)
+        patch.setattr(Control, "obey", obey_noted)
 
     def hear(
         self, session: Session, order: Order, station: Station, reply: object, before: "Before"
@@ -91,6 +104,8 @@ class Model:
         self._command(session, order, station, before, accepted=accepted)
         if jumped:
             self._check_jump(session, order, before)
+        if jumped or order.name == "take":
+            self._check_automatic(session, f"after {order.text!r}")
         if session.history.flown.replaying or before.replaying or order.name == "demonstrate":
             self._believe(session)
         elif not session.history.recording.trouble:
@@ -100,6 +115,7 @@ class Model:
     def tick(self, session: Session, before: "Before") -> None:
         """Take a tick."""
         flown = session.history.flown
+        self._count_tick(session, before)
         if before.replaying or flown.replaying or before.shown or flown.shows_way:
             self._believe(session)
             return
@@ -119,6 +135,47 @@ class Model:
                 self.tell(f"tick {before.tick}: {late} of the exercise are due, and not given")
         self._check_plans(session, f"after tick {before.tick}")
         self._check_moment(session, f"after tick {before.tick}")
+
+    def _time(self, order: Order) -> None:
+        """Take an order about time that was accepted: how many ticks may come by it."""
+        if order.name in ("run", "replay", "restart"):
+            self.to_fly = math.inf
+        elif order.name in JUMP_WORDS or (order.name == "freeze" and math.isinf(self.to_fly)):
+            self.to_fly = 0.0
+        elif order.name == "step":
+            self.to_fly = order.value + (0.0 if math.isinf(self.to_fly) else self.to_fly)
+
+    def _count_tick(self, session: Session, before: "Before") -> None:
+        """Look whether a tick has come that nobody ordered: after a jump time stands still."""
+        history = session.history
+        shown = before.shown or history.flown.shows_way
+        if shown or history.recording.branch != before.branch:  # by what no line says
+            self.to_fly = math.inf
+        elif before.replaying and not history.flown.replaying:
+            self.to_fly = 0.0
+        elif history.tick > before.tick:
+            if self.to_fly < 1.0:
+                self.tell(f"tick {before.tick}: time goes on, and nobody has ordered that")
+            self.to_fly -= 1.0
+
+    def _check_automatic(self, session: Session, when: str) -> None:
+        """Look whether the moments in memory are those of the present past."""
+        history, recording = session.history, session.history.recording
+        whole = not (recording.trouble or recording.missing or history.flown.replaying)
+        if not (whole and isinstance(recording, Recording)):
+            return
+        kept, last = history.automatic, -1
+        for index in range(len(kept)):
+            moment = kept._at(index)  # noqa: SLF001
+            try:
+                known = recording.moment(recording.branch, moment.tick)
+            except RecordingError:  # the disk is in trouble, which the session has not met yet
+                return
+            # a branch may begin after orders that came when this was kept
+            its = known and (known.state == moment.state or known.after > moment.after)
+            if not (its and last < moment.tick <= history.tick and moment.after <= history.after):
+                self.tell(f"{when}: of tick {moment.tick} another moment is kept in memory")
+            last = moment.tick
 
     def _due(self, session: Session, seconds: float) -> float:
         step = session.boat.method.step
@@ -154,7 +211,8 @@ class Model:
     ) -> None:
         """Look whether command is with whom it should be."""
         holder = session.conduct.command.holder
-        was = before.holder
+        was = self.holder or before.holder
+        self.holder = holder
         if order.name == "command" and accepted:
             self.asked.setdefault(id(station), self.clock())
         if order.name == "keep" and accepted:
@@ -165,8 +223,25 @@ class Model:
             since = self.asked.get(id(holder), math.inf)
             if self.clock() - since < KEEP_COMMAND_S:
                 self.tell(f"after {order.text!r}: command is taken from one who may keep it")
+        if (
+            passed
+            and there
+            and (taker := self._next_to_command(session, was)) not in (None, holder)
+        ):
+            self.tell(f"after {order.text!r}: command is not with {taker.line.name}")
         if passed:
             self.asked.clear()
+
+    def _next_to_command(self, session: Session, was: Station) -> Station | None:
+        """Return who gets command from one: who asked for it, else who came first of the others."""
+        others = [
+            each
+            for each in session.event_log.stations
+            if each.role.name == "instructor" and not (each.line.ended or each.leaving)
+            if each is not was
+        ]
+        asking = [each for each in others if id(each) in self.asked]
+        return next(iter(asking or others), None)
 
     def _check_jump(self, session: Session, order: Order, before: "Before") -> None:
         """Look whether a jump has come to its moment, and the plans with it."""

@@ -223,6 +223,7 @@ class Stage:
         before = lives[number - 2] if number > 1 else None
         self.docket.log.begin(life, number, self.disk, before)
         self.witness.session, self.witness.amidst = None, False
+        self.docket.forget_pictures()
         with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
             session = machine.begin(lambda: self._serve(life), "session")
             others = self._begin_others(life)

@@ -4,6 +4,8 @@ They say what the script has, and read what they are sent.
 """
 
 import itertools
+import math
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -11,12 +13,13 @@ from socket import AF_INET, AF_UNIX
 from typing import Final
 
 from simulation.laws import Docket, Law
-from simulation.machine import Machine, Task
+from simulation.machine import SECOND_NS, Machine, Task
 from simulation.model import INSTRUCTORS_FACTS
 from simulation.network import Network, Socket
 from simulation.script import Act, Farewell, Player, Visit, Way
 from simulation.wires import Cable
 from trainer.io.connection import carried_for
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, hears_kind
 
@@ -25,6 +28,8 @@ REDIAL_S: Final = 0.5  # [s] until a program calls again where nobody listens
 SIP_PERIOD_S: Final = 1.0
 BROWSER: Final = "192.0.2.7"  # another machine, at which the pages are looked at
 HEAR_OUT_S: Final = 1.0  # [s] for which a program that hangs up waits for answers
+SHOWN_WITHIN_S: Final = 2.0  # beyond its own period, that a channel may show what was before
+FASTEST_HZ: Final = {"predictor": 1.0, "safe": 1.0}  # whatever is asked for
 GIVE_UP_S: Final = 0.2  # [s] after which a program that cannot send hangs up
 
 ASIDE_WORDS: Final = ("hint", "what if")  # answered when that is found, orders later perhaps
@@ -52,6 +57,9 @@ class Program:
     _torn: bool = False  # what comes first may be the end of a line
     _rest: bytes = b""
     _entered: bool = False  # its role was granted
+    # by channel, when [ns] it was last shown and of which tick, and its period [s]
+    _shown: dict[str, tuple[int, int]] = field(default_factory=dict)
+    _periods: dict[str, float] = field(default_factory=dict)
 
     def run(self) -> None:
         """Make all visits, then wait for more."""
@@ -66,6 +74,8 @@ class Program:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
             self._aside.clear()
+            self._shown.clear()
+            self._periods.clear()
             self._first, self._sip = self._tag + 1, self._visit.sip
             if self.player.way is Way.PAGE:
                 self._send(f"{carried_for(BROWSER)}\n".encode())
@@ -130,7 +140,26 @@ class Program:
         while machine.wait(self._is_heard, max(until - machine.now, 0) / 1e9):
             if not self._read():
                 return False
+        self._look_shown(slept=machine.now > until + SECOND_NS)
         return True
+
+    def _look_shown(self, *, slept: bool) -> None:
+        """L19: look whether each channel has shown the moment that came after its last."""
+        now, pictures = self.machine.now, self.docket.pictures
+        for channel, period in self._periods.items():
+            at, tick = self._shown.get(channel, (now, -1))
+            if slept:  # the whole machine did
+                self._shown[channel] = now, tick
+                continue
+            later = bisect_right(pictures, at)
+            within = int((SHOWN_WITHIN_S + period) * SECOND_NS)
+            if later < len(pictures) and now - pictures[later] > within:
+                text = f"{channel} shows nothing for {(now - pictures[later]) / SECOND_NS:.1f} s"
+            elif now - max(at, pictures[-1]) > within and tick != self.docket.picture[0]:
+                text = f"{channel} shows tick {tick}, and it is {self.docket.picture[0]}"
+            else:
+                continue
+            self.docket.enter(Law.SHOWN, f"{self._name}: {text}")
 
     def _is_heard(self) -> bool:
         return self._end.readable
@@ -140,6 +169,7 @@ class Program:
         if act.noise:
             return self._send(act.words.encode("latin-1"))
         self._tag += 1
+        self._note_channels(act.words)
         data = f"{order_sentence(act.words, str(self._tag))}{act.end}".encode()
         half = len(data) // 2 if act.pause else 0
         if half:
@@ -150,6 +180,20 @@ class Program:
         # it may be answered before the last turn comes back
         (self._aside if aside else self._asked).append(str(self._tag))
         return self._send(data[half:])
+
+    def _note_channels(self, words: str) -> None:
+        """Note what is to be shown from now on, and how often."""
+        order = parse(words)
+        if not isinstance(order, Order):
+            return
+        if order.name == "subscribe":
+            fastest = FASTEST_HZ.get(order.subject, math.inf)
+            rate = min(order.value or math.inf, fastest)
+            self._periods[order.subject] = 1.0 / rate
+        elif order.name == "history":  # its lines are as those that show the present
+            self._periods.pop(order.subject, None)
+        elif order.name in ("unsubscribe", "role", "detach"):
+            self._periods.clear()
 
     def _send(self, data: bytes) -> bool:
         try:
@@ -229,6 +273,8 @@ class Program:
         role, shown = ROLES[self.player.role], sentence.fields
         if sentence.kind in ("TRN", "TRS"):
             allowed = shown[0] in role.channels
+            if sentence.kind == "TRS":
+                self._shown[shown[0]] = self.machine.now, int(shown[1])
         else:
             allowed = sentence.kind != "TRE" or hears_kind(role, shown[2])
         if sentence.kind == "TRF" and shown[2] in INSTRUCTORS_FACTS:

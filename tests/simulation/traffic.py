@@ -8,6 +8,7 @@ numbers stand here once more, because a law that takes the product's own finds n
 
 import math
 from collections import defaultdict, deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from random import Random
 from typing import Any, Final, NamedTuple
@@ -65,6 +66,19 @@ NAME_PERIOD_S: Final = 360.0
 MESSAGE_BITS: Final = {1: 168, 5: 424, 18: 168, 24: 168}
 SMALL_KINDS: Final = (18, 24)  # of class B
 SET_BEGINS: Final = "$INRMC,"
+OWN_FIX: Final = "$INGGA,"
+# ITU-R M.1371-5, table 45
+STATUS_CODES: Final = {
+    "under way": 0,
+    "at anchor": 1,
+    "adrift": 2,
+    "fishing": 7,
+    "trawling": 7,
+    "sailing": 8,
+}
+DEGREE_M: Final = 111_195.0  # [m] of a degree on the sphere
+FIX_M: Final = 5.0  # of both fixes
+CHART_SHARE: Final = 0.01  # [-] by which a sphere and a plane are wrong, of the distance
 
 
 def fleet_text(seed: int, duration: float) -> str:
@@ -108,6 +122,9 @@ class Audible(NamedTuple):
 
     small: bool
     period: float
+    ship: ContactState | None = None
+    north: float = 0.0  # [m] of the boat
+    east: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -134,7 +151,11 @@ class Moment:
             if beyond > -EDGE_M:
                 doubtful.add(ship.mmsi)
             else:
-                ships[ship.mmsi] = Audible(SHIP_TYPES[ship.type].small, promised_period(ship))
+                ships[ship.mmsi] = Audible(
+                    SHIP_TYPES[ship.type].small,
+                    promised_period(ship),
+                    *(ship, ship.north - frame["x"], ship.east - frame["y"]),
+                )
         return cls(frame.tick, frame.seconds, ships, frozenset(doubtful), dropped)
 
 
@@ -148,6 +169,78 @@ def promised_period(ship: ContactState) -> float:
     if knots <= 14.0:
         return 10.0 / 3.0 if turns else 10.0
     return 6.0 if knots <= 23.0 and not turns else 2.0
+
+
+def number_in(bits: str, begin: int, size: int, *, signed: bool = False) -> int:
+    """Return a number of a message."""
+    value = int(bits[begin : begin + size], 2)
+    return value - (1 << size) if signed and bits[begin] == "1" else value
+
+
+def text_in(bits: str, begin: int, end: int) -> str:
+    """Return a text of a message, without what fills it up."""
+    sixes = (int(bits[i : i + 6], 2) for i in range(begin, end, 6))
+    return "".join(chr(six + 64 if six < 32 else six) for six in sixes).rstrip("@ ")
+
+
+def untrue_words(bits: str, ship: ContactState) -> Iterator[str]:
+    """Yield what a message says of name, kind and size that is not the ship's."""
+    kind, part = int(bits[:6], 2), bits[38:40]
+    if kind == 5 or (kind == 24 and part == "00"):
+        name = text_in(bits, *((112, 232) if kind == 5 else (40, 160)))
+        if name != ship.name.replace("-", " ").upper()[:20].rstrip():
+            yield f"the name {name!r}, and it is {ship.name!r}"
+    if kind == 5 or (kind == 24 and part == "01"):
+        type_at, sizes_at = (232, 240) if kind == 5 else (40, 132)
+        if (code := number_in(bits, type_at, 8)) != SHIP_TYPES[ship.type].ais:
+            yield f"the kind {code}, and it is a {ship.type}"
+        ends = (number_in(bits, sizes_at + at, 9) for at in (0, 9))
+        sides = (number_in(bits, sizes_at + at, 6) for at in (18, 24))
+        for told, true in zip((sum(ends), sum(sides)), (ship.length, ship.beam), strict=True):
+            if abs(told - true) > 1.01:
+                yield f"a size of {told} m, and it is {true:.1f} m"
+    if kind == 5 and abs(0.1 * number_in(bits, 294, 8) - min(ship.draught, 25.5)) > 0.051:
+        yield f"another draught than {ship.draught:.1f} m"
+
+
+def untrue_place(bits: str, heard: Audible, own: str) -> Iterator[str]:
+    """Yield what a report says of a ship's place and way that is not so, by the boat's own fix."""
+    kind, ship = int(bits[:6], 2), heard.ship
+    if kind not in (1, 18) or ship is None:
+        return
+    at = 61 if kind == 1 else 57  # of the longitude, before which the speed stands
+    knots = number_in(bits, at - 11, 10) / 10
+    if abs(knots - min(ship.speed / KNOT, 102.2)) > 0.051:
+        yield f"a speed of {knots} kn, and it is {ship.speed / KNOT:.2f} kn"
+    for what, told, true in (
+        ("course", number_in(bits, at + 55, 12) / 10, ship.course),
+        ("heading", number_in(bits, at + 67, 9), ship.heading),
+    ):
+        if abs((told - math.degrees(true) + 180.0) % 360.0 - 180.0) > 0.51:
+            yield f"a {what} of {told} deg, and it is {math.degrees(true) % 360.0:.1f} deg"
+    if kind == 1:
+        turn, code = 60.0 * math.degrees(ship.turning), number_in(bits, 42, 8, signed=True)
+        true_code = math.copysign(min(4.733 * math.sqrt(abs(turn)), 126.0), turn)
+        if abs(code - true_code) > 0.51:
+            yield f"a rate of turn {code}, and it turns {turn:.2f} deg/min"
+        if (code := number_in(bits, 38, 4)) != STATUS_CODES[ship.status]:
+            yield f"the status {code}, and it is {ship.status}"
+    time, latitude, northern, longitude, eastern = own.split(",")[1:6]
+    if number_in(bits, at + 76, 6) != int(time[4:6]):
+        yield f"the second {number_in(bits, at + 76, 6)}, and its fix is {own!r}"
+    there = [number_in(bits, at + i, size, signed=True) / 6e5 for i, size in ((28, 27), (0, 28))]
+    here = [degrees_of(latitude, 2, northern == "S"), degrees_of(longitude, 3, eastern == "W")]
+    north = (there[0] - here[0]) * DEGREE_M
+    east = (there[1] - here[1]) * DEGREE_M * math.cos(math.radians(there[0]))
+    off = math.hypot(north - heard.north, east - heard.east)
+    if off > FIX_M + CHART_SHARE * math.hypot(heard.north, heard.east):
+        yield f"a place {off:.0f} m from where it is"
+
+
+def degrees_of(text: str, digits: int, negative: bool) -> float:  # noqa: FBT001
+    """Return an angle [deg] of degrees and minutes."""
+    degrees = float(text[:digits]) + float(text[digits:]) / 60.0
+    return -degrees if negative else degrees
 
 
 @dataclass
@@ -262,6 +355,10 @@ class Receiver:
             self._breaks(f"{mmsi} is heard, which is gone or beyond reach")
         if ship and ship.small != (kind in SMALL_KINDS):
             self._breaks(f"{mmsi} is of another class than message {kind}")
+        elif ship and ship.ship:
+            own = next((each for each in self._set if each.startswith(OWN_FIX)), "")
+            for told in [*untrue_words(bits, ship.ship), *untrue_place(bits, ship, own)]:
+                self._breaks(f"of {mmsi} is told {told}")
 
     def _judge(self, now: Moment, before: Moment | None) -> None:
         """Look whether each ship within reach is heard as often as is promised."""

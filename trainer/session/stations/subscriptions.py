@@ -56,10 +56,13 @@ class Subscription:
         return max(self.due - now, 0.0)
 
     def show(self, frame: Frame, picture: Picture, now: float) -> None:
-        """Send a frame. The next is due a period after this one was due, so that the rate holds."""
+        """Send a frame. The next is due a period after this one was due, so that the rate holds.
+
+        After one that came before it was due, it is due a period from now.
+        """
         self.seen = picture
         period = 1.0 / self.rate if self.rate else 0.0
-        self.due = self.due + period if self.due > now - period else now + period
+        self.due = period + (self.due if now - period < self.due <= now else now)
         for line in self.display.lines(frame):
             self.to.send(line)
 
