@@ -23,6 +23,7 @@ from helpers.screens import (
     pressed,
     run_aside,
     seen,
+    settled,
     shown,
     sight_of,
     tape,
@@ -384,23 +385,28 @@ def test_completion_offers_what_the_grammar_has() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("role", sample_cases(LAYOUTS, "instructor", "helm", "trainee"))
 def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> None:
+    def wrong(app: Console, width: int, height: int) -> str:
+        """Return what does not fit on a screen of a size, "" for nothing."""
+        if app.size != (width, height):
+            return f"the screen is still of {app.size}"
+        for pane in app.screen.query(Pane):
+            rows = pane.lines[: pane.size.height]
+            if any(len(plain([row])) > pane.size.width for row in rows):
+                return f"at {width} by {height} {pane} is too wide"
+        line = app.query_one(Entry).region
+        head = shown(app).splitlines()[:1]
+        if width >= 20 and not (head and "00:01:00" in head[0]):
+            return f"at {width} by {height} the head is {head}"
+        low = width >= 20 and (line.bottom > height or line.height != 1)
+        return f"at {width} by {height} the line of orders is at {line}" if low else ""
+
     async def resize(pilot: Pilot[Refused], app: Console) -> None:
         for width, height in SIZES:
             await pilot.resize_terminal(width, height)
-            for _ in range(100):
-                await pilot.pause(0.12)
-                if app.query_one(Entry).region.bottom <= height:
-                    break
-            for pane in app.screen.query(Pane):
-                size = pane.size
-                assert all(len(plain([row])) <= size.width for row in pane.lines[: size.height])
-            if width >= 20:
-                assert "00:01:00" in shown(app).splitlines()[0]
-                assert app.query_one(Entry).region.bottom <= height
-                assert app.query_one(Entry).region.height == 1
+            await settled(pilot, lambda: wrong(app, width, height))  # noqa: B023  awaited here
         await pilot.resize_terminal(80, 24)
-        await pilot.pause(0.12)
-        assert "60.0" in shown(app) or role not in ("instructor", "observer")
+        if role in ("instructor", "observer"):
+            await seen(pilot, app, "60.0")
 
     at_the_console(resize, role=role)
 
@@ -421,16 +427,24 @@ def test_the_log_the_line_of_orders_and_the_keys_have_room_on_a_short_screen(
 ) -> None:
     monkeypatch.setattr(Console, "_lead_in", lambda _app: None)  # it would take the styles off
 
+    def wrong(app: Console, size: tuple[int, int]) -> str:
+        """Return how the rows of a screen of a size do not lie, "" where they lie well."""
+        log, line, foot = (app.query_one(f"#{name}").region for name in ("log", "line", "foot"))
+        entry = app.query_one(Entry).region
+        lie = (
+            log.height
+            and log.bottom <= line.y
+            and (line.bottom, line.bottom + 1) == (entry.y, foot.y)
+        )
+        if app.size == size and lie and foot.bottom == size[1]:
+            return ""
+        return f"{size}: log {log}, line {line}, entry {entry}, foot {foot}"
+
     async def resize(pilot: Pilot[Refused], app: Console) -> None:
         app.screen_stack[0].add_class(*styles.split())
         for size in ((60, 20), (60, 24), (80, 22), (80, 24), (100, 30)):
             await pilot.resize_terminal(*size)
-            await pilot.pause(0.12)
-            log, line, foot = (app.query_one(f"#{name}").region for name in ("log", "line", "foot"))
-            assert log.height, size
-            assert log.bottom <= line.y, size
-            assert (line.bottom, line.bottom + 1) == (app.query_one(Entry).region.y, foot.y), size
-            assert foot.bottom == size[1], size
+            await settled(pilot, lambda: wrong(app, size))  # noqa: B023  awaited here
 
     at_the_console(resize, tape(role), role)
 

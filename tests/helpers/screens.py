@@ -167,12 +167,18 @@ def shown(app: Console) -> str:
     return "\n".join(plain(p.lines) for p in app.screen.query(Pane) if p.display and p.size.height)
 
 
+async def settled(pilot: Pilot[Refused], wrong: Callable[[], str]) -> None:
+    """Wait until nothing is wrong any more with what is drawn."""
+    end = time.monotonic() + PATIENCE
+    while told := wrong():
+        assert time.monotonic() < end, told
+        await pilot.pause(0.02)
+
+
 async def seen(pilot: Pilot[Refused], app: Console, text: str) -> None:
     """Wait until a text is on the screen."""
-    end = time.monotonic() + PATIENCE
-    while text not in shown(app):
-        assert time.monotonic() < end, f"{text!r} is not shown:\n{shown(app)}"
-        await pilot.pause(0.02)
+    lacking = f"{text!r} is not shown"
+    await settled(pilot, lambda: "" if text in shown(app) else f"{lacking}:\n{shown(app)}")
 
 
 def pressed(keys: tuple[str, ...], role: str = "instructor", talk: Tape | None = None) -> list[str]:
