@@ -79,6 +79,9 @@ PARTS: Final = {
         "what finds a hundred faults of one place, on Sundays",
         ("tests.mutation", "--jobs", "2", "--minutes", "300", "--on", "sunday"),
     ),
+    "mutants": Part(
+        "what finds a dozen faults of one place", ("tests.mutation", "--mutants", "12")
+    ),
     "damaged": Part("damaged recordings", ("tests.faults", "--damaged", "2000")),
     "layouts": Part(
         "recordings of any layout: no command ruins one", ("tests.layouts", "--seeds", "500")

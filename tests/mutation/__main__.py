@@ -2,10 +2,11 @@
 
 import concurrent.futures
 import contextlib
+import functools
 import json as js
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,7 +30,7 @@ MAX_UNFOUND: Final = 0.5  # [-] of the faults; above, it is red
 
 @click.command()
 @click.option("--mutants", type=click.IntRange(1), default=100, show_default=True, metavar="N")
-@click.option("--seed", default="", help="Of the draw. [default: the week's]")
+@click.option("--seed", default="", help="Of the draw. [default: the day's]")
 @click.option(
     "--seeds", type=click.IntRange(1), default=20, show_default=True, help="Whole sessions, each."
 )
@@ -43,6 +44,7 @@ MAX_UNFOUND: Final = 0.5  # [-] of the faults; above, it is red
 @click.option("--minutes", type=click.FloatRange(0.1), help="Begin no more of them afterwards.")
 @click.option("--jobs", type=click.IntRange(1, 64), default=1, show_default=True, help="At a time.")
 @click.option("--on", type=click.Choice(DAYS), help="Do nothing on other days.")
+@click.option("--near", is_flag=True, help="Ask the tests alone that import its module.")
 @click.option("--json", "json", is_flag=True, help="Print the findings as JSON.")
 def mutation(
     *,
@@ -53,12 +55,13 @@ def mutation(
     minutes: float | None,
     jobs: int,
     on: str | None,
+    near: bool,
     json: bool,
 ) -> None:
     """Make faults of one place in session, io and boat, and see what finds them.
 
     Each is made in a copy of the tree. Whole sessions of some seeds look for it, then the quick
-    tests of its room.
+    tests of its room, or those of them that import its module.
 
     \b
     Example:  python -m tests.mutation --mutants 30 --seed 1
@@ -73,11 +76,10 @@ def mutation(
     with contextlib.ExitStack() as stack:
         copies = [stack.enter_context(copied_tree()) for _ in range(jobs)]
         try:
-            copies[0].check_sessions(seeds, seconds)
-            executed = copies[0].lines(seeds, seconds)
-            drawn = draw(executed, mutants, seed or now.strftime("%G-%V"))
+            drawn = draw(copies[0], mutants, seed or now.strftime("%G-%V-%u"), seeds, seconds)
             until = time.monotonic() + 60.0 * minutes if minutes else None
-            trials = list(try_all(copies, drawn.chosen, seeds, seconds, until))
+            trying = functools.partial(attempt, seeds=seeds, seconds=seconds, near=near)
+            trials = list(try_all(copies, drawn.chosen, trying, until))
         except NotGreenError as error:
             click.echo(f"Error: {error} is not green without any fault; mend it first", err=True)
             sys.exit(2)
@@ -85,7 +87,10 @@ def mutation(
 
 
 def try_all(
-    copies: list[Copy], places: list[Place], seeds: int, seconds: float, until: float | None
+    copies: list[Copy],
+    places: list[Place],
+    trying: Callable[[Copy, Place], Trial],
+    until: float | None,
 ) -> Iterator[Trial]:
     """Yield what comes of each fault; begin none after a time [s]."""
     free: SimpleQueue[Copy] = SimpleQueue()
@@ -97,7 +102,7 @@ def try_all(
             return None
         copy = free.get()
         try:
-            return attempt(copy, place, seeds, seconds)
+            return trying(copy, place)
         finally:
             free.put(copy)
 

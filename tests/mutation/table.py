@@ -11,7 +11,7 @@ def in_words(drawn: Drawn, trials: Sequence[Trial]) -> Iterator[str]:
     """Yield the table of what has found the faults, and those that nothing has found."""
     share = 100.0 * (1.0 - drawn.executed / drawn.places)
     yield (
-        f"{drawn.places} places, {drawn.executed} of them on lines that sessions execute "
+        f"{drawn.places} places drawn, {drawn.executed} of them on lines that sessions execute "
         f"({share:.0f} % are not)"
     )
     yield f"{'':20}{'faults':>8}{'sessions':>10}{'tests':>8}{'nothing':>9}{'told':>6}"

@@ -2,7 +2,7 @@
 
 import ast
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Final
@@ -23,6 +23,7 @@ from mutation.trials import (
     copied_tree,
     draw,
     is_told,
+    near_tests,
     read_told,
 )
 
@@ -77,16 +78,29 @@ def test_a_module_with_any_of_its_faults_is_read_and_is_another() -> None:
     assert [p for p in places if ast.dump(ast.parse(with_fault_at(source, p))) == whole] == []
 
 
+class EvenLines(Copy):
+    """A copy in which sessions execute every second line of what they are asked of."""
+
+    def lines(self, _seeds: int, _seconds: float, files: Iterable[str]) -> dict[str, set[int]]:
+        return {file: set(range(0, 5000, 2)) for file in files}
+
+
 def test_a_seed_draws_the_same_places_again_and_only_where_sessions_come() -> None:
-    lines = {"trainer/session/crew/agenda.py": set(range(100, 140))}
+    copy = EvenLines(ROOT)
 
-    drawn = draw(lines, 5, "7")
+    drawn = draw(copy, 5, "7", 1, 1.0)
 
-    assert drawn == draw(lines, 5, "7")
-    assert drawn.chosen != draw(lines, 5, "8").chosen
-    assert {each.file for each in drawn.chosen} == set(lines)
-    assert all(100 <= each.line < 140 for each in drawn.chosen)
-    assert 5 < drawn.executed < drawn.places
+    assert drawn == draw(copy, 5, "7", 1, 1.0)
+    assert drawn.chosen != draw(copy, 5, "8", 1, 1.0).chosen
+    assert len(drawn.chosen) == 5
+    assert not any(each.line % 2 for each in drawn.chosen)
+    assert 5 <= drawn.executed < drawn.places == 40
+
+
+def test_the_tests_near_a_module_are_those_that_import_it() -> None:
+    place = places_in(ROOT, ROOT / "trainer/io/mcap.py")[0]
+
+    assert near_tests(ROOT, place) == ["tests/io/test_mcap.py"]
 
 
 def test_a_fault_that_is_told_is_still_in_its_module() -> None:
@@ -175,7 +189,7 @@ def test_a_fault_that_no_session_sees_is_looked_for_by_tests_of_its_room(
 ) -> None:
     place = places_in(ROOT, ROOT / "trainer/io/lines.py")[0]
     monkeypatch.setattr(Copy, "hunt", lambda *_: "")
-    monkeypatch.setattr(Copy, "test", lambda _, room: f"tests/{room}/test_paths.py")
+    monkeypatch.setattr(Copy, "test", lambda _, room, **__: f"{room}/test_paths.py")
 
     tried = attempt(copy, place, 1, 3.0)
 
@@ -185,9 +199,10 @@ def test_a_fault_that_no_session_sees_is_looked_for_by_tests_of_its_room(
 
 
 @pytest.mark.process
-def test_lines_that_sessions_execute_are_of_the_rooms(copy: Copy) -> None:
-    lines = copy.lines(1, 1.0)
+def test_lines_that_sessions_execute_are_of_the_modules_that_are_asked_for(copy: Copy) -> None:
+    asked = ("trainer/session/dispatch.py", "trainer/session/session.py")
 
-    assert len(lines["trainer/session/dispatch.py"]) > 50
-    assert "trainer/session/session.py" in lines
-    assert not [file for file in lines if not file.startswith("trainer/")]
+    lines = copy.lines(1, 1.0, asked)
+
+    assert len(lines[asked[0]]) > 50
+    assert lines.keys() == set(asked)

@@ -5,13 +5,14 @@ import importlib.util
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -24,6 +25,10 @@ TOLD_PATH: Final = Path(__file__).with_name("equivalent.toml")
 LEFT_OUT: Final = (".*", "__pycache__", "site", "node_modules", "*.egg-info", "build", "dist")
 HUNT_TIME_S: Final = 180.0  # after which sessions hang
 TESTS_TIME_S: Final = 900.0  # after which the tests of a room hang
+NEAR_TESTS_TIME_S: Final = 120.0  # likewise, of few files
+NO_TESTS_CODE: Final = 5  # of pytest, where it was given none to run
+MAX_NEAR_FILES: Final = 3  # of tests, that are asked where few are
+CANDIDATES: Final = 8  # places that are drawn for each one that sessions execute
 TEST_OPTIONS: Final = (
     *("-q", "-x", "--tb=no", "-p", "no:cacheprovider"),
     *("-m", "not process and not slow and not long and not alone"),
@@ -68,8 +73,8 @@ class Drawn(NamedTuple):
     """The places of a draw, and among how many."""
 
     chosen: list[Place]
-    executed: int  # places on lines that sessions execute
-    places: int  # in all
+    executed: int  # of these places those on lines that sessions execute
+    places: int  # that were drawn
 
 
 @dataclass
@@ -89,14 +94,23 @@ class Copy:
         finally:
             self._write(path, source)
 
-    def lines(self, seeds: int, seconds: float) -> dict[str, set[int]]:
-        """Return the lines that whole sessions execute."""
-        done = self._run("mutation.child", "lines", str(seeds), str(seconds), str(self.root))
-        return {file: set(lines) for file, lines in json.loads(done.stdout).items()}
+    def lines(self, seeds: int, seconds: float, files: Iterable[str]) -> dict[str, set[int]]:
+        """Return the lines of some modules that whole sessions execute.
+
+        NotGreenError where they see something without a fault.
+        """
+        paths = {str(self.root / file): file for file in files}
+        done = self._run("mutation.child", "lines", str(seeds), str(seconds), *paths)
+        if done.returncode:
+            raise NotGreenError(one_line(done.stderr.strip().rpartition("\n")[2]))
+        executed, seen = json.loads(done.stdout)
+        if seen:
+            raise NotGreenError(one_line(seen))
+        return {paths[path]: set(lines) for path, lines in executed.items()}
 
     def hunt(self, seeds: int, seconds: float) -> str:
         """Return what sessions are the first to see, "" for nothing."""
-        words = ("mutation.child", "hunt", str(seeds), str(seconds), str(self.root))
+        words = ("mutation.child", "hunt", str(seeds), str(seconds))
         try:
             done = self._run(*words, timeout=HUNT_TIME_S)
         except subprocess.TimeoutExpired:
@@ -106,23 +120,18 @@ class Copy:
         found: str = json.loads(done.stdout.strip().rpartition("\n")[2])
         return one_line(found)
 
-    def test(self, room: str) -> str:
-        """Return the first of a room's quick tests that fails, "" for none."""
+    def test(self, *paths: str, timeout: float = TESTS_TIME_S) -> str:
+        """Return the first quick test of some files that fails in time [s], "" for none."""
         try:
-            done = self._run("pytest", *TEST_OPTIONS, f"tests/{room}", timeout=TESTS_TIME_S)
+            done = self._run("pytest", *TEST_OPTIONS, *paths, timeout=timeout)
         except subprocess.TimeoutExpired:
             return "hangs"
-        if not done.returncode:
+        if done.returncode in (0, NO_TESTS_CODE):
             return ""
         failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
         if not failed:
             return f"exit code {done.returncode}"
         return failed[0].partition(" ")[2].partition(" - ")[0]
-
-    def check_sessions(self, seeds: int, seconds: float) -> None:
-        """Raise NotGreenError where sessions see something without a fault."""
-        if seen := self.hunt(seeds, seconds):
-            raise NotGreenError(seen)
 
     def check_green(self, test: str) -> None:
         """Raise NotGreenError where a test fails without a fault too."""
@@ -163,25 +172,47 @@ def copied_tree() -> Iterator[Copy]:
         yield Copy(root)
 
 
-def draw(executed: dict[str, set[int]], count: int, seed: str) -> Drawn:
-    """Draw places on lines that are executed, each as likely as any other."""
+def draw(copy: Copy, count: int, seed: str, seeds: int, seconds: float) -> Drawn:
+    """Draw places on lines that sessions execute, each as likely as any other.
+
+    More are drawn than are wanted, and sessions are looked at in the modules of these alone.
+    """
     places = [
         place for room in ROOMS for path in files_of(ROOT, room) for place in places_in(ROOT, path)
     ]
-    reached = [place for place in places if place.line in executed.get(place.file, ())]
     dice = random.Random(f"{seed}/mutants")  # noqa: S311  no secrets
-    chosen = dice.sample(reached, min(count, len(reached)))
-    return Drawn(chosen, len(reached), len(places))
+    candidates = dice.sample(places, min(CANDIDATES * count, len(places)))
+    executed = copy.lines(seeds, seconds, dict.fromkeys(each.file for each in candidates))
+    reached = [each for each in candidates if each.line in executed.get(each.file, ())]
+    return Drawn(reached[:count], len(reached), len(candidates))
 
 
-def attempt(copy: Copy, place: Place, seeds: int, seconds: float) -> Trial:
+def near_tests(root: Path, place: Place) -> list[str]:
+    """Return some files of tests that import the module of a place: its room's first, by size."""
+    module = place.file.removesuffix(".py").replace("/", ".")
+    own = root / "tests" / room_of(place.file)
+    files = [
+        path
+        for path in sorted((root / "tests").rglob("test_*.py"))
+        if re.search(
+            rf"^from {re.escape(module)} import", path.read_text(encoding="utf-8"), re.MULTILINE
+        )
+    ]
+    files.sort(key=lambda path: (own not in path.parents, path.stat().st_size))
+    return [path.relative_to(root).as_posix() for path in files[:MAX_NEAR_FILES]]
+
+
+def attempt(copy: Copy, place: Place, seeds: int, seconds: float, *, near: bool = False) -> Trial:
     """Try a fault; nothing of it remains in the copy.
 
-    Tests are asked where sessions find nothing. NotGreenError if that test fails without it too.
+    Tests are asked where sessions find nothing: those ``near`` that import its module, else all of
+    its room. NotGreenError if that test fails without it too.
     """
     with copy.faulty(place):
         sessions = copy.hunt(seeds, seconds)
-        tests = "" if sessions else copy.test(room_of(place.file))
+        asked = near_tests(copy.root, place) if near else [f"tests/{room_of(place.file)}"]
+        timeout = NEAR_TESTS_TIME_S if near else TESTS_TIME_S
+        tests = copy.test(*asked, timeout=timeout) if asked and not sessions else ""
     copy.check_green(tests)
     why = [each.why for each in read_told() if is_told(each, place)]
     told = (place.file, place.line, place.function, place.kind.value)

@@ -1,4 +1,4 @@
-"""Faults of one line that an outsider planted and nothing found, each with others of its kind.
+"""Faults of one line that an outsider planted and nothing found, with their siblings.
 
 A row says where a function is, what one of its lines says and what it says in its place, and which
 script shows it. ``laws`` and ``model`` see all of them.
