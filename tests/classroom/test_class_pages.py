@@ -303,6 +303,36 @@ def test_words_go_to_the_chosen_boats_and_each_answers(lesson: Class, look: Look
     see_ways(page)
 
 
+# A line that never comes about, to one boat.
+NO_LINE = """
+const Real = window.WebSocket;
+window.WebSocket = function (url, ...more) {
+  if (!String(url).includes("/boat/3/")) return new Real(url, ...more);
+  return Object.assign(new EventTarget(), { readyState: 0, send() {}, close() {} });
+};
+Object.assign(window.WebSocket, { CONNECTING: 0, OPEN: 1, CLOSING: 2, CLOSED: 3 });
+"""
+
+
+def test_a_boat_without_a_line_refuses_for_itself_alone(lesson: Class, look: Look) -> None:
+    page = look(lesson, "class", script=NO_LINE)
+    page.set_viewport_size(DESK)  # type: ignore[arg-type]
+    page.fill("#word input", CHIEF)
+    page.press("#word input", "Enter")
+    for boat in (1, 2):
+        expect(tile(page, boat).locator(".state")).to_have_text("FROZEN")
+    page.click("#all")
+    page.fill("#order", "order depth 85")
+    page.press("#order", "Enter")
+
+    expect(page.locator("#answer")).to_contain_text("obeyed by 2 of 3")
+    expect(page.locator("#answer")).to_contain_text("boat 3: ")
+    for boat in (1, 2):
+        expect(tile(page, boat).locator(".said")).to_contain_text("85")
+    expect(tile(page, 3).locator(".said")).to_have_text(re.compile("^no: "))
+    expect(page.locator("#order")).to_have_value("order depth 85")
+
+
 def test_the_way_is_shown_in_all_chosen_boats_at_once(lesson: Class, look: Look) -> None:
     page = class_page(lesson, look, DESK)
     for boat in (1, 2):
