@@ -37,8 +37,8 @@ def fault_of(planted: Planted) -> Fault:
         raise ValueError(f"{name} has {planted.before!r} {source.count(planted.before)} times")
     made: dict[str, Any] = {}
     exec(source.replace(planted.before, planted.after), function.__globals__, made)  # noqa: S102
-    (other,) = made.values()
-    code = (other.fget if isinstance(other, property) else other).__code__
+    other = next(iter(made.values()))
+    code = getattr(other, "fget", other).__code__
     return lambda patch: patch.setattr(function, "__code__", code)
 
 
@@ -53,7 +53,7 @@ def resolved(where: str) -> Any:
 def lone(words: str, **more: Any) -> Script:
     """Return the script of an instructor alone who says a row of words."""
     acts = tuple(Act(PACE_S, each) for each in words.split("|"))
-    given = {"seconds": PACE_S * len(acts) + 4.0, "ending": Ending.SIGNAL} | more
+    given: dict[str, Any] = {"seconds": PACE_S * len(acts) + 4.0, "ending": Ending.SIGNAL} | more
     exercise, fleet, speed = (given.pop(name, "") for name in ("exercise", "fleet", "speed"))
     players = (Player("instructor", (Visit(0.2, acts),)), *given.pop("others", ()))
     lives = (
