@@ -141,7 +141,7 @@ def test_parameters_may_begin_elsewhere_and_be_held() -> None:
         ({"t": np.zeros(300)}, {}, "frame: row 1: t = 0 s is repeated"),
         ({"yaw_rate": np.zeros(299)}, {}, r"yaw_rate: has shape \(299,\), must be \(300,\)"),
         ({"yaw_rate": ["fast"] * 300}, {}, "yaw_rate: is no array of numbers"),
-        ({}, {"units": {"rudder": "gon"}}, 'rudder: unit "gon": must be rad or deg'),
+        ({}, {"units": {"rudder": "kn"}}, 'rudder: unit "kn": must be rad or deg'),
         ({}, {"units": {"ruder": "deg"}}, "no channel 'ruder'; nearest is rudder"),
         ({}, {"lenght": 3}, "no keyword 'lenght'; nearest is length"),
         ({}, {"noise": "white"}, 'fit: noise = "white": must be output-error or'),

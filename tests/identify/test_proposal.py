@@ -13,7 +13,7 @@ from helpers.studies import answered
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.record.proposal import write_proposal
-from trainer.identify.record.sources import USUAL_SENSORS
+from trainer.identify.record.sources import USUAL_SENSORS, column_said
 from trainer.identify.record.study import load_study, observe_record
 from trainer.units import KNOT
 
@@ -225,9 +225,10 @@ FOREIGN = {"Zeit [s]": T, "Ruder [deg]": HELM, "Kurs [deg]": HEADING}
 
 def test_a_column_is_what_its_user_says(tmp_path: Path) -> None:
     path = write(tmp_path / "a.csv", FOREIGN)
-    told = {"rudder": "Ruder", "heading": "Kurs"}
+    said = {"rudder": "Ruder", "heading": "Kurs"}
+    told = {channel: column_said(text) for channel, text in said.items()}
     found = write_proposal(path, tmp_path / "a.toml", 100.0, 12.0, told)
-    assert {channel: one.name for channel, one in found.columns.items()} == {**told, "t": "Zeit"}
+    assert {channel: one.name for channel, one in found.columns.items()} == {**said, "t": "Zeit"}
     assert observe_record(load_study(tmp_path / "a.toml")).rudder == pytest.approx(DEGREE * HELM)
 
 
@@ -240,6 +241,7 @@ def test_a_column_is_what_its_user_says(tmp_path: Path) -> None:
 )
 def test_a_column_that_is_none_is_refused(tmp_path: Path, told: dict[str, str], says: str) -> None:
     path = write(tmp_path / "a.csv", FOREIGN)
+    said = {channel: column_said(text) for channel, text in told.items()}
     with pytest.raises(ConfigError, match=says):
-        write_proposal(path, tmp_path / "a.toml", 100.0, 12.0, told)
+        write_proposal(path, tmp_path / "a.toml", 100.0, 12.0, said)
     assert not (tmp_path / "a.toml").exists()

@@ -18,6 +18,7 @@ __all__ = [
     "derivatives", "derived", "exercise", "extras", "file_schemas", "files", "fit_options", "hull",
     "loss_words", "nomoto", "outcome", "plant_records", "plausibility", "progress", "propulsion",
     "reference_crew", "schema", "score_rules", "sea", "sensors", "series", "ship", "soundings",
-    "stated", "steps", "tables", "vessel", "vessel_records", "vessel_template", "words", "world",
+    "stated", "steps", "tables", "units", "vessel", "vessel_records", "vessel_template", "words",
+    "world",
 ]
 # fmt: on

@@ -39,11 +39,16 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.sensors import Sensors
+from trainer.config.units import UNIT_FACTORS
 from trainer.config.words import SHIP_FILE_SCHEMA
 
 SHIP_SCHEMA: Final = SHIP_FILE_SCHEMA
 MAX_LENGTH_M: Final = 500.0  # [m] the longest ship is shorter
-UNIT_NAMES: Final = "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, 1/s rpm"
+UNIT_NAMES: Final = ", ".join(
+    " ".join(UNIT_FACTORS[one]) for one in ("s", "rad", "rad/s", "m/s", "1/s")
+)
+COLUMN_SCALE: Final = Quantity("-", within(-1e9, 1e9), "units to 1 in the column")
+COLUMN_OFFSET: Final = Quantity("-", within(-1e9, 1e9), "units at 0 in the column")
 # fmt: off
 SHIP_CHANNELS: Final = (
     "t", "rudder", "revolutions", "speed", "sway", "yaw_rate", "heading",
@@ -129,6 +134,8 @@ class ShipColumn:
     column: str = required(Text(80, "heading of the column"))
     unit: str | None = optional(Text(8, f"{UNIT_NAMES}; else that of the heading"))
     missing: tuple[float, ...] | None = optional(MISSING_NUMBERS)
+    scale: float | None = optional(COLUMN_SCALE)
+    offset: float | None = optional(COLUMN_OFFSET)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError, nearest, quote
+from trainer.config.units import KNOWN_UNITS, spell_unit
 from trainer.io.outputs import note_input
 
 Numbers = NDArray[np.float64]
@@ -52,31 +53,7 @@ ANGLE_PATTERN: Final = re.compile(  # 54.5, 54 30.0, 54-30.0 N, N54\u00b030'00\"
     r"\s*(?:(\d+(?:[.,]\d*)?)\s*[\"\u2033])?)?\s*\u00b0?\s*([NSEW]?)",
     re.IGNORECASE,
 )
-UNIT_SPELLINGS: Final = (  # of units, and ours
-    (re.compile("°|degrees?|deg\\."), "deg"),
-    (re.compile("radians?"), "rad"),
-    (re.compile("seconds?|sec"), "s"),
-    (re.compile("minutes?"), "min"),
-    (re.compile("hours?|hrs?"), "h"),
-    (re.compile("knots?|kts?"), "kn"),
-    (re.compile(r"[\s*]+|\^"), ""),
-    (re.compile("s-1$"), "/s"),
-)
-# fmt: off
-HEADING_UNITS: Final = (
-    "s", "ms", "min", "h", "rad", "deg", "rad/s", "deg/s", "deg/min", "m/s", "kn", "1/s", "rps",
-    "rpm",
-)
-# fmt: on
 Rows = list[tuple[int, list[str]]]
-
-
-def spell_unit(unit: str) -> str:
-    """Return a unit as it is written here: deg for °, kn for kts."""
-    spelling = unit.strip().strip("[]()").casefold()
-    for wrong, right in UNIT_SPELLINGS:
-        spelling = wrong.sub(right, spelling)
-    return spelling
 
 
 @dataclass(frozen=True)
@@ -85,15 +62,16 @@ class CsvTable:
 
     path: Path
     heads: tuple[str, ...]
-    units: tuple[str, ...]  # as ``spell_unit``, "" where the file says none
+    units: tuple[str, ...]  # as ``spell_unit``, "" where the file says none; known or not
     lines: Sequence[int]
     cells: Sequence[Sequence[str]]
     told: tuple[str, ...]  # how it was read, where that had to be guessed
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return the headings without units in brackets, if they still differ without them."""
-        bare = [_parted(head)[0] for head in self.heads]
+        """Return the headings without known units, if they still differ without them."""
+        parted = zip(self.heads, map(part_heading, self.heads), strict=True)
+        bare = [name if unit in KNOWN_UNITS else head for head, (name, unit) in parted]
         return tuple(
             short if bare.count(short) == 1 else head
             for short, head in zip(bare, self.heads, strict=True)
@@ -341,20 +319,20 @@ def _check_fields(path: Path, heads: Sequence[str], rows: Rows, separator: str) 
     raise ConfigError(f"{path}: row {line}: has {size} fields, the heading {len(heads)}{remedy}")
 
 
-def _parted(head: str) -> tuple[str, str]:
-    """Return a heading without its unit in brackets, and the unit, "" if it has none."""
+def part_heading(head: str) -> tuple[str, str]:
+    """Return a heading without brackets, and what stands in them, "" if it has none."""
     match = UNIT_IN_BRACKETS.fullmatch(head)
-    unit = spell_unit(match[2] or match[3] or "") if match else ""
-    return (match[1], unit) if match and unit in HEADING_UNITS else (head, "")
+    return (match[1], spell_unit(match[2] or match[3] or "")) if match else (head, "")
 
 
 def _units(heads: Sequence[str], rows: Rows, told: list[str]) -> tuple[str, ...]:
     """Return the units by column. Take off a row of units under the heading."""
-    units = [_parted(head)[1] for head in heads]
-    if any(units):
+    units = [part_heading(head)[1] for head in heads]
+    if not KNOWN_UNITS.isdisjoint(units):
         told.append("units of the heading")
     cells = rows[0][1] if rows else []
-    if any(spell_unit(cell) in HEADING_UNITS for cell in cells) and not any(map(_is_value, cells)):
+    named = {spell_unit(cell) for cell in cells if cell.casefold() not in EMPTY_CELLS}
+    if not KNOWN_UNITS.isdisjoint(named) and not any(map(_is_value, cells)):
         told.append(f"units of row {rows[0][0]}")
         units = [spell_unit(cell) or unit for cell, unit in zip(cells, units, strict=True)]
         del rows[0]

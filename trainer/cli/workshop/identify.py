@@ -363,8 +363,8 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
     "--column",
     "named",
     multiple=True,
-    metavar="CHANNEL=HEADING",
-    help="What a column is, where its heading does not say so: rudder=Ruder.",
+    metavar="CHANNEL=HEADING[:UNIT[*SCALE]]",
+    help="What a column is, where its heading does not say so: rudder=Ruder:deg.",
 )
 def new(
     record: Path,
@@ -387,9 +387,10 @@ def new(
     """
     from trainer.config.files import as_typed
     from trainer.identify.record.proposal import write_proposal
+    from trainer.identify.record.sources import column_said
     from trainer.identify.ships.proposal import fit_command, write_ship_file
 
-    headings = dict(_pair(each) for each in named)
+    headings = {channel: column_said(text) for channel, text in map(_pair, named)}
     if ship:
         if output or knots:
             raise click.UsageError("--ship takes the place of --output; the record tells the speed")

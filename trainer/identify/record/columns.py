@@ -8,20 +8,22 @@ import difflib
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError, nearest
-from trainer.config.tables import CsvTable, spell_unit
+from trainer.config.tables import CsvTable, part_heading
+from trainer.config.units import spell_unit
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
 from trainer.identify.record.sources import (
     MAX_INTERVAL_S,
     USUAL_CODES,
     Column,
+    check_unit,
     find_codes,
     load_record,
     units_of,
@@ -29,7 +31,8 @@ from trainer.identify.record.sources import (
 from trainer.identify.record.track import derivative, unwrap_angle
 
 Words = Mapping[str, tuple[str, ...]]
-NOTHING_TOLD: Final[Mapping[str, str]] = MappingProxyType({})  # of headings by channel
+NOTHING_TOLD: Final[Mapping[str, Column]] = MappingProxyType({})  # of columns by channel
+UNSAID_COLUMN: Final = Column("", None)
 
 CHANNEL_WORDS: Final[Words] = {  # what a column of a channel is called
     "t": ("t", "time", "utc", "timestamp", "date", "date time", "clock"),
@@ -104,6 +107,7 @@ MAX_SHIP_SPEED_M_S: Final = 12.0  # [m/s] what goes faster is in knots
 MAX_WIND_SPEED_M_S: Final = 40.0  # [m/s] as a wind
 MAX_MODEL_SPEED_M_S: Final = 2.5  # [m/s] a model in a basin is slower
 MAX_REVOLUTIONS_S: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns faster, and of a model
+GUESSED_RATE_UNITS: Final = ("rad/s", "deg/s", "deg/min")  # of a yaw rate that says none
 USUAL_TURNING_RATE: Final = 0.05  # [1/s] usual yaw rate to a rudder
 UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "rudder": (MAX_RUDDER_RAD, "rad", "deg"),
@@ -140,25 +144,30 @@ class GuessedColumns:
 
 
 def guess_columns(
-    table: CsvTable, words: Words, told: Mapping[str, str] = NOTHING_TOLD
+    table: CsvTable,
+    words: Words,
+    told: Mapping[str, Column] = NOTHING_TOLD,
+    option: str = "--column",
 ) -> GuessedColumns:
     """Return the likeliest columns of a file for the channels of ``words``.
 
-    ``told`` are headings by channel that somebody knows. ConfigError if one is none.
+    ``told`` are columns by channel that somebody knows, and says by ``option``. ConfigError if one
+    is none, or if a heading's brackets say no unit of its channel.
     """
-    for channel, head in told.items():
+    for channel, one in told.items():
         for what, sought, there in (
             ("channel", channel, tuple(words)),
-            ("column", head, tuple(table.names)),
+            ("column", one.name, (*table.names, *table.heads)),
         ):
             if sought not in there:
                 raise ConfigError(
-                    f"--column {channel}={head}: no {what} {sought}{nearest(sought, there)}; "
-                    f"there are {', '.join(there)}"
+                    f"{option} {channel}={one.name}: no {what} {sought}{nearest(sought, there)}; "
+                    f"there are {', '.join(dict.fromkeys(there))}"
                 )
+    sure = {channel: table.names[table.index(one.name)] for channel, one in told.items()}
     guessed = _by_name(table, words)
-    free = {one: head for one, head in guessed.items() if head not in told.values()}
-    named = {**free, **told}
+    free = {one: head for one, head in guessed.items() if head not in sure.values()}
+    named = {**free, **sure}
     heads = enumerate(zip(table.names, table.units, strict=True))
     clocks = (  # by its unit or dates
         name
@@ -167,28 +176,32 @@ def guess_columns(
     )
     if "t" not in named and (clock := next(clocks, None)):
         named["t"] = clock
-    headings = {channel: named[channel] for channel in words if channel in named}
-    known: dict[str, str] = {}
-    codes: dict[str, tuple[float, ...]] = {}
-    for channel, head in headings.items():
-        index = table.index(head)
-        if channel not in UNCODED_CHANNELS and (found := find_codes(table.numbers(index))):
-            codes[channel], table = found, table.without(index, found)
-        said = [one for one in (table.units[index], _plain(head)[1]) if one in units_of(channel)]
-        if said or table.is_clock(index):
-            known[channel] = [*said, "s"][0]
-    unsure = headings.keys() - known.keys()
-    for channel in headings:
+    columns = {
+        channel: replace(told.get(channel, UNSAID_COLUMN), name=named[channel])
+        for channel in words
+        if channel in named
+    }
+    for channel, column in columns.items():
+        index = table.index(column.name)
+        coded = channel not in UNCODED_CHANNELS
+        codes = find_codes(table.numbers(index)) if coded else column.missing
+        table = table.without(index, codes) if codes else table
+        unit = _said_unit(table, channel, column, words[channel], option)
+        columns[channel] = replace(column, unit=unit, missing=codes)
+    unsure = frozenset(channel for channel, one in columns.items() if not one.unit)
+    for channel, column in columns.items():
         if channel in unsure:
-            known[channel] = _unit(table, channel, headings, known)
-    columns = {one: Column(head, known[one], codes.get(one, ())) for one, head in headings.items()}
-    return GuessedColumns(columns, frozenset(unsure))
+            columns[channel] = replace(column, unit=_unit(table, channel, columns))
+    return GuessedColumns(columns, unsure)
 
 
 def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
     """Return the headings by channel; a heading serves one channel only."""
     likeness = {
-        (channel, head): _likeness(_plain(head)[0], channel, words[channel])
+        (channel, head): max(
+            _likeness(name, channel, words[channel], _plain(head)[0])
+            for name in {_plain(head)[0], _plain(part_heading(head)[0])[0]}
+        )
         for channel in words
         for head in table.names
     }
@@ -200,6 +213,22 @@ def _by_name(table: CsvTable, words: Words) -> dict[str, str]:
         if not all(channel in columns for channel in pair):
             columns = {channel: head for channel, head in columns.items() if channel not in pair}
     return columns
+
+
+def _said_unit(
+    table: CsvTable, channel: str, column: Column, words: Iterable[str], option: str
+) -> str | None:
+    """Return the unit that user or heading say of a channel; ConfigError if wrong.
+
+    Brackets may hold a name too, as in rudder (actual), or heading (psi).
+    """
+    index = table.index(column.name)
+    if table.is_clock(index):
+        return "s"
+    if column.unit or table.units[index] not in ("", *FILLER_WORDS, *words):
+        return check_unit(table.path, channel, column, table.units[index], option)
+    ending = _plain(column.name)[1]
+    return ending if ending in units_of(channel) else None
 
 
 def _plain(name: str) -> tuple[str, str]:
@@ -214,9 +243,9 @@ def _plain(name: str) -> tuple[str, str]:
     return words, ""
 
 
-def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
+def _likeness(name: str, channel: str, words: Iterable[str], whole: str) -> float:
     """Return how like a name is to the usual ones of a channel [-]; 1 for one of them."""
-    if channel.startswith("wind") and EARTH_WORD in name.split():
+    if channel.startswith("wind") and EARTH_WORD in whole.split():
         return 0.0
     bare = " ".join(word for word in name.split() if word not in FILLER_WORDS)
     likeness = (
@@ -228,58 +257,59 @@ def _likeness(name: str, channel: str, words: Iterable[str]) -> float:
     return max(likeness, default=0.0)
 
 
-def _unit(
-    table: CsvTable, channel: str, columns: Mapping[str, str], units: Mapping[str, str]
-) -> str:
+def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
     """Return the likeliest unit of a column by its numbers."""
     if channel == "t":
-        steps = _known(np.diff(table.numbers(table.index(columns["t"]))))
+        steps = _known(np.diff(table.numbers(table.index(columns["t"].name))))
         step = float(np.median(np.abs(steps))) if steps.size else 0.0
         likely = (one for one in ("s", "ms") if step * units_of("t")[one] <= MAX_INTERVAL_S)
         return next(likely, "us")
     if channel in POSITION_CHANNELS:
-        both = [table.index(columns[one]) for one in POSITION_CHANNELS if one in columns]
+        both = [table.index(columns[one].name) for one in POSITION_CHANNELS if one in columns]
         cells = (row[index] for row in table.cells for index in both)
         return "ddmm" if any(map(NAUTICAL_ANGLE.match, cells)) else "deg"
-    values = table.numbers(table.index(columns[channel]))
+    values = table.numbers(table.index(columns[channel].name))
     if channel == "yaw_rate":
-        return _rate_unit(table, values, columns, units)
+        return _rate_unit(table, values, columns)
     if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
         limit, _ = MAX_REVOLUTIONS_S
-        if "speed" in units:
-            factor = units_of("speed")[units["speed"]]
-            speed = factor * np.abs(table.numbers(table.index(columns["speed"])))
+        if (log := columns.get("speed")) and log.unit:
+            numbers = log.in_unit(table.numbers(table.index(log.name)))
+            speed = units_of("speed")[log.unit] * np.abs(numbers)
             limit = MAX_REVOLUTIONS_S[float(np.nanmedian(speed)) < MAX_MODEL_SPEED_M_S]
         return "rpm" if float(np.nanmedian(np.abs(values))) > limit else "1/s"
-    if channel in SAME_INSTRUMENT and SAME_INSTRUMENT[channel] in units:
-        return units[SAME_INSTRUMENT[channel]]
+    like = columns.get(SAME_INSTRUMENT.get(channel, ""))
+    if like and like.unit:
+        return like.unit
     limit, small, large = UNIT_LIMITS.get(channel, (MAX_SHIP_SPEED_M_S, "m/s", "kn"))
     if channel == "rudder" and "heading" in columns:  # angles of one file are in one unit
-        heading = table.numbers(table.index(columns["heading"]))
+        heading = table.numbers(table.index(columns["heading"].name))
         values, limit = np.append(values * MAX_HEADING_RAD / limit, heading), MAX_HEADING_RAD
     return large if float(np.nanmax(np.abs(values), initial=0.0)) > limit else small
 
 
-def _rate_unit(
-    table: CsvTable, values: Numbers, columns: Mapping[str, str], units: Mapping[str, str]
-) -> str:
+def _rate_unit(table: CsvTable, values: Numbers, columns: Mapping[str, Column]) -> str:
     """Return the unit in which a yaw rate fits the heading's best.
 
     Without a heading it is that in which the rate is nearest to a usual ship's.
     """
-    angles = [one for one in ("rudder", "heading") if one in units]
-    wanted = {one: Column(columns[one], units[one], USUAL_CODES) for one in angles}
-    wanted |= {"t": Column(columns["t"], units["t"])} if "t" in units else {}
+    known = {key: one for key, one in columns.items() if one.unit}
+    wanted = {
+        key: replace(one, missing=USUAL_CODES)
+        for key, one in known.items()
+        if key in ("rudder", "heading")
+    }
+    wanted |= {"t": known["t"]} if "t" in known else {}
     record = load_record(table.path, wanted)
     size = 0.0
     if record.heading is not None:
         size = _spread(derivative(unwrap_angle(record.heading), record.interval))
     elif record.rudder is not None:
         size = USUAL_TURNING_RATE * _spread(record.rudder)
-    deviation, known = _spread(values), units_of("yaw_rate")
+    deviation, factors = _spread(values), units_of("yaw_rate")
     if not (deviation > 0.0 and size > 0.0):
         return "deg/s"
-    return min(known, key=lambda one: abs(math.log(deviation * known[one] / size)))
+    return min(GUESSED_RATE_UNITS, key=lambda one: abs(math.log(deviation * factors[one] / size)))
 
 
 def _known(values: Numbers) -> Numbers:

@@ -73,11 +73,11 @@ def write_proposal(
     path: Path,
     length: float | None,
     speed: float | None,
-    told: Mapping[str, str] = NOTHING_TOLD,
+    told: Mapping[str, Column] = NOTHING_TOLD,
 ) -> Proposal:
     """Write the study proposed for a record to a new file.
 
-    ``told`` are headings by channel, where the headings do not tell by themselves.
+    ``told`` are columns by channel, where the headings do not tell by themselves.
     ConfigError if the file is there, or nothing looks like the rudder.
     """
     is_recording = data.suffix == RECORDING_SUFFIX
@@ -116,7 +116,7 @@ def write_proposal(
     return Proposal(text, len(record.t), record.interval, columns, remarks)
 
 
-def _guessed(data: Path, told: Mapping[str, str]) -> GuessedColumns:
+def _guessed(data: Path, told: Mapping[str, Column]) -> GuessedColumns:
     """Return the columns of a file; ConfigError if rudder or ship's answer is lacking."""
     table = read_table(data)
     columns = guess_columns(table, CHANNEL_WORDS, told)
@@ -144,6 +144,8 @@ def columns_text(found: GuessedColumns) -> str:
     return "".join(
         f'[[columns]]\nchannel = "{channel}"\ncolumn = {toml_value(one.name)}\n'
         f'unit = "{one.unit}"{"  # guessed" if channel in found.unsure else ""}\n'
+        + (f"scale = {one.scale!r}\n" if one.scale is not None else "")
+        + (f"offset = {one.offset!r}\n" if one.offset else "")
         + (f"missing = {list(one.missing)}  # guessed\n\n" if one.missing else "\n")
         for channel, one in found.columns.items()
     )

@@ -9,6 +9,8 @@ follows them as if the ship had jumped.
 
 import csv
 import math
+import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,6 +22,7 @@ import numpy as np
 from trainer.config.files import ConfigError, collecting, nearest, offer_known, quote
 from trainer.config.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
+from trainer.config.units import KNOWN_UNITS, SCALELESS_UNITS, UNIT_FACTORS, spell_unit
 from trainer.core.kernel import Numbers
 from trainer.debrief.recording_export import table_layout
 from trainer.identify.record.measurements import (
@@ -34,7 +37,6 @@ from trainer.identify.record.measurements import (
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.past.header import open_whole_recording
-from trainer.units import DEGREE, FOOT, KNOT
 
 USUAL_CODES: Final = (
     *(511.0, 655.35, 999.0, 999.9, 9999.0, 32767.0, 65535.0, 99999.0),
@@ -60,15 +62,6 @@ MIN_JUMP_DEG: Final = 3.0  # [deg] whatever the rows: a compass that is read in 
 MAX_INTERVAL_S: Final = 300.0  # [s] no trial is read so rarely: its times are in ms or us
 MAX_CODES: Final = 3  # [numbers] that one logger writes for no reading
 MAX_ROWS_TOLD: Final = 10
-UNIT_FACTORS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
-    "rad": {"rad": 1.0, "deg": DEGREE},
-    "rad/s": {"rad/s": 1.0, "deg/s": DEGREE, "deg/min": DEGREE / 60.0},
-    "m/s": {"m/s": 1.0, "kn": KNOT},
-    "1/s": {"1/s": 1.0, "rps": 1.0, "rpm": 1.0 / 60.0},
-    "m": {"m": 1.0, "ft": FOOT},
-    "place": {"deg": DEGREE, "ddmm": DEGREE, "rad": 1.0},
-}
 TRAINER_COLUMNS: Final = {  # columns of the trainer, SI and radians
     "rudder": "delta_r",
     "heading": "psi",
@@ -94,6 +87,10 @@ BOAT_COLUMNS: Final = {  # likewise, of BOAT_CHANNEL_UNITS
     "roll_rate": "p",
 }
 ALL_UNITS: Final = {**CHANNEL_UNITS, **SHIP_CHANNEL_UNITS, **BOAT_CHANNEL_UNITS}
+LIKELY_UNITS: Final = ("deg", "s", "kn", "m")
+SAID_COLUMN: Final = re.compile(  # heading, unit, scale, offset
+    r"(.+):([^:*]+)(?:\*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)([+-](?:\d+\.?\d*|\.\d+))?)?"
+)
 NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
 Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 NOISE_STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
@@ -110,7 +107,8 @@ def find_codes(numbers: Numbers) -> tuple[float, ...]:
 def find_impossible(channel: str, values: Numbers, unit: str) -> tuple[int, str] | None:
     """Return the index of a reading [SI] that no ship has, and why; else None."""
     beyond = np.abs(np.nan_to_num(values)) > MAX_SIZES.get(channel, math.inf)
-    degrees = f'; are these degrees? say unit = "{unit.replace("rad", "deg")}"' * ("rad" in unit)
+    degrees = f'; are these degrees? say unit = "{unit.replace("rad", "deg")}"'
+    degrees *= unit in ("rad", "rad/s")
     text = f"no {channel} in {unit} is so large{degrees}; if it stands for no reading"
     return (int(np.argmax(beyond)), text) if beyond.any() else None
 
@@ -166,11 +164,22 @@ def _turned(change: Numbers) -> Numbers:
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column and unit. None as a unit is as the file says."""
+    """The source of a channel: its column and unit. None as a unit is as the file says.
+
+    A number times ``scale`` plus ``offset`` is the unit; a scale of None is not said, and 1.
+    """
 
     name: str
     unit: str | None
     missing: tuple[float, ...] = ()  # numbers that say that there is no reading
+    scale: float | None = None
+    offset: float = 0.0
+
+    def in_unit(self, numbers: Numbers) -> Numbers:
+        """Return numbers of the source in the unit."""
+        if self.scale is None and not self.offset:
+            return numbers
+        return numbers * (1.0 if self.scale is None else self.scale) + self.offset
 
 
 def own_columns(further: Mapping[str, str] = MappingProxyType({})) -> dict[str, Column]:
@@ -197,6 +206,39 @@ def factor(channel: str, unit: str | None) -> float:
     if unit not in known:
         raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")
     return known[unit]
+
+
+def column_said(text: str) -> Column:
+    """Return what an option's words say of a column: ``Keel``, ``Keel:ft``, ``RSA:deg*0.35-91``."""
+    said = SAID_COLUMN.fullmatch(text)
+    if said is None or (unit := spell_unit(said[2])) not in KNOWN_UNITS:
+        return Column(text, None)
+    scale, offset = (float(number) if number else None for number in said.group(3, 4))
+    return Column(said[1], unit, (), scale, offset or 0.0)
+
+
+def check_unit(path: Path, channel: str, column: Column, said: str, option: str = "") -> str:
+    """Return the unit of a column, ``said`` by its file where it is not said otherwise.
+
+    ConfigError with the units known, and how to say one: by ``option``, else in the study.
+    """
+    unit, known = column.unit or said or SHIP_CHANNEL_UNITS.get(channel, ""), units_of(channel)
+    scaleless = said in SCALELESS_UNITS and said not in known and column.scale is None
+    if unit in known and not scaleless:
+        return unit
+    where = f"the file says {quote(said)}" if said else "the file does not say its unit"
+    if column.unit and not scaleless:
+        where = f"unit {quote(unit)} is none of it"
+    likely = next((one for one in known if one in LIKELY_UNITS), next(iter(known)))
+    typed = f"{option} {channel}={shlex.quote(column.name)}:"
+    say = f"say in the study unit = {' or '.join(map(quote, known))}"
+    if option:
+        say = f"say {typed}{likely}, or {', '.join(f':{one}' for one in known if one != likely)}"
+    if scaleless:
+        key = f"in its [[columns]] unit = {quote(likely)} and scale = 0.35"
+        say = f"say how much one is: {f'{typed}{likely}*0.35' if option else key} where 100 are 35"
+        say += f" {likely}; known are {', '.join(known)}"
+    raise ConfigError(f"{path}: {column.name} for {channel}: {where}: {say}")
 
 
 def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
@@ -266,19 +308,14 @@ def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Num
         return numbers
     if channel == "t" and table.is_clock(index):
         return table.seconds(index)
-    said, known = table.units[index], units_of(channel)
-    unit = column.unit or said or SHIP_CHANNEL_UNITS.get(channel, "")
-    if unit not in known:
-        where = f"the file says {quote(said)}" if said else "the file does not say its unit"
-        raise ConfigError(
-            f"{table.path}: {column.name} for {channel}: {where}: "
-            f"say in the study unit = {' or '.join(map(quote, known))}"
-        )
-    if said and said != unit:
+    said = table.units[index]
+    unit = check_unit(table.path, channel, column, said)
+    if said in KNOWN_UNITS and said != unit and column.scale is None:
         told.append(f"{column.name} is in {said}, the study says {unit}: taken as {unit}")
-    scale = known[unit]
+    scale = units_of(channel)[unit]
     table = table.without(index, column.missing) if column.missing else table
     numbers = table.angles(index, unit) if channel in POSITION_CHANNELS else table.numbers(index)
+    numbers = column.in_unit(numbers)
     if fault := find_impossible(channel, numbers * scale, unit):
         remedy = f"say missing = [{table.cells[fault[0]][index]}] in its [[columns]]; {CODES_TEXT}"
         raise table.wrong(fault[0], index, f"{fault[1]} {remedy}")

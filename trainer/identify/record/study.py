@@ -189,7 +189,7 @@ def _columns(
     for i, row in enumerate(rows):
         try:
             factor(row.channel, row.unit)
-            columns[row.channel] = Column(row.column, row.unit, row.missing)
+            columns[row.channel] = Column(row.column, row.unit, row.missing, row.scale, row.offset)
         except ConfigError as wrong:
             problems.append(position.inside(f"columns[{i}]").problem(str(wrong)))
     if columns and steered and "rudder" not in columns and not problems:

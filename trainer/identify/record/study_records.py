@@ -18,7 +18,7 @@ from trainer.config.schema import (
     with_default,
     within,
 )
-from trainer.config.ship import MISSING_NUMBERS
+from trainer.config.ship import COLUMN_OFFSET, COLUMN_SCALE, MISSING_NUMBERS, UNIT_NAMES
 from trainer.config.words import LINEAR_MODELS
 from trainer.identify.record.measurements import (
     CHANNEL_UNITS,
@@ -55,12 +55,10 @@ class ColumnRow:
 
     channel: str = required(Choice(("t", *CHANNEL_UNITS, *POSITION_CHANNELS), "what it is"))
     column: str = required(Text(80, "heading of the column"))
-    unit: str | None = optional(
-        Text(
-            8, "s ms us min h, rad deg, rad/s deg/s deg/min, m/s kn, ddmm; else what the file says"
-        )
-    )
+    unit: str | None = optional(Text(8, f"{UNIT_NAMES}, ddmm; else what the file says"))
     missing: tuple[float, ...] = with_default((), MISSING_NUMBERS)
+    scale: float | None = optional(COLUMN_SCALE)
+    offset: float = with_default(0.0, COLUMN_OFFSET)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,6 +16,7 @@ from trainer.identify.record.findings import examine_record
 from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
 from trainer.identify.record.sources import (
     SHIP_COLUMNS,
+    Column,
     load_record,
     own_columns,
 )
@@ -53,11 +54,11 @@ WIND_REMARK: Final = (
 
 
 def write_ship_file(
-    data: Path, path: Path, length: float | None, told: Mapping[str, str] = NOTHING_TOLD
+    data: Path, path: Path, length: float | None, told: Mapping[str, Column] = NOTHING_TOLD
 ) -> Proposal:
     """Write the file proposed for the ship of a record to a new file.
 
-    ``told`` are headings by channel, where the headings do not tell by themselves.
+    ``told`` are columns by channel, where the headings do not tell by themselves.
     ConfigError if the file is there, or no column of the record is known.
     """
     table = read_table(data)

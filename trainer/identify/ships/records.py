@@ -178,7 +178,10 @@ def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
     """Return where each channel is: as the ship's file says, or as the trainer writes them."""
     if ship.columns:
         columns = {
-            row.channel: Column(row.column, row.unit, row.missing or ()) for row in ship.columns
+            row.channel: Column(
+                row.column, row.unit, row.missing or (), row.scale, row.offset or 0.0
+            )
+            for row in ship.columns
         }
         if "rudder" not in columns:
             raise ConfigError(f"{ship.path.name}: [columns]: no column is the rudder")
