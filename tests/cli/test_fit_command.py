@@ -89,7 +89,7 @@ def test_a_fit_in_python_is_the_commands(folder: Path) -> None:
     assert figure.low is not None
     assert figure.high is not None
     assert figure.low < (figure.value or 0.0) < figure.high
-    assert 0 < answer.report.steps <= 25
+    assert answer.report.settled
     assert str(answer).startswith("FIT: ")
 
 
@@ -137,3 +137,20 @@ def test_a_wrong_word_on_instruments_is_one_line(
     assert done.exit_code != 0
     assert told in str(done.exception if done.exit_code == 1 else done.output)
     assert not fitted.exists()
+
+
+def test_a_fit_that_did_not_settle_writes_a_boat_only_anyway(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.identify.boat.fit.MOST_STEPS", 2)
+    fitted = folder / "unsettled.toml"
+    words = (folder / "one.csv", "--prior", folder / "own.toml", "-o", fitted, "--draws", 0)
+    done = typed(*words)
+    assert done.exit_code == 1, done.output
+    assert f"{fitted} is not written: not settled in 2 steps" in done.output
+    assert "next: trainer boat check" not in done.output
+    assert not fitted.exists()
+    done = typed(*words, "--anyway")
+    assert done.exit_code == 0, done.output
+    assert "NOT settled" in done.output
+    assert load_vessel(str(fitted)).name

@@ -95,6 +95,7 @@ WATCH_BOAT: dict[str, Case] = {
     "gauge_x": (2, "gauge_x", 2.0),
     "late": (1, "late", 1.0),
     "coarse": (True, "coarse", True),
+    "anyway": (True, "anyway", True),
 }
 FIT_BOAT: dict[str, Case] = {
     **WATCH_BOAT,

@@ -246,6 +246,7 @@ class FitBoatOptions(TypedDict, total=False):
     gauge_x: float | None
     late: float | None
     coarse: bool
+    anyway: bool
     draws: int | None
 
 
@@ -257,9 +258,10 @@ def fit_boat(
     ``records`` are paths of recordings or CSV files, ``prior`` the file of an estimated boat or of
     an earlier fit, ``hold_out`` records to foretell. ``columns``, ``bias``, ``gauge_x``,
     ``late`` and ``coarse`` say of instruments what the options do. With ``output`` the boat is
-    written. The figures are those of turns and zig-zags by their names, each with its unit, value
-    and band; ``report.coefficients`` has every coefficient before and after. TrainerError with the
-    command's words if something is wrong.
+    written, if the fit settled; ``anyway`` takes wrong signs too, and writes all the same. The
+    figures are those of turns and zig-zags by their names, each with its unit, value and band;
+    ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
+    words if something is wrong.
     """
     from trainer.identify.boat.page import render
 
@@ -280,6 +282,7 @@ class WatchBoatOptions(TypedDict, total=False):
     gauge_x: float | None
     late: float | None
     coarse: bool
+    anyway: bool
 
 
 def watch_boat(
@@ -288,11 +291,11 @@ def watch_boat(
     """Tell whether records are still of a fitted boat, as ``trainer boat watch`` does.
 
     ``fitted`` is the file of a boat that ``fit_boat`` wrote, ``records`` are paths of recordings
-    or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x``, ``late`` and
-    ``coarse`` are those of ``fit_boat``. ``report.change`` is None, or says since when and which
-    parts explain it. The figures are the parts by their names, each with its unit, value and
-    deviation. The columns are the statistic of each part by the time ``t`` [s]. TrainerError with
-    the command's words if something is wrong.
+    or CSV files, one after the other in time; ``columns``, ``bias``, ``gauge_x``, ``late``,
+    ``coarse`` and ``anyway`` are those of ``fit_boat``. ``report.change`` is None, or says since
+    when and which parts explain it. The figures are the parts by their names, each with its unit,
+    value and deviation. The columns are the statistic of each part by the time ``t`` [s].
+    TrainerError with the command's words if something is wrong.
     """
     import numpy as np
 

@@ -3,6 +3,7 @@
 ``identify/boat`` computes. Here its options are read, and its results shown and written.
 """
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,7 +22,7 @@ instrument_options = combine_options(  # of what wrote the records
     click.option(
         "--columns",
         multiple=True,
-        metavar="CHANNEL=HEADING[:UNIT]",
+        metavar="CHANNEL=HEADING[:UNIT[*SCALE[+OFFSET]]]",
         help="Where a channel is, such as --columns depth=Keel:m; may be repeated.",
     ),
     click.option(
@@ -35,6 +36,9 @@ instrument_options = combine_options(  # of what wrote the records
     ),
     click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s]."),
     click.option("--coarse", is_flag=True, help="Take readings too rare; bands then hold less."),
+    click.option(
+        "--anyway", is_flag=True, help="Even if signs are wrong, or a fit is not settled."
+    ),
 )
 
 
@@ -68,6 +72,8 @@ def fit(**options: Any) -> None:
     RECORD is a recording of ours or a CSV file: rudder, stern planes, revolutions, heading, pitch
     and depth, better also the log and roll, at even times; columns are known by their names. The
     fitted boat flies at once, and may be the prior of the next fit.
+
+    Exit code 1 when the fit does not settle: the boat is written only with --anyway.
     """
     from dataclasses import asdict
 
@@ -77,30 +83,36 @@ def fit(**options: Any) -> None:
     result, output = carry_out(options), options["output"]
     if options["as_json"]:
         click.echo(json_of(asdict(result.report)))
-        return
-    click.echo(render(result.report))
-    if output is not None:
-        click.echo(f"\nnext: trainer boat check {as_typed(output)}")
+    else:
+        click.echo(render(result.report))
+        if output is not None and (options["anyway"] or result.is_whole):
+            click.echo(f"\nnext: trainer boat check {as_typed(output)}")
+    sys.exit(0 if result.report.settled or options["anyway"] else 1)
 
 
 def carry_out(options: dict[str, Any]) -> "BoatFound":
     """Fit a boat as the options say, and write it where they ask for that."""
     from trainer.boat.compilation import announce_compiling
-    from trainer.identify.boat.fit import judge_boat, open_trials, search_boat
+    from trainer.identify.boat.fit import check_controls, judge_boat, open_trials, search_boat
     from trainer.identify.boat.instruments import instruments_of
     from trainer.identify.boat.report import figures_count
 
     output: Path | None = options["output"]
     words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
-    instruments = instruments_of(*words, coarse=options["coarse"])
+    taken = {name: options[name] for name in ("coarse", "anyway")}
+    instruments = instruments_of(*words, **taken)
     trials = open_trials(options["prior"], options["records"], options["hold_out"], instruments)
     with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):
         found = search_boat(trials, lambda step: show_step(step.steps, step.cost))
+    if not options["anyway"]:
+        check_controls(found)
     path = output or Path("fitted.toml")
     with show_progress(figures_count(options["draws"]), "sailing") as step:
         result = judge_boat(trials, found, path, options["draws"], step)
-    if output is not None:
+    if output is not None and (options["anyway"] or result.is_whole):
         write_text(output, result.text)
+    elif output is not None:
+        print_note(f"{output} is not written: {result.report.doubt}; --anyway writes it")
     if options["html"] is not None:
         write_text(options["html"], result.html, "--html")
     if result.lacks:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from trainer.identify.boat.watch import BoatWatch, WatchFiles
 
-RECORD_OPTIONS: Final = ("columns", "gauge_x", "late", "coarse")  # of what wrote a record
+RECORD_OPTIONS: Final = ("columns", "gauge_x", "late", "coarse", "anyway")  # of what wrote a record
 SESSION_OPTIONS: Final = ("url", "token")
 
 
@@ -60,7 +60,8 @@ def carry_out(options: dict[str, Any]) -> "BoatWatch":
 
     refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
     words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
-    instruments = instruments_of(*words, coarse=options["coarse"])
+    taken = {name: options[name] for name in ("coarse", "anyway")}
+    instruments = instruments_of(*words, **taken)
     files = open_watch(options["fitted"], options["records"], instruments)
     with (
         announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"),

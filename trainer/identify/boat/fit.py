@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from trainer.config.files import ConfigError
 from trainer.identify.boat.figures import BAND_DRAWS
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
-from trainer.identify.boat.report import BoatFit, report_fit
+from trainer.identify.boat.report import BoatFit, report_fit, turned_controls
 from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, FitResult, find_delay, fit_trials
 from trainer.identify.boat.sheet import html_page
 from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
@@ -31,6 +32,11 @@ class BoatFound:
     text: str
     html: str  # its page
     lacks: str  # why it has no gains; "" where it has them
+
+    @property
+    def is_whole(self) -> bool:
+        """Return whether the search settled, or its user ended it."""
+        return self.report.settled or self.report.doubt == STOPPED_TEXT
 
 
 def open_trials(
@@ -60,6 +66,12 @@ def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
         return replace(found, delay=find_delay(found, progress))
     except KeyboardInterrupt:
         return found
+
+
+def check_controls(found: FitResult) -> None:
+    """Check the signs of control coefficients; ConfigError with those that no boat has."""
+    if turned := turned_controls(found):
+        raise ConfigError(f"{turned}; nothing is written; --anyway writes it")
 
 
 def judge_boat(

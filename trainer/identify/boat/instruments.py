@@ -8,9 +8,9 @@ from typing import Final
 
 from trainer.config.files import ConfigError, offer_known, quote
 from trainer.identify.boat.noise import SLOW_KINDS
-from trainer.identify.boat.trial import Instruments
+from trainer.identify.boat.trial import COLUMNS_OPTION, Instruments
 from trainer.identify.record.columns import BOAT_WORDS
-from trainer.identify.record.sources import Column, units_of
+from trainer.identify.record.sources import column_said
 from trainer.units import DEGREE
 
 BIAS_STATES: Final = {name.removesuffix("_error"): name for name in SLOW_KINDS}
@@ -23,13 +23,12 @@ def instruments_of(
     late: float = 0.0,
     *,
     coarse: bool = False,
+    anyway: bool = False,
 ) -> Instruments:
     """Return what words such as ``depth=Keel:m`` and ``pitch=1`` say; ConfigError."""
     found, sizes = {}, {}
-    for channel, text in _pairs("--columns", columns, BOAT_WORDS):
-        head, _, unit = text.rpartition(":")
-        known = unit in units_of(channel) and bool(head)
-        found[channel] = Column(head, unit) if known else Column(text, None)
+    for channel, text in _pairs(COLUMNS_OPTION, columns, BOAT_WORDS):
+        found[channel] = column_said(text)
     for name, text in _pairs("--bias", biases, BIAS_STATES):
         state = BIAS_STATES[name]
         try:
@@ -38,7 +37,7 @@ def instruments_of(
             raise ConfigError(f"--bias {name}={text}: {quote(text)} is no number") from None
         if not 0.0 < sizes[state] < 1e3:
             raise ConfigError(f"--bias {name}={text}: must be above 0, a standard deviation")
-    return Instruments(found, sizes, gauge_x, late, coarse)
+    return Instruments(found, sizes, gauge_x, late, coarse, anyway)
 
 
 def _pairs(option: str, texts: Iterable[str], known: Iterable[str]) -> Iterator[tuple[str, str]]:

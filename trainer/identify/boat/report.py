@@ -24,7 +24,8 @@ from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_NAMES
 from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.search import FitResult, run_pass
-from trainer.identify.boat.trial import FLOWN_PLANES_RAD, USUAL_ERRORS, Trial
+from trainer.identify.boat.trial import USUAL_ERRORS, Trial
+from trainer.identify.record.signs import FLOWN_PLANES_RAD
 from trainer.units import DEGREE
 
 LEARNED_SHARES: Final = (0.5, 0.9)  # of the prior deviation that is left: learned, partly
@@ -37,6 +38,8 @@ MAX_SLOW_DEVIATIONS: Final = 2.5
 MAX_WILD_SHARE: Final = 0.005  # [-] of a record's rows
 # the inertia of the water that goes with the hull, which none has against its own (Imlay 1961)
 ADDED_MASSES: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+# of every boat; which way bow planes pitch her depends on their place
+CONTROL_SIGNS: Final = {"Y_dr": 1.0, "N_dr": -1.0, "Z_ds": -1.0, "M_ds": -1.0, "Z_db": -1.0}
 MAX_CONFLICT: Final = 1.6  # [-] of z'z over what it should be
 LEAD_IN_S: Final = 10.0  # [s] of a held-out record, from whose end it is simulated
 FORETOLD_CHANNELS: Final = {  # what is foretold: unit, the state, and the channel that must be read
@@ -279,6 +282,8 @@ def _warnings(
             f"the search did not settle ({fit.found.doubt}): all bands are doubled; fit fewer "
             "records, or give a longer one"
         )
+    if turned := turned_controls(fit):
+        yield turned
     if fit.conflict > MAX_CONFLICT:
         yield (
             f"the coefficients lie {fit.conflict:.2g} times as far from the prior as they should: "
@@ -323,6 +328,22 @@ def _warnings(
             f"figures beyond what the records saw: {further}: they rest on the prior there; sail "
             "and fit such a trial"
         )
+
+
+def turned_controls(fit: FitResult) -> str:
+    """Return which control coefficients have a sign that no boat has, "" if none."""
+    values = dict(zip(PARAMETER_NAMES, fit.posterior.values.tolist(), strict=True))
+    turned = [
+        f"{name} {values[name]:+.2g}"
+        for name, sign in CONTROL_SIGNS.items()
+        if sign * values[name] < 0.0
+    ]
+    if not turned:
+        return ""
+    return (
+        f"{', '.join(turned)}: of the other sign than every boat has: a surface, heading or pitch "
+        "has the wrong sign or unit, or another surface moved and is not in the record"
+    )
 
 
 def record_warnings(records: Sequence[RecordFit]) -> Iterator[str]:

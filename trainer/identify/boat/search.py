@@ -27,7 +27,7 @@ from trainer.identify.fitting.minimise import (
     ignore_news,
 )
 
-MOST_STEPS: Final = 25
+MOST_STEPS: Final = 60
 USUAL_SEARCH: Final = SearchOptions(MOST_STEPS)
 MAX_MOVE: Final = 2.0  # [-] of any z in one step
 MAX_RISE: Final = 1e-3  # [-] of the value, by which a step may be worse

@@ -21,18 +21,24 @@ from trainer.config.files import ConfigError, raise_problems
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
-from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
 from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import FIN_CHANNELS, Record
+from trainer.identify.record.signs import (
+    FLOWN_PLANES_RAD,
+    Channel,
+    Course,
+    explain_signs,
+    judge_signs,
+)
 from trainer.identify.record.sources import (
     BOAT_COLUMNS,
     Column,
     check_times,
+    check_unit,
     own_columns,
     read_record,
-    units_of,
     without_jumps,
 )
 from trainer.io.paths import RECORDING_SUFFIX
@@ -46,6 +52,7 @@ RECORD_FIELDS: Final = {
     "q": "pitch_rate",
     "r": "yaw_rate",
 }
+INPUT_FIELDS: Final = ("rudder", "stern", "bow", "command_speed")  # of Trial.inputs
 USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
     "speed": 0.05,
     "heading": 0.2 * DEGREE,
@@ -57,6 +64,7 @@ USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
     "r": 0.02 * DEGREE,
     "ground_speed": 0.05,
 }
+COLUMNS_OPTION: Final = "--columns"
 NEEDED_FIELDS: Final = ("rudder", "stern", "heading", "pitch", "depth")
 INTERVAL_RANGE_S: Final = (0.05, 2.0)  # [s]
 MAX_INTERVAL_LENGTHS: Final = 0.25  # [L/U] readings that are rarer tell the wrong boat
@@ -71,11 +79,8 @@ STANDING_COUNT: Final = 20  # [readings] of one value
 ABLE_FACTOR, ABLE_SLACK_DEG = 1.2, 1.0  # of a surface's rate, and of its readings
 MIN_DEPTH_DIAMETERS: Final = 2.5  # above, the free surface acts
 FLOWN_RUDDER_RAD: Final = math.radians(2.0)  # [rad] rms: less keeps a course
-FLOWN_PLANES_RAD: Final = math.radians(1.5)  # [rad] likewise, a depth
 LEVEL_CHANNELS: Final = ("heading", "roll", "p", "r")
 UPRIGHT_CHANNELS: Final = ("pitch", "depth", "q")
-SIGN_SPAN_LENGTHS: Final = 0.3  # [L/U] over which a turning is differenced, to tell a sign
-WRONG_SIGN_CORRELATION: Final = -0.3  # [-] beyond, a sign is plainly wrong
 # rudder and stern planes of four fins; then what all have alike, and what they have in turn
 FIN_MIX: Final = 0.25 * np.array([[1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, 1, 1], [1, -1, 1, -1]])
 MAX_FIN_RESIDUE_RAD: Final = math.radians(0.25)  # [rad] of these: one fin off by a degree
@@ -91,6 +96,7 @@ class Instruments:
     gauge_x: float = 0.0  # [m] of the depth gauge ahead of the origin
     late: float = 0.0  # [s] by which surfaces and revolutions are logged late
     coarse: bool = False  # readings that are too rare are taken all the same
+    anyway: bool = False  # likewise, signs that the record contradicts
 
 
 USUAL_INSTRUMENTS: Final = Instruments()
@@ -161,7 +167,12 @@ def read_trial(
     told = (*trial.told, *_standing(trial), *_coarse(trial, vessel))
     trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
     rarest = MAX_COARSE_LENGTHS if instruments.coarse else MAX_INTERVAL_LENGTHS
-    found = trial_problems(trial, vessel, rarest)
+    found = [*trial_problems(trial, vessel, rarest)]
+    if path.suffix != RECORDING_SUFFIX and (signs := wrong_signs(trial, vessel, columns)):
+        if instruments.anyway:
+            trial = replace(trial, told=(*trial.told, f"taken as it is: {signs}"))
+        else:
+            found.append(f"{signs}; --anyway takes the signs as they are")
     raise_problems([f"{record.source}: {text}" for text in found])
     return without_unflown(trial)
 
@@ -175,16 +186,12 @@ def _columns(path: Path, said: Mapping[str, Column]) -> dict[str, Column]:
     table = read_table(path)
     for channel, one in said.items():
         index = table.index(one.name, channel)
-        unit, known = one.unit or table.units[index], units_of(channel)
-        if unit not in known and not (channel == "t" and table.is_clock(index)):
-            raise ConfigError(
-                f"{path}: {one.name} for {channel} has no unit: say --columns "
-                f"{channel}={shlex.quote(one.name)}:{' or :'.join(known)}"
-            )
+        if not (channel == "t" and table.is_clock(index)):
+            check_unit(path, channel, one, table.units[index], COLUMNS_OPTION)
     if all(table.has(own[name].name) for name in ("t", *NEEDED_FIELDS)):
         found = {key: one for key, one in own.items() if table.has(one.name)}
     else:
-        found = dict(guess_columns(table, BOAT_WORDS).columns)
+        return dict(guess_columns(table, BOAT_WORDS, said, COLUMNS_OPTION).columns)
     taken = [one.name for one in said.values()]
     return {**{key: one for key, one in found.items() if one.name not in taken}, **said}
 
@@ -370,14 +377,6 @@ def trial_problems(
             f"{np.nanmin(depth):.3g} m deep: needs {least_m:.3g} m, "
             f"{MIN_DEPTH_DIAMETERS:g} breadths of the hull, because the surface is not in the model"
         )
-    for angle, surface, key, names in (
-        ("heading", 0, "N_dr", "rudder or of heading"),
-        ("pitch", 1, "M_ds", "stern planes or of pitch"),
-    ):
-        together = _correlation(trial, angle, surface, span)
-        if together * np.sign(vessel.values[PARAMETER_NAMES.index(key)]) < WRONG_SIGN_CORRELATION:
-            found = f"the boat turns the other way (correlation {together:.2f})"
-            yield f"{found}: turn the sign of {names}"
 
 
 def least_depth(vessel: FittedVessel) -> float | None:
@@ -386,16 +385,43 @@ def least_depth(vessel: FittedVessel) -> float | None:
     return None if width is None else MIN_DEPTH_DIAMETERS * width
 
 
-def _correlation(trial: Trial, angle: str, surface: int, span: float) -> float:
-    """Return how far an angle's second differences go with a surface [-]; 0 where it is still."""
-    lag = max(1, round(SIGN_SPAN_LENGTHS * span / trial.interval))
-    values = trial.readings[:, CHANNEL_NAMES.index(angle)]
-    bend = values[2 * lag :] - 2.0 * values[lag:-lag] + values[: -2 * lag]
-    moved = trial.inputs[lag:-lag, surface]
-    known = np.isfinite(bend)
-    if known.sum() < MIN_READINGS // 2 or np.std(moved[known]) < FLOWN_PLANES_RAD:
-        return 0.0
-    return float(np.corrcoef(bend[known], moved[known])[0, 1])
+def channels_of(trial: Trial) -> dict[str, Channel]:
+    """Return the channels of a trial, each with its own readings."""
+    t = trial.interval * np.arange(len(trial.readings))
+    columns = {
+        **{RECORD_FIELDS[name]: trial.readings[:, i] for i, name in enumerate(CHANNEL_NAMES)},
+        **dict(zip(INPUT_FIELDS, trial.inputs.T, strict=True)),
+    }
+    known = {name: np.isfinite(values) for name, values in columns.items()}
+    return {
+        name: Channel(t[known[name]], values[known[name]])
+        for name, values in columns.items()
+        if np.count_nonzero(known[name]) > 1
+    }
+
+
+def wrong_signs(trial: Trial, vessel: FittedVessel, columns: Mapping[str, Column]) -> str:
+    """Return which signs the record itself contradicts, and the nearest cures; "" if none."""
+    limit = vessel.file.surfaces.rudder_limit_deg * DEGREE
+    tests = [*judge_signs(channels_of(trial), Course(vessel.length, vessel.speed, limit))]
+    faults = [one.evidence for one in tests if one.found < 0.0]
+    if not faults:
+        return ""
+    cures = [" and ".join(_turned(name, columns) for name in one) for one in explain_signs(tests)]
+    cure = ", or ".join(cures) if cures else "no change of signs mends it"
+    return f"{', '.join(faults)}: {cure}"
+
+
+def _turned(channel: str, columns: Mapping[str, Column]) -> str:
+    """Return the option that turns the sign of a channel."""
+    one = columns.get(channel)
+    if one is None or one.unit is None:
+        return f"turn the sign of {channel}"
+    scale = -1.0 if one.scale is None else -one.scale
+    east = " (*-1+90 of one from east)" if channel == "heading" and one.unit == "deg" else ""
+    offset = f"{-one.offset:+g}" if one.offset else ""
+    words = f"say {COLUMNS_OPTION} {channel}={shlex.quote(one.name)}:{one.unit}*{scale:g}{offset}"
+    return f"{words}{east}"
 
 
 def without_unflown(trial: Trial) -> Trial:

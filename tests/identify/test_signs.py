@@ -1,0 +1,158 @@
+"""Signs that a record itself contradicts: found, named with their cure, and not found falsely."""
+
+import warnings
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.bb2_trials import estimated_bb2, four_trials
+from helpers.boat_trials import estimated_boat, made_trial, write_csv
+
+from trainer.config.files import ConfigError
+from trainer.identify.boat import fit, search
+from trainer.identify.boat.filter import CHANNEL_NAMES
+from trainer.identify.boat.instruments import instruments_of
+from trainer.identify.boat.prior import Knowledge, Prior, read_prior
+from trainer.identify.boat.regressors import PARAMETER_NAMES
+from trainer.identify.boat.trial import (
+    INPUT_FIELDS,
+    Trial,
+    read_trial,
+    trial_problems,
+    wrong_signs,
+)
+from trainer.identify.fitting.minimise import SearchOptions
+from trainer.identify.record.signs import SignTest, explain_signs
+
+RATE = CHANNEL_NAMES.index("r")
+TURNED = {  # what is turned in a file, and the option that turns it back
+    "rudder [deg]": "rudder=rudder:deg*-1",
+    "stern planes [deg]": "stern='stern planes':deg*-1",
+    "pitch [deg]": "pitch=pitch:deg*-1",
+    "depth [m]": "depth=depth:m*-1",
+    "heading [deg]": "heading=heading:deg*-1",
+}
+
+
+@pytest.fixture(scope="module")
+def prior(tmp_path_factory: pytest.TempPathFactory) -> Prior:
+    return read_prior(str(estimated_boat(tmp_path_factory.mktemp("boat"))))
+
+
+@pytest.fixture(scope="module")
+def file(prior: Prior, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a stranger's file of a clean trial."""
+    made = made_trial(prior.vessel, prior.values)
+    path = tmp_path_factory.mktemp("trial") / "trial.csv"
+    write_csv(path, made, prior.vessel.file.propulsion.rps_per_mps)
+    return path
+
+
+def turned(file: Path, folder: Path, head: str) -> Path:
+    """Return a copy of a file, a column of the other sign."""
+    lines = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+    at = lines[0].index(head)
+    for row in lines[1:]:
+        row[at] = f"{-float(row[at]):.5f}"
+    path = folder / "turned.csv"
+    path.write_text("\n".join(map(",".join, lines)) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("head", TURNED)
+def test_the_option_that_a_wrong_sign_names_reads_the_record_right(
+    prior: Prior, file: Path, tmp_path: Path, head: str
+) -> None:
+    plain, path = read_trial(file, prior.vessel), turned(file, tmp_path, head)
+    with pytest.raises(ConfigError) as wrong:
+        read_trial(path, prior.vessel)
+    assert f"--columns {TURNED[head]}" in str(wrong.value)
+    assert "--anyway" in str(wrong.value)
+    named = {"rudder", "heading"} if head.partition(" ")[0] in ("rudder", "heading") else set()
+    options = {one.split("=")[0] for one in str(wrong.value).split("--columns ")[1:]}
+    assert options == named or options == {TURNED[head].split("=")[0]}
+    said = instruments_of([TURNED[head].replace("'", "")], [])
+    read = read_trial(path, prior.vessel, said)
+    assert read.readings == pytest.approx(plain.readings, abs=1e-4, nan_ok=True)
+    assert read.inputs == pytest.approx(plain.inputs, abs=1e-9)
+
+
+def test_anyway_reads_a_wrong_sign_and_says_so(prior: Prior, file: Path, tmp_path: Path) -> None:
+    path = turned(file, tmp_path, "rudder [deg]")
+    read = read_trial(path, prior.vessel, instruments_of([], [], anyway=True))
+    assert any("taken as it is: positive rudder turns her to starboard" in one for one in read.told)
+
+
+def test_a_heading_from_east_is_read_by_the_option_that_is_named(
+    prior: Prior, file: Path, tmp_path: Path
+) -> None:
+    lines = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+    at = lines[0].index("heading [deg]")
+    for row in lines[1:]:
+        row[at] = f"{(90.0 - float(row[at])) % 360.0:.5f}"
+    path = tmp_path / "east.csv"
+    path.write_text("\n".join(map(",".join, lines)) + "\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"heading:deg\*-1 \(\*-1\+90 of one from east\)"):
+        read_trial(path, prior.vessel)
+    read = read_trial(path, prior.vessel, instruments_of(["heading=heading:deg*-1+90"], []))
+    plain, at = read_trial(file, prior.vessel), CHANNEL_NAMES.index("heading")
+    turns = (read.readings[:, at] - plain.readings[:, at]) / (2.0 * np.pi)
+    assert turns == pytest.approx(np.round(turns), abs=1e-6)
+
+
+def with_rate(trial: Trial) -> Trial:
+    """Return a trial with the yaw rate of its heading."""
+    readings, at = trial.readings.copy(), CHANNEL_NAMES.index("heading")
+    readings[:, RATE] = np.gradient(readings[:, at], trial.interval)
+    return replace(trial, readings=readings)
+
+
+@pytest.mark.parametrize("channel", ["heading", "r", "rudder"])
+def test_beside_a_yaw_rate_the_one_channel_is_named(prior: Prior, channel: str) -> None:
+    trial = with_rate(made_trial(prior.vessel, prior.values))
+    assert wrong_signs(trial, prior.vessel, {}) == ""
+    readings, inputs = trial.readings.copy(), trial.inputs.copy()
+    if channel in INPUT_FIELDS:
+        inputs[:, INPUT_FIELDS.index(channel)] *= -1.0
+    else:
+        readings[:, CHANNEL_NAMES.index(channel)] *= -1.0
+    told = wrong_signs(replace(trial, readings=readings, inputs=inputs), prior.vessel, {})
+    assert told.endswith(f": turn the sign of {'yaw_rate' if channel == 'r' else channel}")
+
+
+def test_the_fewest_changes_explain_all_tests() -> None:
+    turning = partial(SignTest, "turning", ("rudder", "heading"))
+    rate = partial(SignTest, "rate", ("yaw_rate", "heading"))
+    assert explain_signs([turning(-9.0)]) == [("rudder",), ("heading",)]
+    assert explain_signs([turning(-9.0), rate(-0.99)]) == [("heading",)]
+    assert explain_signs([turning(-9.0), rate(0.99)]) == [("rudder",)]
+    assert explain_signs([turning(9.0), rate(-0.99)]) == [("yaw_rate",)]
+    assert explain_signs([turning(9.0), turning(-9.0)]) == []
+
+
+def test_a_control_coefficient_of_the_other_sign_is_refused(prior: Prior) -> None:
+    made = made_trial(prior.vessel, prior.values, count=120)
+    found = search.fit_trials(prior, [made], SearchOptions(1))
+    fit.check_controls(found)
+    values = found.posterior.values.copy()
+    values[PARAMETER_NAMES.index("N_dr")] *= -1.0
+    other = replace(found, posterior=Knowledge(values, found.posterior.root))
+    with pytest.raises(ConfigError, match=r"N_dr \+.*other sign than every boat has"):
+        fit.check_controls(other)
+
+
+@pytest.mark.slow
+def test_at_most_one_clean_record_in_a_hundred_is_refused(prior: Prior, tmp_path: Path) -> None:
+    bb2 = read_prior(str(estimated_bb2(tmp_path)))
+    made = [(prior, made_trial(prior.vessel, prior.draw(i), seed=i)) for i in range(100)]
+    for i in range(25):
+        boat = bb2.vessel.numbers(bb2.draw(i))
+        made += [(bb2, trial) for trial in four_trials(boat, i, 600)]
+    sailed = [one for one in made if not [*trial_problems(one[1], one[0].vessel)]]
+    assert len(sailed) > 150
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        false = [trial.source for one, trial in sailed if wrong_signs(trial, one.vessel, {})]
+    assert len(false) <= len(sailed) // 100, false
