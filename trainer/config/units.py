@@ -1,4 +1,4 @@
-"""Units of columns that people write: what they are in SI, and how they are spelled."""
+"""Units of columns that people write: their size in SI, their spellings."""
 
 import math
 import re

@@ -218,7 +218,7 @@ def column_said(text: str) -> Column:
 
 
 def check_unit(path: Path, channel: str, column: Column, said: str, option: str = "") -> str:
-    """Return the unit of a column, ``said`` by its file where it is not said otherwise.
+    """Return the unit of a column, ``said`` by its file unless said otherwise.
 
     ConfigError with the units known, and how to say one: by ``option``, else in the study.
     """
