@@ -42,7 +42,7 @@ def imported_sources(*paths: Path) -> list[Path]:
     to_read = [each for path in paths for each in (path.rglob("*.py") if path.is_dir() else [path])]
     while to_read:
         path = to_read.pop()
-        if path not in found:
+        if path not in found and path.is_file():  # none of what was typed at a prompt
             found.add(path)
             to_read += _imports(path)
     return sorted(found)
