@@ -29,7 +29,7 @@ ORDERS: Final[list[tuple[int, str, dict[str, float]]]] = [
     (740, "speed 8", {"speed_by_hand": 0, "ordered_speed": 8.0}),
     (800, "emergency blow", {"blow_forward": 2, "blow_mid": 2, "blow_aft": 2}),
     (1000, "casualty gyro-biased", {"casualty_gyro_biased": 1.0}),
-    (1050, "depth 0", {"ordered_depth": 0.0}),
+    (1050, "depth 4", {"ordered_depth": 4.0}),
     (1060, "rudder right 5", {"rudder_by_hand": 1, "ordered_r": 5.0}),
     (1150, "rudder auto", {"rudder_by_hand": 0}),
 ]
