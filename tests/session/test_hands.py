@@ -119,7 +119,7 @@ def test_a_recording_tells_who_had_an_axis(pair: Pair) -> None:
     ("words", "axes"),
     [
         ("autopilot on", "rudder planes speed ballast"),
-        ("autopilot off", ""),
+        ("autopilot off", "rudder planes speed ballast"),
         ("hover on", "ballast"),
         ("planes auto", "planes"),
         ("speed 8", "speed"),

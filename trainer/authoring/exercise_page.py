@@ -52,7 +52,7 @@ from trainer.core.digest import core_digest
 from trainer.debrief.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
 from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.scoring import Scorecard, formula_of
-from trainer.debrief.tally_sheet import why_no_numbers
+from trainer.debrief.tally_sheet import forbids_numbers
 from trainer.debrief.trajectory import missing_quantities
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.session.past.options import RunOptions
@@ -325,8 +325,8 @@ def _lines(plan: Plan, boat: Boat, checked: FlownExercise | None) -> Iterator[tu
     yield from (("score", text) for text in _scores(plan))
     if checked is not None and plan.judged_by_tasks:
         yield from _marks(checked)
-    if plan.judged_by_tasks and (why := why_no_numbers(plan)):
-        yield "numbers", f"none, so that programs that learn cannot fly it: {why}"
+    if plan.judged_by_tasks and (refused := forbids_numbers(plan)):
+        yield "numbers", f"none, so that programs that learn cannot fly it: {refused.reason}"
     yield from (("note", text) for text in _notes(plan, boat))
 
 

@@ -40,6 +40,7 @@ from trainer.debrief.trajectory import (
     Trajectory,
     missing_quantities,
 )
+from trainer.io.orders.grammar import Refused
 from trainer.session.past.plan import Plan
 
 PART_CODES: Final = {"task": tallies.TASK, "answer": tallies.ANSWER, "keeping": tallies.KEEPING}
@@ -138,14 +139,14 @@ def refuse_plan(plan: Plan) -> None:
         raise ConfigError(f"{plan.title or 'no exercise'}: there are no tasks with an end to judge")
 
 
-def why_no_numbers(plan: Plan) -> str:
-    """Return why an exercise cannot be flown and judged by numbers, "" if it can."""
+def forbids_numbers(plan: Plan) -> Refused | None:
+    """Return why an exercise cannot be flown and judged by numbers, None if it can."""
     try:
         refuse_plan(plan)
         refuse_words(plan)
     except ConfigError as why:
-        return str(why).removeprefix(f"{plan.title}: ")
-    return ""
+        return Refused(str(why).removeprefix(f"{plan.title}: "))
+    return None
 
 
 def refuse_words(plan: Plan) -> None:

@@ -363,3 +363,5 @@ FORMS_BY_WORD: Mapping[str, Sequence[Form]] = {
     for name in dict.fromkeys(word_of(form) for form in FORMS if not form.refusal)
 }
 HELP_TOPICS = tuple(dict.fromkeys(heading_word(form) for form in FORMS if not form.refusal))
+# Orders whose words a person is free to choose; those of all others are the grammar's.
+REMARK_ORDERS = {word_of(form) for form in FORMS if form.pattern.endswith(" REMARK")}

@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from trainer.io.orders.table import REMARK_ORDERS
 from trainer.io.outputs import note_input
 from trainer.io.recording import format_1
 from trainer.io.recording.facts import BranchCause
@@ -96,8 +97,6 @@ TEXTS: Final = {  # that people have written, or that repeat them, by the table
     "orders": ("text", "who", "answer", "crew_order"),
     "events": ("text", "who"),
 }
-# Orders whose words a person is free to choose; those of all others are the grammar's
-REMARK_ORDERS: Final = ("mark", "tell", "report", "relief")
 
 
 class RecordingError(Exception):
