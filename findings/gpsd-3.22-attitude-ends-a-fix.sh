@@ -6,7 +6,7 @@
 #   (ATT) for each set, and no position (TPV) after the first two. With RMC, PASHR, GGA, VTG it
 #   reports both for each set. With PASHR first TPV is there, and ATT has no pitch in it.
 # Guess before: the order within a set only moves the moment of the report.
-# Versions: gpsd 3.22-4.1+deb12u1 (Debian 12; Ubuntu 22.04 has 3.22 too)
+# Versions: gpsd 3.22-4.1+deb12u1 (Debian 12; Ubuntu 22.04 has 3.22 too); pynmea2 1.19.0 (checksums)
 # Source: gpsd's drivers/driver_nmea0183.c, register_fractional_time and cycle_continue
 set -euo pipefail
 folder=$(mktemp -d)
@@ -14,8 +14,11 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 apt-get download -qq gpsd=3.22-4.1+deb12u1 libgps28=3.22-4.1+deb12u1 > /dev/null
 for each in ./*.deb; do dpkg -x "$each" root; done
+python3 -m venv python && python/bin/pip install -q --disable-pip-version-check pynmea2==1.19.0
 cat > seen.py << 'PY'
-import functools, json, operator, os, socket, subprocess, sys, threading, time
+import json, socket, subprocess, sys, threading, time
+
+import pynmea2
 
 SETS = 24
 RMC = "INRMC,{t},A,2500.{n:05d},N,04500.00000,W,10.00,0.00,010126,,,A"
@@ -33,7 +36,7 @@ ORDERS = {
 def sentence(form, k):
     """Return a sentence of the set k, half a second after the one before."""
     body = form.format(t=f"1200{k // 2:02d}.{50 * (k % 2):02d}", n=150 * k)
-    return f"${body}*{functools.reduce(operator.xor, body.encode()):02X}\r\n".encode()
+    return f"${body}*{pynmea2.NMEASentence.checksum(body):02X}\r\n".encode()
 
 
 def free_port():
@@ -84,4 +87,4 @@ last, second, first = seen.values()
 most = SETS - 4  # the first few, until it has learnt which sentence is the last
 sys.exit(not (last[0] <= 4 and last[2] >= most and min(second) >= most and first[2] == 0 < first[0]))
 PY
-LD_LIBRARY_PATH=$(dirname "$(find "$folder/root" -name 'libgps.so*' | head -n 1)") python3 seen.py
+LD_LIBRARY_PATH=$(dirname "$(find "$folder/root" -name 'libgps.so*' | head -n 1)") python/bin/python seen.py

@@ -14,7 +14,7 @@ set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
-apt-get download -qq ser2net=4.3.11-1 libgensio4 libyaml-0-2 > /dev/null
+apt-get download -qq ser2net=4.3.11-1 libgensio4=2.6.2-4 libyaml-0-2=0.2.5-1 > /dev/null
 for each in ./*.deb; do dpkg -x "$each" root; done
 python3 -m venv python && python/bin/pip install -q --disable-pip-version-check pyserial==3.5
 cat > seen.py << 'PY'

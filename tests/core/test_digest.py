@@ -16,7 +16,7 @@ import pytest
 import trainer
 from trainer.core import digest
 from trainer.core.digest import (
-    PACKAGE,
+    PACKAGE_FOLDER,
     digest_sources,
     imported_sources,
     read_source,
@@ -98,15 +98,17 @@ def with_kernels() -> list[ModuleType]:
 @pytest.fixture
 def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Return a copy of the package, whose sources are read."""
-    shutil.copytree(PACKAGE, tmp_path / "trainer", ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(digest, "PACKAGE", tmp_path / "trainer")
+    shutil.copytree(
+        PACKAGE_FOLDER, tmp_path / "trainer", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    monkeypatch.setattr(digest, "PACKAGE_FOLDER", tmp_path / "trainer")
     digest._source_of.cache_clear()  # noqa: SLF001  names are of the other folder
     yield tmp_path / "trainer"
     digest._source_of.cache_clear()  # noqa: SLF001
 
 
 def room_of(path: Path) -> str:
-    return path.relative_to(PACKAGE).parts[0]
+    return path.relative_to(PACKAGE_FOLDER).parts[0]
 
 
 @pytest.mark.long
@@ -122,7 +124,9 @@ def test_words_and_imports_are_found_as_python_finds_them(with_kernels: list[Mod
         modules = {each for each in named if each and each.name != "__init__.py"}
         if not modules <= set(imported_sources(path)):
             wrong.append(path)
-    assert wrong == [PACKAGE / "config/class_file.py"]  # a line `# ...` in a text that it writes
+    assert wrong == [
+        PACKAGE_FOLDER / "config/class_file.py"
+    ]  # a line `# ...` in a text that it writes
 
 
 def test_no_kernel_lies_outside_what_its_folder_is_named_by(with_kernels: list[ModuleType]) -> None:
@@ -142,7 +146,7 @@ def test_a_constant_of_any_room_names_another_folder(
 ) -> None:
     edited = set()
     for module in with_kernels:
-        path = copied / Path(str(module.__file__)).relative_to(PACKAGE)
+        path = copied / Path(str(module.__file__)).relative_to(PACKAGE_FOLDER)
         for source in imported_sources(path):
             room = source.relative_to(copied).parts[0]
             text = read_source(source)
@@ -155,15 +159,15 @@ def test_a_constant_of_any_room_names_another_folder(
             assert digest_sources(imported_sources(path)) != before, (path, source)
             source.write_text(text)
     assert {path for path, _ in edited} >= {
-        copied / Path(str(each.__file__)).relative_to(PACKAGE)
+        copied / Path(str(each.__file__)).relative_to(PACKAGE_FOLDER)
         for each in with_kernels
         if each.__name__.startswith(("trainer.debrief", "trainer.identify.boat", "trainer.api"))
     }
 
 
 def test_the_core_is_computed_by_nothing_but_itself_and_units() -> None:
-    folder = PACKAGE / "core"
-    assert set(imported_sources(folder)) == {PACKAGE / "units.py", *folder.rglob("*.py")}
+    folder = PACKAGE_FOLDER / "core"
+    assert set(imported_sources(folder)) == {PACKAGE_FOLDER / "units.py", *folder.rglob("*.py")}
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
-from trainer.core.digest import PACKAGE, imported_sources
+from trainer.core.digest import PACKAGE_FOLDER, imported_sources
 from trainer.core.kernel import INTERPRETED
 
 
@@ -73,7 +73,7 @@ def mark_path(name: str, *folders: str) -> Path:
     facts = [importlib.metadata.version("numba"), sys.version, binding.get_host_cpu_name()]
     facts += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
     # numba asks a kernel's own file only; a mark speaks for all that is imported there
-    for path in imported_sources(*(PACKAGE / each for each in folders or ("core",))):
+    for path in imported_sources(*(PACKAGE_FOLDER / each for each in folders or ("core",))):
         status = path.stat()
         facts.append(f"{path} {status.st_mtime_ns} {status.st_size}")
     return cache_folder() / f"{name}-{hashlib.sha256(repr(facts).encode()).hexdigest()[:16]}"

@@ -17,7 +17,7 @@ from click.core import ParameterSource
 from trainer.cli.types import Duration, File, Name, Number, Output, Speed
 from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
-from trainer.config.words import BATTERIES, EQUATION_SETS
+from trainer.config.words import BATTERY_KINDS, EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.past.options import RunOptions
 
@@ -172,7 +172,7 @@ exercise_options = combine_options(
     click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
     click.option(
         "--battery",
-        type=click.Choice(BATTERIES),
+        type=click.Choice(BATTERY_KINDS),
         default="drained",
         help="Whether the boat's battery is drained, or never goes flat.",
     ),

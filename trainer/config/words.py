@@ -10,7 +10,7 @@ from typing import Final
 EQUATION_SETS: Final = ("full", "modified", "basic", "longitudinal")
 TRIGONOMETRY_KINDS: Final = ("exact", "report")
 ENDLESS_BATTERY: Final = "endless"
-BATTERIES: Final = ("drained", ENDLESS_BATTERY)
+BATTERY_KINDS: Final = ("drained", ENDLESS_BATTERY)
 
 
 SHIP_FILE_SCHEMA: Final = "ship/1"  # form of the file of a ship that is not linear

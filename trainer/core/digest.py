@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[1]
+PACKAGE_FOLDER = Path(__file__).parents[1]
 # Digests of earlier cores, whose standard hour ended in the bits of this one's.
 SAME_BITS: frozenset[str] = frozenset({"0896c78e0d8ddf4a", "43ed887495848b23"})
 DIGEST_SOURCE = Path(__file__)  # which says what counts, and computes nothing
@@ -30,7 +30,9 @@ RENAMED_PATTERN = re.compile(r"#.*| as \w+")
 @cache
 def core_digest() -> str:
     """Return a short hash of the core's sources, by which the boat is computed."""
-    return digest_sources([PACKAGE / "units.py", *sorted((PACKAGE / "core").rglob("*.py"))])
+    return digest_sources(
+        [PACKAGE_FOLDER / "units.py", *sorted((PACKAGE_FOLDER / "core").rglob("*.py"))]
+    )
 
 
 def imported_sources(*paths: Path) -> list[Path]:
@@ -62,7 +64,7 @@ def _imports(path: Path) -> list[Path]:
 @cache
 def _source_of(module: str) -> Path | None:
     """Return the source of a module by its name, None if it is no module of the package."""
-    place = PACKAGE.joinpath(*module.split(".")[1:])
+    place = PACKAGE_FOLDER.joinpath(*module.split(".")[1:])
     files = (place.with_suffix(".py"), place / "__init__.py")
     return next((path for path in files if path.is_file()), None)
 

@@ -34,7 +34,7 @@ from trainer.session.past.header import TRAINEES_KEY, open_recording, trainees_o
 
 REMOVED_NAME: Final = "(name removed)"
 # How files are written that others have saved again; "utf-8" is ours
-CODECS: Final = (
+NAME_CODECS: Final = (
     *("utf-8", "cp1250", "cp1251", "cp1252", "cp1253", "cp1254", "cp1257"),
     *("gb18030", "shift_jis", "euc_kr"),
 )
@@ -55,7 +55,15 @@ OWN_COLUMNS: Final = ({b"trainee", b"exercise"}, {b"tick", b"who", b"text"})  # 
 CLASS_NAMES: Final = re.compile(rb"^(?:trainees|name) = .*$", re.MULTILINE)
 LISTED_REMOVED: Final = re.compile(rb'"\(name removed\)", |(?:, )?"\(name removed\)"(?=\])')
 # What begins a file whose content is packed, so that no name is seen in it
-PACKED: Final = (b"%PDF", b"PK\3\4", b"\x1f\x8b", b"\xfd7zXZ", b"BZh", b"\x28\xb5\x2f\xfd", b"RRF")
+PACKED_HEADS: Final = (
+    b"%PDF",
+    b"PK\3\4",
+    b"\x1f\x8b",
+    b"\xfd7zXZ",
+    b"BZh",
+    b"\x28\xb5\x2f\xfd",
+    b"RRF",
+)
 
 
 class SoughtName:
@@ -132,7 +140,9 @@ def _narrow_letter(sign: str) -> bytes:
     """Return a pattern of a character, as texts, JSON, tables, pages and addresses have it."""
     escapes = (lambda case: json.dumps(case)[1:-1]), html.escape, escape, percented
     cases = _cases(sign)
-    return _any_of({*cases, *(str(spell(case)) for spell in escapes for case in cases)}, *CODECS)
+    return _any_of(
+        {*cases, *(str(spell(case)) for spell in escapes for case in cases)}, *NAME_CODECS
+    )
 
 
 def _cases(sign: str) -> set[str]:
@@ -243,7 +253,7 @@ def _doubtful(files: Sequence[Path], cleaned: Collection[Path]) -> Iterator[Path
         beside = [each for each in beside if each.parent == path.parent]
         with suppress(OSError):  # it is gone by now, or was told already
             if not beside or max(beside, key=lambda each: len(stems[each])) in cleaned:
-                yield from [path] if _head(path).startswith(PACKED) else ()
+                yield from [path] if _head(path).startswith(PACKED_HEADS) else ()
 
 
 def files_of(sources: Sequence[Path]) -> Iterator[Path]:

@@ -92,7 +92,7 @@ SQLITE_LIMITS: Final = (
 )
 SIGNAL_STEPS: Final = 100_000  # of SQLite's machine between looks for signals, such as Ctrl-C
 
-TEXTS: Final = {  # that people have written, or that repeat them, by the table
+WRITTEN_TEXTS: Final = {  # that people have written, or that repeat them, by the table
     "branches": ("why",),
     "orders": ("text", "who", "answer", "crew_order"),
     "events": ("text", "who"),
@@ -429,7 +429,7 @@ def _why_not(error: sqlite3.OperationalError, path: Path) -> str:
 def texts_in(path: Path) -> Iterator[tuple[str, str]]:
     """Yield all texts of a recording, each with where it stands; RecordingError."""
     with contextlib.closing(open_for_reading(path)) as connection, understanding(path):
-        for table in ("header", "snapshots", *TEXTS):
+        for table in ("header", "snapshots", *WRITTEN_TEXTS):
             for row in connection.execute(f"SELECT * FROM {table}"):  # noqa: S608 our own names
                 yield from ((f"{table} {row[0]}", each) for each in row if isinstance(each, str))
 
@@ -447,7 +447,7 @@ def erase_texts(
             connection.setlimit(sqlite3.SQLITE_LIMIT_ATTACHED, 1)  # by which VACUUM works
             connection.execute("PRAGMA secure_delete = ON")
             connection.execute("BEGIN IMMEDIATE")
-            for table, columns in TEXTS.items():
+            for table, columns in WRITTEN_TEXTS.items():
                 _change_texts(connection, table, columns, without)
             for key, value in header.items():
                 connection.execute("DELETE FROM header WHERE key = ?", (key,))
