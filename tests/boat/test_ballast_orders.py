@@ -277,6 +277,17 @@ def test_afloat_after_a_blow_no_depth_is_said_to_be_kept_until_the_boat_dives(bo
     assert float(boat.state.z) == pytest.approx(60.0, abs=1.0)
 
 
+def test_while_main_ballast_is_being_blown_no_depth_is_said_to_be_kept(boat: Boat) -> None:
+    obey_all(boat, "emergency blow")
+    fly(boat, 1.5)
+    for line in ("depth 60", "depth 80"):
+        refused = answer(boat, line)
+        assert isinstance(refused, Refused)
+        assert refused.reason.startswith("main ballast is being blown: ")
+    obey_all(boat, "dive")
+    assert answer(boat, "depth 60") == "keeping depth 60 m"
+
+
 def test_a_boat_that_is_a_little_light_keeps_a_depth_if_it_is_fast_enough() -> None:
     kept = []
     for speed_kn in (5.0, 12.0):
@@ -318,8 +329,8 @@ def test_status_tells_of_tanks_air_and_sea_in_79_columns(boat: Boat) -> None:
     obey_all(
         boat,
         "trim manual",
-        "blow aft",
         "hover on",
+        "blow aft",
         "compressor on",
         "sea height 11.75",
         "flood auxiliary 5",

@@ -36,6 +36,7 @@ PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
 PUMP_OF: Final = {name: pump for pump, names in enumerate(TANKS_OF) for name in names}
 PUMP_DIRECTIONS: Final = {0: ("forward", "aft")}
 WAVELESS_DEPTH_M: Final = 300.0  # [m] below all waves
+NEAR_M: Final = 5.0  # [m] an estimate
 TRIED_S: Final = 600.0  # [s] that an order is flown to see whether it can be obeyed: an estimate
 EMPTY_BANK_SHARE: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
@@ -143,8 +144,9 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 def too_light(boat: Boat, depth: float) -> Refused | None:
     """Return why blown main ballast forbids a depth [m], or None.
 
-    It is flown: a boat that does not come half the way to that depth in TRIED_S is too light for
-    it. Open vents fill the tanks again, and the depth-control tank takes what it has room for.
+    It is flown: a boat that is not within half the way of that depth, or NEAR_M, after TRIED_S is
+    too light for it. Open vents fill the tanks again, and the depth-control tank takes what it has
+    room for.
     """
     s = boat.state
     surfaced = SURFACED_DEPTH * float(boat.vessel.diameter)
@@ -152,15 +154,18 @@ def too_light(boat: Boat, depth: float) -> Refused | None:
         return None
     light = (float(boat.vessel.buoyancy) - float(s.weight)) / float(boat.vessel.g) / 1000.0
     control = TANKS.index("depth_control")
-    if 1000.0 * light <= float(boat.vessel.capacity[control] - s.water[control]):
+    blowing = bool(s.blow[: len(MAIN_TANKS)].any())
+    if not blowing and 1000.0 * light <= boat.vessel.capacity[control] - s.water[control]:
         return None
     there, begun = boat.snapshot(), float(s.z)
     write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
     flown = np.full((boat.ticks_in(TRIED_S), 1), begun)
     boat.fly(np.array([STATE_OFFSETS["z"]]), flown)
     boat.restore(there)
-    if np.abs(flown - depth).min() <= 0.5 * abs(begun - depth):
+    if abs(flown[-1, 0] - depth) <= max(0.5 * abs(begun - depth), NEAR_M):
         return None
+    if blowing:
+        return Refused(f"main ballast is being blown: {depth:g} m is not kept; dive first")
     return Refused(
         f"main ballast is blown: the boat is {light:.0f} t too light for {depth:g} m; dive first"
     )
