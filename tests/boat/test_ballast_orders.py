@@ -226,6 +226,16 @@ def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered(boat
     assert over.rank is Rank.CAUTION
 
 
+def test_with_the_planes_in_hand_no_depth_is_said_to_be_kept_after_an_ascent(boat: Boat) -> None:
+    obey_all(boat, "emergency blow")
+    fly(boat, 1.0)
+    pilot = PilotMonitor.over(boat)
+    obey_all(boat, "autopilot off")
+    fly(boat, 1.0)
+    (over,) = pilot.look(boat)
+    assert over.text.endswith("autopilot: the ascent is over")
+
+
 @pytest.mark.parametrize("equations", ["modified", "full"])
 def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     boat = under_way(equations=equations)

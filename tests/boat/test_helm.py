@@ -5,14 +5,16 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from helpers.boats import fly
-from helpers.orders import obey_all, read_order
+from helpers.boats import calls_of, fly, start_boat
+from helpers.orders import answer_of, obey_all, read_order
+from helpers.places import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.boat.helm import obey_order
+from trainer.boat.helm import COURSE_DUTIES, obey_order
+from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
@@ -415,3 +417,28 @@ def test_both_planes_go_to_zero_and_each_pair_as_far_as_it_goes(boat: Boat) -> N
     assert (boat.state.ordered_s, boat.state.ordered_b) == (0.0, 0.0)
     assert boat.state.stern_by_hand
     assert boat.state.bow_by_hand
+
+
+@pytest.mark.parametrize("vessel", sorted(p.stem for p in (ROOT / "configs/vessels").iterdir()))
+@pytest.mark.parametrize("share", [0.4, 0.7, 1.0])
+@pytest.mark.parametrize("course", ["course 020", "course 270", "course left to 045"])
+def test_a_course_is_kept_astern_or_refused_and_a_boat_that_swings_is_told(
+    vessel: str, share: float, course: str
+) -> None:
+    boat = start_boat(1.5, vessel=vessel, step=load_vessel(vessel).run.step_s)
+    pilot = PilotMonitor.over(boat)
+    obey_all(boat, f"turns {share * boat.vessel.u_c_astern / KNOT:.2f}")
+    fly(boat, 300.0)
+    before, begun = boat.snapshot(), float(boat.state.psi)
+    refused = answer_of(boat, course).startswith("going astern the rudder does not stop her swing")
+    if refused:
+        assert boat.snapshot().tobytes() == before.tobytes()
+        COURSE_DUTIES[read_order(course).name](boat, read_order(course))
+    kept = float(boat.state.ordered_psi)
+    said = " ".join(call.text for call in calls_of(boat, pilot, 1200.0))
+
+    left = abs(float(boat.state.psi) - kept)
+    assert refused == (vessel != "bb2")
+    assert refused == (left > math.tau)
+    assert refused or left < abs(begun - kept)
+    assert (GIVEN_UP_TEXTS["swinging"] in said) == refused

@@ -11,9 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-
-from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import limit_refusal
 from trainer.boat.effects import MAIN_TANKS, SPACE_NAMES, holds, write_effect
 from trainer.boat.limits import is_surfacing
@@ -37,7 +35,6 @@ PUMP_OF: Final = {name: pump for pump, names in enumerate(TANKS_OF) for name in 
 PUMP_DIRECTIONS: Final = {0: ("forward", "aft")}
 WAVELESS_DEPTH_M: Final = 300.0  # [m] below all waves
 NEAR_M: Final = 5.0  # [m] an estimate
-TRIED_S: Final = 600.0  # [s] that an order is flown to see whether it can be obeyed: an estimate
 EMPTY_BANK_SHARE: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
@@ -144,9 +141,9 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 def too_light(boat: Boat, depth: float) -> Refused | None:
     """Return why blown main ballast forbids a depth [m], or None.
 
-    It is flown: a boat that is not within half the way of that depth, or NEAR_M, after TRIED_S is
-    too light for it. Open vents fill the tanks again, and the depth-control tank takes what it has
-    room for.
+    It is flown: a boat that is not within half the way of that depth, or NEAR_M, after FORESEEN_S
+    is too light for it. Open vents fill the tanks again, and the depth-control tank takes what it
+    has room for.
     """
     s = boat.state
     surfaced = SURFACED_DEPTH * float(boat.vessel.diameter)
@@ -159,10 +156,9 @@ def too_light(boat: Boat, depth: float) -> Refused | None:
         return None
     there, begun = boat.snapshot(), float(s.z)
     write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
-    flown = np.full((boat.ticks_in(TRIED_S), 1), begun)
-    boat.fly(np.array([STATE_OFFSETS["z"]]), flown)
+    reached = boat.foresee("z")
     boat.restore(there)
-    if abs(flown[-1, 0] - depth) <= max(0.5 * abs(begun - depth), NEAR_M):
+    if abs(reached - depth) <= max(0.5 * abs(begun - depth), NEAR_M):
         return None
     if blowing:
         return Refused(f"main ballast is being blown: {depth:g} m is not kept; dive first")

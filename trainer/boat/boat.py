@@ -37,6 +37,7 @@ from trainer.units import KNOT
 
 STATE_OFFSETS = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
 TICK_OFFSET = STATE_OFFSETS["tick"]
+FORESEEN_S: Final = 600.0  # [s] that an order is flown to see whether it can be kept: an estimate
 FLAT_WORDS: Final = ", after the battery went flat"  # of a loss
 
 
@@ -284,6 +285,13 @@ class Boat:
                 instruments(self.records.state, self.records.scratch)
                 row[offsets.size :] = readings
         return 0
+
+    def foresee(self, name: str) -> float:
+        """Return what a number of the state is FORESEEN_S later; the boat stays here."""
+        there, rows = self.snapshot(), np.full((self.ticks_in(FORESEEN_S), 1), self.state[name])
+        self.fly(np.array([STATE_OFFSETS[name]]), rows)
+        self.restore(there)
+        return float(rows[-1, 0])
 
     def fly_and_keep(
         self, offsets: NDArray[np.int64], rows: Numbers, keep: Callable[[Numbers], int]

@@ -22,6 +22,7 @@ from trainer.units import KNOT
 
 MIN_SWING_RATE = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
 MIN_MEETING_RUDDER = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
+SWING_MARGIN = math.radians(30.0)  # [rad] an estimate
 
 LEVER_SHARES = {"stern": 0.6, "bow": 1.0}  # [-] of one lever's angle, for each pair of planes
 
@@ -143,7 +144,23 @@ def _periscope(boat: Boat, order: Order) -> Reply:
     return _depth(boat, replace(order, value=depth))
 
 
-def _course(boat: Boat, order: Order) -> Reply:
+def _steer(boat: Boat, order: Order) -> Reply:
+    """Keep a course, or refuse it to a boat that swings astern as no rudder stops her.
+
+    It is flown: such a boat is then further from the course than she began.
+    """
+    s = boat.state
+    if min(s.u, s.ordered_u_c if s.speed_by_hand else s.ordered_speed) >= 0.0:
+        return COURSE_DUTIES[order.name](boat, order)
+    there, begun = boat.snapshot(), float(s.psi)
+    answer, kept = COURSE_DUTIES[order.name](boat, order), float(s.ordered_psi)
+    if abs(boat.foresee("psi") - kept) <= abs(begun - kept) + SWING_MARGIN:
+        return answer
+    boat.restore(there)
+    return Refused("going astern the rudder does not stop her swing: go ahead first")
+
+
+def _course(boat: Boat, order: Order) -> str:
     """Keep a course, turning the short way, with the rudder automatic."""
     if order.word != "steady":
         write_effect(boat, order)
@@ -158,7 +175,7 @@ def _steer_by_autopilot(boat: Boat) -> None:
     write_effect(boat, Order("course", 0.0, "auto", "course auto", words="course auto"))
 
 
-def _course_to(boat: Boat, order: Order) -> Reply:
+def _course_to(boat: Boat, order: Order) -> str:
     """Keep a course, turning the way ordered, with the rudder automatic."""
     side, start = order.side, boat.state.psi
     _steer_by_autopilot(boat)
@@ -168,7 +185,7 @@ def _course_to(boat: Boat, order: Order) -> Reply:
     return f"{order.text}: keeping course {_degrees(boat.state.ordered_psi)}"
 
 
-def _course_by(boat: Boat, order: Order) -> Reply:
+def _course_by(boat: Boat, order: Order) -> str:
     """Change the course kept, or the heading if the rudder is by hand, the way ordered."""
     s = boat.state
     # by hand it is the compass that the change starts from
@@ -210,15 +227,14 @@ def _revolutions(boat: Boat, order: Order) -> Reply:
     return f"{said}turns for {boat.state.ordered_u_c / KNOT:.3g} kn"
 
 
+COURSE_DUTIES = {"course": _course, "course-to": _course_to, "course-by": _course_by}
 # What obeys an order that does more than write its effect, or answers in other words.
 ORDER_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     **dict.fromkeys(
         WORLD_PARTS.keys() & BOAT_ORDERS, lambda boat, order: boat.world.obey(order, boat.ticks)
     ),
     "depth": _depth,
-    "course": _course,
-    "course-by": _course_by,
-    "course-to": _course_to,
+    **dict.fromkeys(COURSE_DUTIES, _steer),
     "speed": _speed,
     "turns": _revolutions,
     "rpm": _revolutions,

@@ -47,6 +47,7 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
     "for the tanks",
+    "swinging": "going astern, the rudder does not stop her swing: no course is kept; go ahead",
     "hover lost": "hovering is given up: the pump cannot hold this depth; the planes have it",
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
@@ -54,6 +55,7 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
 # what follows from an order that was given, and asks nobody to do anything
 REMARK_NAMES: Final = ("afloat",)
 ASCENT_OFFSET, SPEED_OFFSET = STATE_OFFSETS["ascent"], STATE_OFFSETS["u"]
+PSI_OFFSET, ORDERED_PSI_OFFSET = STATE_OFFSETS["psi"], STATE_OFFSETS["ordered_psi"]
 ANSWER_OFFSET, U_C_OFFSET = STATE_OFFSETS["telegraph_answer"], STATE_OFFSETS["u_c"]
 SPEED_SHORT_OFFSET, HOVER_LOST_OFFSET = STATE_OFFSETS["speed_short"], STATE_OFFSETS["hover_lost"]
 TRIM_FLOOD_OFFSET, TRIM_FORWARD_OFFSET = STATE_OFFSETS["trim_flood"], STATE_OFFSETS["trim_forward"]
@@ -266,6 +268,7 @@ class PilotMonitor:
         mask |= (flown["speed_short"] > MIN_LACK_TIME_S) | (flown["ascent"] != NO_ASCENT)
         mask |= (flown["u"] < ASTERN_SPEED) | self.tail.may_lack(boat, flown)
         mask |= self.engine.may_lack(boat, flown)
+        mask |= (flown["u"] < 0.0) & (np.abs(flown["psi"] - flown["ordered_psi"]) > math.tau)
         mask |= flown.times - self._trimmed_at(boat, flown) > MIN_LACK_TIME_S
         return count_before(mask)
 
@@ -293,8 +296,9 @@ class PilotMonitor:
             calls.append(MonitorCall(f"autopilot: {GIVEN_UP_TEXTS[name]}", rank, name))
             self.times.setdefault(name, []).append(boat.time)
         if rose and boat.plain[ASCENT_OFFSET] == NO_ASCENT:
-            kept = round(float(boat.state.ordered_depth), 1)
-            over = f"autopilot: the ascent is over: keeping depth {kept:g} m"
+            s, over = boat.state, "autopilot: the ascent is over"
+            if s.hover or not (s.stern_by_hand and s.bow_by_hand):
+                over += f": keeping depth {round(float(s.ordered_depth), 1):g} m"
             calls.append(MonitorCall(over, Rank.CAUTION))
         self.given_up = now
         return calls
@@ -304,7 +308,14 @@ class PilotMonitor:
         plain = boat.plain
         lost = plain[HOVER_LOST_OFFSET] != 0.0 or plain[SPEED_SHORT_OFFSET] > MIN_LACK_TIME_S
         lost = lost or boat.time - self.trimmed > MIN_LACK_TIME_S
-        return lost or plain[ASCENT_OFFSET] != NO_ASCENT or plain[SPEED_OFFSET] < ASTERN_SPEED
+        lost = lost or plain[ASCENT_OFFSET] != NO_ASCENT or plain[SPEED_OFFSET] < ASTERN_SPEED
+        return lost or self._swings(boat)
+
+    def _swings(self, boat: Boat) -> bool:
+        """Return whether the boat is more than a turn off her course, going astern."""
+        plain = boat.plain
+        off = abs(plain[PSI_OFFSET] - plain[ORDERED_PSI_OFFSET])
+        return bool(plain[SPEED_OFFSET] < 0.0 and off > math.tau)
 
     def _left_undone(self, boat: Boat) -> set[str]:
         """Return what is given up, of GIVEN_UP_TEXTS."""
@@ -324,6 +335,8 @@ class PilotMonitor:
             slow = plain[SPEED_OFFSET] > -LEAST_ASTERN or "astern" in self.given_up
             if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
                 undone.add("astern")
+        if self._swings(boat) and s.rudder_by_hand == 0.0:
+            undone.add("swinging")
         if plain[SPEED_SHORT_OFFSET] > MIN_LACK_TIME_S:
             undone.add("speed not reached")
         if boat.time - self.trimmed > MIN_LACK_TIME_S:

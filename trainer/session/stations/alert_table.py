@@ -119,6 +119,7 @@ _ROWS: Final[Mapping[str, tuple[str, Rank, str, str, tuple[str, ...]]]] = {
         "Emergency ascent", WARNING, "emergency blow", "it has risen", PLANES_ROLES,
     ),
     "astern": ("Planes amidships", WARNING, "slowly astern", "ahead, or faster", PLANES_ROLES),
+    "swinging": ("Swinging astern", WARNING, "a whole turn off", "ahead", HELM_ROLES),
     "hover lost": ("Hovering given up", WARNING, "the pump cannot", "it hovers", BALLAST_ROLES),
     "trim short": ("No water to trim", WARNING, SHORT_WORDS, "there is some", BALLAST_ROLES),
     "speed not reached": ("Speed not reached", WARNING, SHORT_WORDS, "it is reached", HELM_ROLES),

@@ -38,6 +38,7 @@ export const TITLES = {
   "oil tank half": () => say("Oil tank half empty"),
   "emergency ascent": () => say("Emergency ascent"),
   "astern": () => say("Planes amidships"),
+  "swinging": () => say("Swinging astern"),
   "hover lost": () => say("Hovering given up"),
   "trim short": () => say("No water to trim"),
   "speed not reached": () => say("Speed not reached"),
