@@ -8,7 +8,11 @@ from helpers import conformity
 from helpers.places import ROOT, TESTS
 
 from trainer.cli.main import cli
-from trainer.config.conformity import CLOSING_DECLARATION, load_conformity, parse_conformity
+from trainer.config.exercise.conformity import (
+    CLOSING_DECLARATION,
+    load_conformity,
+    parse_conformity,
+)
 from trainer.config.files import ConfigError
 
 LINES = load_conformity()

@@ -34,7 +34,7 @@ REASONS = {
     "boat/export/wasm.py lower": "a folder of its own, which goes",
     "boat/export/wasm.py _lowered": "a folder of its own, which goes",
     "classroom/fleet.py ClassBoat._launch": "a log in the folder of the class",
-    "config/progress.py add_run": "sets a damaged file of the program's own aside",
+    "config/exercise/progress.py add_run": "sets a damaged file of the program's own aside",
     "console/own_session.py Program.__init__": "a folder of its own, which goes",
     "core/cache.py keep_digest": "the cache",
     "core/cache.py check_digest": "the cache",

@@ -19,6 +19,12 @@ from helpers.syntax import nodes_of
 # Its list names what a program of one's own begins with. The boat, the fleet and machine code call
 # its kernels one by one, so every module of it is open to every room.
 OPEN_ROOM: Final = "trainer.core"
+MAX_PLACES: Final = 40  # modules and rooms that lie in a room itself
+MAX_FLOORS: Final = 12
+GROWN_FLOORS: Final = {
+    "trainer.core": 14,
+    "trainer.session": 15,
+}  # as they were
 
 
 class Use(NamedTuple):
@@ -88,6 +94,32 @@ def unknown_names(lists: Mapping[str, list[str]], modules: Collection[str]) -> l
     ]
 
 
+def arrows_in(room: str, uses: Iterable[Use]) -> set[tuple[str, str]]:
+    """Return what lies in a room itself, in pairs of which the first uses the second."""
+    within = [use for use in uses if all(each.startswith(f"{room}.") for each in use[::2])]
+    pairs = {(place_in(use.user, room), place_in(use.used, room)) for use in within}
+    return {(user, used) for user, used in pairs if user != used}
+
+
+def place_in(module: str, room: str) -> str:
+    """Return the name of a module, or of the inner room that it lies in, within a room."""
+    return module[len(room) + 1 :].partition(".")[0]
+
+
+def floors(arrows: Collection[tuple[str, str]]) -> int:
+    """Return how many floors a room has: the longest way down, a circle counted as one."""
+    below: dict[str, set[str]] = {each: set() for arrow in arrows for each in arrow}
+    for user, used in arrows:
+        for name in [user, *(each for each, under in below.items() if user in under)]:
+            below[name] |= {used, *below[used]}
+
+    @cache
+    def height(name: str) -> int:
+        return 1 + max((height(each) for each in below[name] if name not in below[each]), default=0)
+
+    return max(map(height, below), default=1)
+
+
 @cache
 def graph() -> grimp.ImportGraph:
     """Return all imports of the trainer, those for type checkers and within functions too."""
@@ -145,6 +177,21 @@ def test_no_room_names_what_no_other_uses() -> None:
 
 def test_no_room_names_what_is_not_there() -> None:
     assert not unknown_names(names_of_rooms(), graph().modules)
+
+
+def test_no_room_outgrows_what_a_reader_can_keep() -> None:
+    for room in names_of_rooms():
+        lying = {place_in(each, room) for each in graph().modules if each.startswith(f"{room}.")}
+        assert len(lying) <= MAX_PLACES, room
+        assert floors(arrows_in(room, uses())) <= GROWN_FLOORS.get(room, MAX_FLOORS), room
+
+
+@pytest.mark.parametrize(
+    ("arrows", "count"),
+    [("ab bc ac", 3), ("ab bc cd ca", 2), ("ab cd", 2), ("cd bc ab de", 5), ("", 1)],
+)
+def test_floors_are_the_longest_way_down(arrows: str, count: int) -> None:
+    assert floors([(each[0], each[1]) for each in arrows.split()]) == count
 
 
 HOUSE: Final = {"trainer.boat": ["helm", "world"], "trainer.boat.world": ["bottom"]}

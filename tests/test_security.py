@@ -22,8 +22,8 @@ from helpers.waiting import await_that
 import trainer
 from trainer.cli.main import cli
 from trainer.cli.run import be
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io.client import dial
 from trainer.io.orders.grammar import BadOrder, Order, parse
 from trainer.io.paths import DEFAULT_HOST, recording_paths
@@ -60,8 +60,8 @@ TOLD = {
     "io/paths.py",  # a recording's name
     "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
     "cli/workshop/guide.py",  # when a guide was made
-    "debrief/changes.py",  # when a mark was changed
-    "debrief/progress_words.py",  # how many days ago an exercise was flown
+    "debrief/marks/changes.py",  # when a mark was changed
+    "debrief/trainees/progress_words.py",  # how many days ago an exercise was flown
     "console/exercise_choice.py",  # likewise
     "session/exercise/training.py",  # likewise, of the next one
 }

@@ -46,10 +46,12 @@ if TYPE_CHECKING:
     from trainer.api.exercise_fleet import ExerciseFleet
     from trainer.api.fleet import Fleet
     from trainer.config.files import ConfigError as TrainerError
-    from trainer.debrief.recording_export import Recording, read_recording
+    from trainer.debrief.passage.recording_export import Recording, read_recording
 else:
     _MODULE_BY_NAME = {  # the module of each name, and what it is called there
-        **dict.fromkeys(("Recording", "read_recording"), "trainer.debrief.recording_export"),
+        **dict.fromkeys(
+            ("Recording", "read_recording"), "trainer.debrief.passage.recording_export"
+        ),
         **dict.fromkeys(("Boat", "Snapshot"), "trainer.api.boat"),
         "ExerciseFleet": "trainer.api.exercise_fleet",
         "Fleet": "trainer.api.fleet",

@@ -30,7 +30,7 @@ from trainer.api.exercise_fleet import (
 from trainer.boat.due_orders import obey_all
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, shipped_names
-from trainer.debrief.tick_judge import TickJudge
+from trainer.debrief.ticks.judge import TickJudge
 
 require_library("gymnasium", "trainer.gym")
 

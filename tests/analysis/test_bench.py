@@ -38,8 +38,8 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.cli import main
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Spread
 

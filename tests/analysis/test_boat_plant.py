@@ -11,8 +11,8 @@ from helpers.places import ROOT
 
 from trainer.analysis.plant_page import draw_feeds, feed_page, named
 from trainer.cli.main import cli
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 
 BB2 = load_vessel("bb2")
 

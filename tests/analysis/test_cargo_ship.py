@@ -25,7 +25,7 @@ from trainer.boat.ship.forces import ROW_COUNT, add_terms, set_terms
 from trainer.boat.ship.models import model_for
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError, shipped_path
-from trainer.config.ship import load_ship, parse_ship
+from trainer.config.ship.ship import load_ship, parse_ship
 from trainer.identify.ships.vehicle import IdentifiedShip
 
 TABLES: dict[str, Any] = tomllib.loads((DATA / "mariner_chislett.toml").read_text(encoding="utf-8"))

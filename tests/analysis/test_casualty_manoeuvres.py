@@ -11,7 +11,7 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly_manoeuvre
 from trainer.analysis.manoeuvres.speeds import Backing
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.vehicle import DIVE, PORT, RISE
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.units import KNOT
 
 

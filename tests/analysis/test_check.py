@@ -36,8 +36,8 @@ from trainer.boat.stability import (
     stable_step,
     tick_map,
 )
-from trainer.config.propulsion import thrust_of
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.boat.propulsion import thrust_of
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record
 from trainer.core.scheme import INTEGRATOR_NAMES

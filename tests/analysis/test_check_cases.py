@@ -14,9 +14,9 @@ from helpers.places import ROOT
 
 from trainer.analysis.check_cases import CaseFlight, Comparison, cases_page, fly_cases
 from trainer.cli.main import cli, run_command
-from trainer.config.check_case import CASE_CHANNELS, case_paths, load_case
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.exercise.check_case import CASE_CHANNELS, case_paths, load_case
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 
 CASES = ROOT / "configs" / "check-cases"
 NASA = "nesc-02"

@@ -13,8 +13,8 @@ from trainer.analysis.programs.evaluate import (
     NECESSARY_KEYS,
     evaluate_lines,
 )
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.state import RATES
 from trainer.core.terms import COMPACT_TERMS
 

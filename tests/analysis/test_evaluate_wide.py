@@ -12,8 +12,8 @@ import pytest
 from helpers.places import DATA
 
 from trainer.analysis.programs.evaluate import evaluate_lines
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 
 BOAT = "tests/bench/standard_boat.toml"  # frozen, so that the vectors stay
 STATES = (DATA / "wide" / "states.jsonl").read_text().splitlines()

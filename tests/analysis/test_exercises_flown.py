@@ -29,16 +29,16 @@ from trainer.authoring.exercise_page import (
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew
-from trainer.config.baseline import kept_baseline
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise.baseline import kept_baseline
+from trainer.config.exercise.exercise import load_exercise
+from trainer.config.exercise.reference_crew import Crew, read_crew
 from trainer.config.files import ConfigError, Position, path_named, read_text, shipped_names
-from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.digest import core_digest
-from trainer.debrief.attainable import RunExplorer
-from trainer.debrief.data import gather_debrief
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
-from trainer.debrief.scoring import Scorecard
+from trainer.debrief.attainable.explorer import RunExplorer
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard
+from trainer.debrief.page.data import gather_debrief
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.facts import REFERENCE_GIVER, SCHEDULE_GIVER
 from trainer.io.recording.recording import Recording

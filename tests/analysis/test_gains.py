@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from trainer.analysis.gains import design_gains, design_text, regulator
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 
 
 @pytest.mark.parametrize("vessel", ["bb2", "sdv-mk9", "remus100"])

@@ -42,9 +42,9 @@ from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.boat.assemble import Method
 from trainer.cli.workshop.guide import guide, manoeuvre
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.series import load_series
-from trainer.config.vessel import load_vessel
+from trainer.config.ship.series import load_series
 from trainer.report.pdf import find_browser
 from trainer.units import KNOT
 

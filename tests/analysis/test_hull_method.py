@@ -37,8 +37,8 @@ from trainer.analysis.estimate.uncertainty import (
     range_warnings,
     tables,
 )
+from trainer.config.boat.hull import load_hull, read_hull
 from trainer.config.files import shipped_path
-from trainer.config.hull import load_hull, read_hull
 from trainer.core.terms import TERM_TABLE
 
 PRINTED = tomllib.loads((ROOT / "tests/data/estimates.toml").read_text(encoding="utf-8"))

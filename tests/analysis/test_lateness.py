@@ -16,7 +16,7 @@ from trainer.authoring.lateness import (
     is_urgent,
 )
 from trainer.config.files import shipped_names
-from trainer.debrief.judgement import judge_run
+from trainer.debrief.marks.judgement import judge_run
 
 NAMES = shipped_names("exercises")
 URGENT = (

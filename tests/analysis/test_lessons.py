@@ -17,9 +17,9 @@ from trainer.authoring.exercise_page import check_exercise
 from trainer.authoring.stated import READING_TIMES_S, StepFlight, fly_steps
 from trainer.boat.boat import Boat
 from trainer.boat.quantities import quantity_of
-from trainer.config.course import course, lessons
-from trainer.config.derived import Condition
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise.course import course, lessons
+from trainer.config.exercise.derived import Condition
+from trainer.config.exercise.exercise import load_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.console.client import Item
 from trainer.console.drawing.panels import step_rows

@@ -34,10 +34,10 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.cli.main import main
 from trainer.cli.workshop.guide import manoeuvre as command
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.series import Series
-from trainer.config.vessel import VesselFile, load_vessel
-from trainer.debrief.recording_export import panel_of
+from trainer.config.ship.series import Series
+from trainer.debrief.passage.recording_export import panel_of
 from trainer.report import plots
 from trainer.units import KNOT
 
@@ -151,9 +151,9 @@ def test_the_library_of_manoeuvres_does_not_know_submarines() -> None:
         }
         allowed = (
             "trainer.config.files",
-            "trainer.config.nomoto",
+            "trainer.config.ship.nomoto",
             "trainer.boat.world.nomoto",
-            "trainer.config.series",
+            "trainer.config.ship.series",
             "trainer.analysis.manoeuvres.",
             "trainer.core.kernel",
             "trainer.units",

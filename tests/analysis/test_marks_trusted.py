@@ -11,11 +11,11 @@ from helpers.rehearsed import flown, marks_of
 from trainer.authoring.trainees import Skill, Trainee
 from trainer.boat.boat import Boat
 from trainer.boat.reference_crew import CrewReaction, GivenOrder
+from trainer.config.exercise.reference_crew import read_crew
 from trainer.config.files import Position, shipped_names
-from trainer.config.reference_crew import read_crew
-from trainer.debrief.judgement import judge_run, whole_share
-from trainer.debrief.rehearsal import Departure, OrdersByTick, fly, fly_rehearsal
-from trainer.debrief.scoring import Scorecard
+from trainer.debrief.marks.judgement import judge_run, whole_share
+from trainer.debrief.marks.rehearsal import Departure, OrdersByTick, fly, fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.queries import RecordedOrder

@@ -24,7 +24,7 @@ from trainer.analysis.reduce import objective, page, reduction
 from trainer.analysis.reduce.objective import Candidate, CandidatePool, Yardstick
 from trainer.analysis.reduce.programme import turn_legs
 from trainer.analysis.reduce.reduction import PART_TOLERANCES, LegVerdict, Reduction, judge_legs
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 # BB2 turns so hard at 10 kn that her planes barely keep the depth

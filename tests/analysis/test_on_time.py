@@ -16,7 +16,7 @@ from trainer.analysis.bench.end_to_end import TRAINER_COMMAND, TerminalLine
 from trainer.analysis.bench.metronome import run_idle_loop
 from trainer.analysis.bench.on_time import CrowdLateness, account_entry, count_missed, sail_in_crowd
 from trainer.cli import main
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.session.time.ledger import SECOND_NS, Spread
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")

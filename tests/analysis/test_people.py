@@ -37,10 +37,10 @@ from trainer.authoring.people import (
 )
 from trainer.boat.casualties import InstrumentReadings
 from trainer.cli.main import cli
-from trainer.config.baseline import kept_baseline
+from trainer.config.exercise.baseline import kept_baseline
 from trainer.config.files import ConfigError, path_named, read_text, shipped_names
 from trainer.core.kernel import Numbers
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
 
 DRILL = "heavy-boat"  # by rules alone
 BY_HAND = "steady-course"

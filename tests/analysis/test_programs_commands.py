@@ -13,8 +13,8 @@ from helpers.lanes import sample_cases
 
 from trainer.analysis.programs.neutral import panels, report_neutral
 from trainer.cli.main import cli
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.report import plots
 
 COMMANDS: Mapping[str, click.Command] = cli.commands["report-1969"].commands  # type: ignore[attr-defined]

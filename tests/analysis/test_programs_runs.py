@@ -22,10 +22,10 @@ from trainer.analysis.programs.compare import (
 )
 from trainer.boat.boat import Boat
 from trainer.cli.main import cli
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.series import Series, load_series
-from trainer.config.vessel import load_vessel
-from trainer.debrief.recording_export import panel_of, recorded_series
+from trainer.config.ship.series import Series, load_series
+from trainer.debrief.passage.recording_export import panel_of, recorded_series
 from trainer.units import KNOT
 
 TOOLS = json.loads((DATA / "vectors" / "tools.json").read_text())

@@ -39,9 +39,9 @@ from trainer.analysis.programs.neutral import (
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
 from trainer.boat.depths import near_surface, surface_at
+from trainer.config.boat.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.boat.vessel_records import Fluid
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
-from trainer.config.vessel_records import Fluid
 from trainer.core import propulsion
 from trainer.core.kernel import Numbers
 from trainer.core.rates import rates

@@ -28,8 +28,8 @@ from trainer.analysis.guide.verdicts import Validity
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT
 from trainer.cli.workshop.guide import guide, manoeuvre
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError, shipped_names
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.console import app
 
 MADE = "2026-01-01 00:00:00 UTC"

@@ -13,8 +13,8 @@ from helpers.places import environment
 
 from trainer.analysis.check_page import Readiness, examine_boat, render_readiness
 from trainer.cli.workshop.vessel import check
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
-from trainer.config.vessel_template import vessel_text
+from trainer.config.boat.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.boat.vessel_template import vessel_text
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 

@@ -65,8 +65,8 @@ from trainer.analysis.reduce.search import (
 )
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.workshop.vessel import reduce
+from trainer.config.boat.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS
 from trainer.units import KNOT

@@ -10,9 +10,9 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis import seaway
 from trainer.cli.workshop.vessel import sea
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea, parse_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.world.sea import load_sea, parse_sea
 
 BB2 = load_vessel("bb2")
 

@@ -21,8 +21,8 @@ from trainer.analysis.manoeuvres.seakeeping import (
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.reduce.objective import Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")

@@ -11,14 +11,14 @@ from trainer.authoring.exercise_page import check_exercise
 from trainer.authoring.stated import fly_stated
 from trainer.boat.depths import WATCH_CALLS
 from trainer.boat.grounding import GENTLE_SINK
-from trainer.config.baseline import digest_of
-from trainer.config.casualties import load_casualties
-from trainer.config.derived import LASTING_CONDITION, compile_conditions
-from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.boat.casualties import load_casualties
+from trainer.config.exercise.baseline import digest_of
+from trainer.config.exercise.derived import LASTING_CONDITION, compile_conditions
+from trainer.config.exercise.exercise import load_exercise, parse_exercise
+from trainer.config.exercise.reference_crew import CREW_HANDS
+from trainer.config.exercise.score_rules import SCORE_MEASURES, parse_quantity
+from trainer.config.exercise.stated import JUDGED_KINDS, TEXT_UNITS, TextFigure, figures_of
 from trainer.config.files import ConfigError, Position, path_named, read_text, shipped_names
-from trainer.config.reference_crew import CREW_HANDS
-from trainer.config.score_rules import SCORE_MEASURES, parse_quantity
-from trainer.config.stated import JUDGED_KINDS, TEXT_UNITS, TextFigure, figures_of
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 

@@ -14,8 +14,8 @@ from trainer.analysis.sweep.manoeuvres import MAX_FLIGHTS_HELD, ManoeuvreSubject
 from trainer.analysis.sweep.study import parse_study
 from trainer.cli.main import cli
 from trainer.cli.workshop.subjects import subject_of
+from trainer.config.boat.vessel import load_vessel, parse_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel, parse_vessel
 
 FACTOR = "distribution = 'normal'\nmean = 1.0\nstd = 0.1\nrelative = true"
 SAMPLE = "[sample]\nplan = 'latin-hypercube'\nmembers = {members}\nseed = 5"

@@ -15,8 +15,8 @@ from trainer.analysis.programs.tanks import (
     overshoot_panels,
     survey_tankage,
 )
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 
 PAGE = (DATA.parents[1] / "docs" / "sweeps.md").read_text(encoding="utf-8")
 

@@ -42,8 +42,8 @@ from trainer.authoring.validation import (
 from trainer.boat.reference_crew import CrewReaction
 from trainer.cli.main import cli
 from trainer.config.files import shipped_names
-from trainer.debrief.controls import opposite_order
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.passage.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
 
 DRILL = "stern-plane-jam"

@@ -33,7 +33,7 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from trainer.analysis.reduce.objective import CandidatePool
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 
 if __name__ == "__main__":
     with CandidatePool(load_vessel("bb2").path, "modified", (), 2) as crew:

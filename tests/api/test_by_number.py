@@ -15,7 +15,7 @@ import trainer
 from trainer.api.by_number import BoatByNumber, rules_of
 from trainer.boat.effects import numbered_orders
 from trainer.boat.machine_code import EMPTY_CHART, bind
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.core.elementary import nearest_turn
 from trainer.core.entry import steer
 from trainer.core.state import STATE, new_scratch

@@ -10,13 +10,13 @@ from trainer.api.exercise_fleet import SIGHT_NAMES, drill_of, start_of
 from trainer.authoring.exercise_page import check_exercise
 from trainer.boat.due_orders import entries_due
 from trainer.boat.effects import Effect, numbered_orders
+from trainer.config.exercise.score_rules import SCORE_MEASURES
 from trainer.config.files import shipped_names
-from trainer.config.score_rules import SCORE_MEASURES
 from trainer.core.kernel import Numbers
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import ByReference, Flight
-from trainer.debrief.tallies import MEASURE_NAMES
-from trainer.debrief.tick_judge import nobody_aboard
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import ByReference, Flight
+from trainer.debrief.ticks.judge import nobody_aboard
+from trainer.debrief.ticks.tallies import MEASURE_NAMES
 from trainer.units import KNOT
 
 LIKENESS = 1e-9  # [%]

@@ -12,7 +12,7 @@ from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.boat.assemble import Method
 from trainer.boat.depths import collapse_of
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.units import KNOT
 
 CAPACITY = "capacity_kwh = 12000"

@@ -12,7 +12,7 @@ from bench.sections import CLASS_BOATS, SECTIONS, BenchRequest, parts_against
 from trainer.analysis.bench.sections import measure_sections
 from trainer.cli.main import run_command
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 
 
 @click.command()

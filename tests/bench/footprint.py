@@ -115,7 +115,7 @@ def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
     """Return by processor how many bytes of code and of constants ``function`` takes."""
     from trainer.boat.assemble import Method, fit_out  # noqa: PLC0415
     from trainer.boat.export.lowering import freestanding_module  # noqa: PLC0415  kernels are settled
-    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.config.boat.vessel import load_vessel  # noqa: PLC0415
 
     method = Method("modified", "lagged", "report", "adams2", 0.5)
     scheme = fit_out(load_vessel(VESSEL), method).scheme

@@ -22,9 +22,9 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.machine_code import SHIPPED_FOLDER
 from trainer.boat.platforms import platform_name
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.world.sea import load_sea
 from trainer.units import KNOT
 
 HOST: Final = Path(__file__).with_suffix(".c")

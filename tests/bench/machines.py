@@ -17,7 +17,7 @@ from helpers.emulated import EMULATORS, fly_exported_hour, needed_programs
 from bench.standard_hour import fly_hour, standard_boat
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.machine_code import way_name
-from trainer.debrief.boat_page import boat_for_page
+from trainer.debrief.page.boat_page import boat_for_page
 
 
 class Machine(NamedTuple):

@@ -23,9 +23,9 @@ from trainer.analysis.bench.tick import (
     trouble_of,
 )
 from trainer.boat.helm import obey_order
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile
-from trainer.debrief.tick_judge import TickJudge
+from trainer.config.boat.vessel import VesselFile
+from trainer.config.world.sea import load_sea
+from trainer.debrief.ticks.judge import TickJudge
 from trainer.io.orders.grammar import Order, parse
 
 ORDER_WORDS: Final = ("stern planes rise 1", "rudder right 1", "depth 60")

@@ -29,9 +29,9 @@ from trainer.analysis.bench.tick import (
     time_batches,
 )
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile
+from trainer.config.world.sea import load_sea
 from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.kernel import Record, kernel
@@ -58,8 +58,8 @@ import time
 from numba import njit
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.world.sea import load_sea
+from trainer.config.boat.vessel import load_vessel
 from trainer.core.update import update
 from trainer.units import KNOT
 

@@ -21,7 +21,7 @@ from trainer.analysis.bench.tick import (
     time_batches,
 )
 from trainer.boat.boat import Boat
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
 

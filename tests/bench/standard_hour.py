@@ -24,10 +24,10 @@ from trainer.boat.due_orders import obey_all, orders_due
 from trainer.boat.export.targets import NATIVE_NAME, find_processor
 from trainer.boat.machine_code import way_name
 from trainer.boat.platforms import PROCESSOR_LEVELS
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
-from trainer.debrief.rehearsal import stretches
+from trainer.config.world.sea import load_sea
+from trainer.debrief.marks.rehearsal import stretches
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule
 from trainer.units import KNOT
 

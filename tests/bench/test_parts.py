@@ -21,8 +21,8 @@ from bench.web import NoBrowserError
 from trainer.analysis.bench.sections import Section
 from trainer.analysis.bench.tick import BatchCost
 from trainer.cli.main import run_command
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.session.time.pacer import SPIN_TIME_NS
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]

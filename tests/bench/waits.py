@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.course import course
+from trainer.config.exercise.course import course
 from trainer.config.files import ConfigError
 
 Commands = tuple[tuple[str, ...], ...]

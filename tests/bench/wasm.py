@@ -13,7 +13,7 @@ from typing import Final
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.units import KNOT
 
 STARTS: Final = 5  # of each process; the least counts: interference only adds

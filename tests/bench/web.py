@@ -31,9 +31,9 @@ from trainer.analysis.bench.on_time import (
     machine_load,
     row,
 )
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.io.orders.sentences import order_sentence
 from trainer.report.pdf import find_browser
 from trainer.session.time.ledger import Spread

@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.calls import Rank
 from trainer.boat.helm import obey_order
 from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, NO_ASCENT
 from trainer.io.orders.grammar import Refused
 from trainer.session.stations.panels import compressor

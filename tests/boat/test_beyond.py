@@ -12,8 +12,8 @@ from trainer.boat.casualties import insert_casualty
 from trainer.boat.envelope import surface_modes
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
-from trainer.config.exercise import ExerciseLimits
-from trainer.config.sea import load_sea
+from trainer.config.exercise.exercise import ExerciseLimits
+from trainer.config.world.sea import load_sea
 from trainer.core.state import MOTION
 from trainer.core.surfaced import take_off_dry_sail
 from trainer.units import KNOT

@@ -29,7 +29,7 @@ from trainer.boat.platforms import SHIPPED_PLATFORMS
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.core.state import STATE
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.units import KNOT

@@ -13,7 +13,7 @@ from helpers.places import ROOT
 
 from trainer.analysis.check_cases import boat_of_run, fly_cases, fly_run
 from trainer.boat.export.fmu import fmu_bytes
-from trainer.config.check_case import (
+from trainer.config.exercise.check_case import (
     CASE_CHANNELS,
     CaseRun,
     CheckCase,

@@ -15,7 +15,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import COURSE_DUTIES, obey_order
 from trainer.boat.pilot import GIVEN_UP_TEXTS, PilotMonitor
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 

@@ -7,7 +7,7 @@ from helpers.boats import make_boat, start_boat
 from trainer.boat import casualties
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.helm import obey_order
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.core.state import STATE_FIELDS
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.session.stations.status import status_lines

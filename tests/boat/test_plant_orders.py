@@ -16,11 +16,11 @@ from trainer.boat.casualties import arm_casualty, insert_casualty
 from trainer.boat.effects import effects_of_boat
 from trainer.boat.helm import obey_order
 from trainer.boat.quantities import quantity_of
-from trainer.config.condition import PLANT_QUANTITIES
-from trainer.config.derived import compile_condition
+from trainer.config.boat.vessel import VesselFile, load_vessel, read_vessel
+from trainer.config.exercise.condition import PLANT_QUANTITIES
+from trainer.config.exercise.derived import compile_condition
 from trainer.config.files import ConfigError, Position
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile, load_vessel, read_vessel
+from trainer.config.world.sea import load_sea
 from trainer.core.state import offset_of
 from trainer.core.update import LATE_OFFSETS, PLANT_BEGIN, WRITTEN_COUNT
 from trainer.io.orders.grammar import Order, Refused, parse

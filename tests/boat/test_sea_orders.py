@@ -11,9 +11,9 @@ from helpers.orders import obey_all, read_order
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, load_sea, parse_sea
+from trainer.config.world.sea import SeaFile, load_sea, parse_sea
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 

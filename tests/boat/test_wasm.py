@@ -15,10 +15,10 @@ from helpers.typed import type_command
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest
-from trainer.debrief.boat_page import boat_for_page
+from trainer.debrief.page.boat_page import boat_for_page
 from trainer.session.past.options import RunOptions
 
 SHIPPED_CARD = wasm.SHIPPED_PATH.with_name(wasm.CARD_FILE)

@@ -25,9 +25,9 @@ from trainer.analysis.bench.tick import (
     time_repetitions,
 )
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.world.sea import load_sea
 
 TICKS: Final = 4000  # in a batch
 PAIRS: Final = 101

@@ -15,8 +15,8 @@ from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import clear_casualty, insert_casualty
-from trainer.config.sea import load_sea, sea_settings
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.world.sea import load_sea, sea_settings
 from trainer.core.ballast.tanks import NEGATIVE_TANK
 from trainer.core.casualties import CASUALTY_TABLE, GAUGES
 from trainer.core.envelope import EXTRAPOLATED_RANGE, INSIDE_RANGE, OUTSIDE_RANGE, substeps

@@ -12,7 +12,7 @@ from soak.session_process import Caller
 
 from trainer.classroom.fleet import Fleet
 from trainer.cli.main import cli
-from trainer.config.class_file import ClassFile
+from trainer.config.exercise.class_file import ClassFile
 from trainer.config.files import ConfigError
 from trainer.session.past.header import open_recording
 

@@ -18,7 +18,7 @@ from soak.session_process import Caller
 
 from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.classroom.one_sea import LOST_AFTER_S, PARTED_M, OneSea, Place, boat_order
-from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.config.exercise.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 from trainer.io.orders.grammar import MAX_LINE_LETTERS, parse
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.serial_line import LinkError

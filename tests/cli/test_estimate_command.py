@@ -34,9 +34,9 @@ from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.cli.workshop.estimate import estimate
+from trainer.config.boat.hull import read_hull
+from trainer.config.boat.vessel import VesselFile, load_vessel, parse_vessel, read_vessel
 from trainer.config.files import ConfigError, parse_toml
-from trainer.config.hull import read_hull
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel, read_vessel
 from trainer.units import KNOT
 
 HULL = """

@@ -10,7 +10,7 @@ from helpers.boat_trials import estimated_boat, made_trial, swing_controls, writ
 
 import trainer
 from trainer.cli.main import cli
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.identify.boat.filter import CHANNEL_NAMES
 from trainer.identify.boat.prior import read_prior
 from trainer.identify.boat.trial import Trial

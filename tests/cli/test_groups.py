@@ -11,7 +11,7 @@ from helpers.installation import run_program
 from helpers.places import environment
 
 from trainer.cli.main import COMMAND_GROUPS, EARLIER_NAMES, cli
-from trainer.config.course import AXIS_STATIONS, course
+from trainer.config.exercise.course import AXIS_STATIONS, course
 from trainer.session.crew.manning import BY_HAND, workers
 
 # fmt: off

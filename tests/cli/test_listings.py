@@ -8,9 +8,9 @@ from helpers.typed import type_command
 
 from trainer.cli import listings
 from trainer.cli.main import cli
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import shipped_names
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.world.sea import load_sea
 
 LISTS = ("vessels", "seas", "exercises")
 

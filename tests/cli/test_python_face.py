@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 import trainer
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.config.series import load_series
+from trainer.config.ship.series import load_series
 from trainer.session.past.header import open_whole_recording
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session

@@ -7,15 +7,15 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from trainer.cli.main import cli
-from trainer.config.class_file import (
+from trainer.config.exercise.class_file import (
     class_schema,
     class_text,
     is_class_file,
     load_class,
 )
 from trainer.config.files import ConfigError, parse_toml
-from trainer.debrief.forgetting import forget_trainee
-from trainer.debrief.history import recordings_in
+from trainer.debrief.trainees.forgetting import forget_trainee
+from trainer.debrief.trainees.history import recordings_in
 
 WHOLE = """\
 exercise = "depth-changes"

@@ -6,9 +6,9 @@ import pytest
 from helpers.sessions import start_exercise, start_plan
 
 from trainer.boat.world.contacts import contacts_in
-from trainer.config.contacts import SHIP_TYPES
-from trainer.config.exercise import parse_exercise
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 from trainer.units import KNOT

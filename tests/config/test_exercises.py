@@ -17,9 +17,14 @@ from trainer.authoring.exercise_page import check_exercise
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active_casualties
 from trainer.boat.helm import obey_order
-from trainer.config.course import course
-from trainer.config.course import lessons as step_lessons
-from trainer.config.exercise import AUTOMATIC_ORDERS, Exercise, load_exercise, parse_exercise
+from trainer.config.exercise.course import course
+from trainer.config.exercise.course import lessons as step_lessons
+from trainer.config.exercise.exercise import (
+    AUTOMATIC_ORDERS,
+    Exercise,
+    load_exercise,
+    parse_exercise,
+)
 from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.session.past.options import RunOptions

@@ -14,11 +14,11 @@ from helpers.lanes import sample_cases
 from trainer.analysis.sweep.study import load_study
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.casualties import load_casualties
-from trainer.config.exercise import load_exercise, read_exercise
+from trainer.config.boat.casualties import load_casualties
+from trainer.config.boat.vessel import VesselFile, load_vessel
+from trainer.config.exercise.exercise import load_exercise, read_exercise
 from trainer.config.files import ConfigError, shipped_names, shipped_path
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.world.sea import load_sea
 from trainer.units import KNOT
 
 EXTREME = ("nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "5e-324", f"{2**63}", "9" * 400)

@@ -11,6 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from trainer.config.boat.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.boat.vessel_records import Autopilot
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -22,8 +24,6 @@ from trainer.config.files import (
     shipped_path,
 )
 from trainer.config.schema import Quantities, kind_of
-from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
-from trainer.config.vessel_records import Autopilot
 from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 
 PLACE = Path("boat.toml")

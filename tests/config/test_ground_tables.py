@@ -12,7 +12,9 @@ import pytest
 from helpers.places import DATA
 from helpers.sessions import start_plan
 
-from trainer.config.bottom import (
+from trainer.config.exercise.exercise import parse_exercise
+from trainer.config.files import ConfigError, Position, reading_recorded, remembering
+from trainer.config.world.bottom import (
     LAND_DEPTH_M,
     Bottom,
     depths_at,
@@ -20,9 +22,7 @@ from trainer.config.bottom import (
     land_near,
     read_bottom,
 )
-from trainer.config.exercise import parse_exercise
-from trainer.config.files import ConfigError, Position, reading_recorded, remembering
-from trainer.config.soundings import (
+from trainer.config.world.soundings import (
     MAX_CELLS,
     Grid,
     on_the_plane,

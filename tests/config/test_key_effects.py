@@ -20,13 +20,13 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, count_passed
 from trainer.boat.helm import obey_order
 from trainer.boat.world.scope import periscope_of
-from trainer.config.files import ConfigError, shipped_names, shipped_path
-from trainer.config.vessel import (
+from trainer.config.boat.vessel import (
     DOCUMENTARY_TABLES,
     VesselFile,
     load_vessel,
     read_vessel,
 )
+from trainer.config.files import ConfigError, shipped_names, shipped_path
 from trainer.io.orders.grammar import Order
 from trainer.session.doors.warm_up import refuse_unstable
 from trainer.session.past.options import RunOptions

@@ -9,7 +9,7 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError, shipped_path
-from trainer.config.sea import load_sea, parse_sea, sea_settings, step_problem
+from trainer.config.world.sea import load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
 

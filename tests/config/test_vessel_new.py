@@ -13,12 +13,12 @@ from trainer.analysis.guide.programme import own_method
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
 from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.config.boat.similarity import LAW_EXCEPTIONS, law_of, power_of
+from trainer.config.boat.vessel import VESSEL_RECORDS, VesselFile, load_vessel, parse_vessel
+from trainer.config.boat.vessel_records import SurfaceRow, ThrustSet
+from trainer.config.boat.vessel_template import vessel_text, write_new
 from trainer.config.files import ConfigError
 from trainer.config.schema import kind_of, kinds_of
-from trainer.config.similarity import LAW_EXCEPTIONS, law_of, power_of
-from trainer.config.vessel import VESSEL_RECORDS, VesselFile, load_vessel, parse_vessel
-from trainer.config.vessel_records import SurfaceRow, ThrustSet
-from trainer.config.vessel_template import vessel_text, write_new
 from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")

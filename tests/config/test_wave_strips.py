@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from trainer.boat.assemble import Method, fit_out
+from trainer.config.boat.vessel import VesselFile, load_vessel, read_vessel
 from trainer.config.files import ConfigError, shipped_path
-from trainer.config.vessel import VesselFile, load_vessel, read_vessel
 from trainer.core.vessel import STRIP_SHARES, STRIP_STATIONS
 
 METHOD = Method("modified", "lagged", "exact", "adams2", 0.5)

@@ -24,7 +24,9 @@ from trainer.analysis.reduce import page as reduction_page
 from trainer.analysis.reduce.reduction import load_standings, save_standings
 from trainer.analysis.reduce.search import SearchState, TermNeed
 from trainer.analysis.sweep import sweep
-from trainer.config.baseline import (
+from trainer.config.boat.vessel import load_vessel, parse_vessel
+from trainer.config.boat.vessel_template import write_new as write_vessel
+from trainer.config.exercise.baseline import (
     Baseline,
     BaselineHeading,
     PeopleFigures,
@@ -32,12 +34,12 @@ from trainer.config.baseline import (
     read_baseline,
     write_baseline,
 )
-from trainer.config.exercise import parse_exercise
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import MIN_NONZERO_SIZE, parse_toml, toml_value
-from trainer.config.nomoto import NomotoFile, load_nomoto, nomoto_text_of
 from trainer.config.schema import Choice, Quantities, Quantity, Text, kinds_of
-from trainer.config.sensors import Sensors
-from trainer.config.ship import (
+from trainer.config.ship.nomoto import NomotoFile, load_nomoto, nomoto_text_of
+from trainer.config.ship.sensors import Sensors
+from trainer.config.ship.ship import (
     Dimensions,
     FitResult,
     RecordSettings,
@@ -46,11 +48,9 @@ from trainer.config.ship import (
     parse_ship,
     ship_text,
 )
-from trainer.config.vessel import load_vessel, parse_vessel
-from trainer.config.vessel_template import write_new as write_vessel
 from trainer.core.terms import EXTRA_TERMS
-from trainer.debrief.changes import Change, read_changes, write_changes
-from trainer.debrief.forms import EvaluationForm, FormHeading, read_forms, write_forms
+from trainer.debrief.marks.changes import Change, read_changes, write_changes
+from trainer.debrief.marks.forms import EvaluationForm, FormHeading, read_forms, write_forms
 from trainer.identify.experiment import exercise_text
 from trainer.identify.pages.ship_files import rewrite_coefficients
 from trainer.identify.record.proposal import write_proposal

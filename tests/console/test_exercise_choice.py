@@ -21,10 +21,10 @@ from textual.pilot import Pilot
 from trainer.cli import run as command
 from trainer.cli.main import cli
 from trainer.cli.run import trained
-from trainer.config.course import Lesson, course, lessons
+from trainer.config.exercise.course import Lesson, course, lessons
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import Progress, ProgressRun
 from trainer.config.files import shipped_names
-from trainer.config.outcome import Outcome
-from trainer.config.progress import Progress, ProgressRun
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.exercise_choice import (
     FREE_SAILING,

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from trainer.analysis.programs import tanks as ec430
 from trainer.boat.assemble import Method, ballast_record, fit_out
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import load_vessel, parse_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel, parse_vessel
 from trainer.core import surfaced
 from trainer.core.ballast import air, ballast, buoyancy
 from trainer.core.ballast.tanks import (

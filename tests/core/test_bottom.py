@@ -11,9 +11,9 @@ from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import clear_casualty, insert_casualty, instrument_readings
 from trainer.boat.world.bottom import Ground, chart_of, keel_of
-from trainer.config.bottom import Bottom, read_bottom
 from trainer.config.files import Position
-from trainer.config.soundings import Grid
+from trainer.config.world.bottom import Bottom, read_bottom
+from trainer.config.world.soundings import Grid
 from trainer.core.casualties import KINDS, SOUNDER_RANGE
 from trainer.core.soundings import DISTANT_GROUND_M, FIRST_SAMPLE, SELDOM_MASK, sound
 from trainer.io.orders.grammar import Refused

@@ -24,7 +24,7 @@ print(repr(float(gaussian(1, 2, 3))))
 """
 STEP_MOTION = """
 import numpy as np
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.identify.boat.filter import RecordNumbers, sail_controls
 from trainer.identify.boat.motion import STATE, STATE_COUNT
 from trainer.identify.boat.vessel import FittedVessel
@@ -37,7 +37,7 @@ print(repr(float(sail_controls(boat.numbers(boat.values), record, state)[-1, STA
 """
 CAP = """
 import numpy as np
-from trainer.debrief.tallies import HARD, TALLY, TALLY_RULE, cap_of
+from trainer.debrief.ticks.tallies import HARD, TALLY, TALLY_RULE, cap_of
 
 rules, tallies = np.zeros(1, TALLY_RULE), np.ones(1, TALLY)
 rules["measure"] = HARD
@@ -88,7 +88,7 @@ def copied(tmp_path: Path) -> Path:
         (STEP_MOTION, "identify/boat/motion.py", "rate[STATE.Z] = ", "rate[STATE.Z] = 123.0 + "),
         (
             CAP,
-            "debrief/judgement.py",
+            "debrief/marks/judgement.py",
             "LOST_CAP, HARD_CAP = 25.0, 0.0",
             "LOST_CAP, HARD_CAP = 25.0, 7.0",
         ),

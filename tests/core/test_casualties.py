@@ -23,14 +23,14 @@ from trainer.boat.casualties import (
     instrument_readings,
 )
 from trainer.cli.main import cli
-from trainer.config.casualties import (
+from trainer.config.boat.casualties import (
     as_json,
     listing,
     load_casualties,
     parse_casualties,
 )
-from trainer.config.condition import STATE_QUANTITIES
-from trainer.config.derived import compile_condition
+from trainer.config.exercise.condition import STATE_QUANTITIES
+from trainer.config.exercise.derived import compile_condition
 from trainer.config.files import ConfigError, Position, key_of, reading_recorded, shipped_path
 from trainer.core.casualties import KINDS
 from trainer.core.state import MAX_CASUALTIES

@@ -9,8 +9,8 @@ from helpers.boats import make_boat, start_boat, take_in_hand
 from helpers.orders import obey_all
 
 from trainer.boat.boat import Boat
-from trainer.config.sea import SeaFile, load_sea
 from trainer.config.words import EQUATION_SETS
+from trainer.config.world.sea import SeaFile, load_sea
 from trainer.core.current import carry_along
 from trainer.core.state import PAST_CYCLES, new_state
 from trainer.session.past.layout import LAYOUT

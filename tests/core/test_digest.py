@@ -125,7 +125,7 @@ def test_words_and_imports_are_found_as_python_finds_them(with_kernels: list[Mod
         if not modules <= set(imported_sources(path)):
             wrong.append(path)
     assert wrong == [
-        PACKAGE_FOLDER / "config/class_file.py"
+        PACKAGE_FOLDER / "config/exercise/class_file.py"
     ]  # a line `# ...` in a text that it writes
 
 

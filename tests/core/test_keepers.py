@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.boat.pilot import PilotMonitor
-from trainer.config.sea import parse_sea
-from trainer.config.vessel import parse_vessel
+from trainer.config.boat.vessel import parse_vessel
+from trainer.config.world.sea import parse_sea
 from trainer.core.autopilot.ascent import ASCENT_AFLOAT, ASCENT_RISING, NO_ASCENT
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
 from trainer.core.sea.forces import suction

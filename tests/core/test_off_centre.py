@@ -14,7 +14,7 @@ from helpers.lanes import sample_cases
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import read_vessel
+from trainer.config.boat.vessel import read_vessel
 from trainer.core import compact as compact_set
 from trainer.core.ballast.buoyancy import add_compression
 from trainer.core.ballast.tanks import TANKS

@@ -12,7 +12,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.plant import plant_facts
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.core.plant.fire import advance_fire
 from trainer.core.plant.oil import advance_oil, draw_oil, fed_share, oil_pressure, rate_share
 from trainer.core.plant.parts import (

@@ -11,7 +11,7 @@ import pytest
 from helpers.places import DATA, TESTS
 from numba import njit
 
-from trainer.config.sea import HEIGHT_FACTOR
+from trainer.config.world.sea import HEIGHT_FACTOR
 from trainer.core.sea.cosine_sum import (
     ANGLE_COS,
     ANGLE_SIN,

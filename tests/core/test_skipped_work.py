@@ -10,7 +10,7 @@ from helpers.boats import make_boat
 
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.core.ballast.ballast import balance, flow_through_holes, is_quiet
 from trainer.core.ballast.tanks import TANKS_END
 from trainer.core.elementary import cosine, sine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trainer.boat.assemble import Method, Records, fit_out
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.core import compact, full
 from trainer.core.kinematics import EXACT_TRIGONOMETRY, attitude_of
 from trainer.core.terms import EXTRA_TERMS, LENGTH_POWERS, SLIP_TERMS, TERM_TABLE

@@ -13,8 +13,8 @@ from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.world.sea import load_sea
 from trainer.core.actuators import move_surfaces
 from trainer.core.propulsion import answer_telegraph, excess_eta, thrust
 from trainer.core.state import STATE
@@ -124,8 +124,8 @@ from trainer.core.update import update
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.assemble import Method
 from trainer.analysis.bench.tick import CASUALTY_KINDS
-from trainer.config.sea import load_sea
-from trainer.config.vessel import load_vessel
+from trainer.config.world.sea import load_sea
+from trainer.config.boat.vessel import load_vessel
 
 @njit
 def ticks(count, vessel, compact, scheme, state, scratch):

@@ -7,10 +7,10 @@ import pytest
 from helpers.recorded import record
 
 from trainer.config.files import ConfigError
-from trainer.debrief import sections
-from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
-from trainer.debrief.history import compute_result, kept_result, list_lines, list_recording
-from trainer.debrief.page import as_text
+from trainer.debrief.page import sections
+from trainer.debrief.page.data import DebriefData, debrief_figures, gather_debrief
+from trainer.debrief.page.page import as_text
+from trainer.debrief.trainees.history import compute_result, kept_result, list_lines, list_recording
 from trainer.io.recording.facts import BranchCause
 from trainer.io.recording.recording import SHOWN_REASON, Recording
 

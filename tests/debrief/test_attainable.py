@@ -24,11 +24,11 @@ from helpers.sessions import start_plan
 from trainer.boat.effects import effects_of_boat
 from trainer.boat.mute_crew import MuteCrew, is_same_order
 from trainer.config.files import shipped_names
-from trainer.debrief.attainable import NoCurve, RunExplorer
-from trainer.debrief.attainable_changes import ChangeCause
-from trainer.debrief.attainable_curve import AttainableCurve, attainable_curve
-from trainer.debrief.attainable_falls import PassedKind, SteepFall, parted_falls, what_passes
-from trainer.debrief.attainable_stretches import (
+from trainer.debrief.attainable.changes import ChangeCause
+from trainer.debrief.attainable.curve import AttainableCurve, attainable_curve
+from trainer.debrief.attainable.explorer import NoCurve, RunExplorer
+from trainer.debrief.attainable.falls import PassedKind, SteepFall, parted_falls, what_passes
+from trainer.debrief.attainable.stretches import (
     MAX_TICKS,
     POINT_PERIODS,
     AttainablePoint,
@@ -36,9 +36,9 @@ from trainer.debrief.attainable_stretches import (
     finest_period,
     without_luck,
 )
-from trainer.debrief.attainable_words import change_words, until_words
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
+from trainer.debrief.attainable.words import change_words, until_words
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import GiverKind
 from trainer.session.past.options import RunOptions
@@ -104,7 +104,7 @@ SPREAD_FACTOR = 4  # times apart are points here; falls between them are halved 
 def wider_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer moments than a user's debrief does."""
     monkeypatch.setattr(
-        "trainer.debrief.attainable_curve.POINT_PERIODS", SPREAD_FACTOR * POINT_PERIODS
+        "trainer.debrief.attainable.curve.POINT_PERIODS", SPREAD_FACTOR * POINT_PERIODS
     )
 
 
@@ -173,7 +173,7 @@ def test_the_work_for_a_curve_does_not_grow_with_the_length_of_the_run(
         finest = finest_period(last, 0.5)
         assert last**2 / (2 * POINT_PERIODS * finest) <= MAX_TICKS
         assert finest == 2 or last > 4_000
-    monkeypatch.setattr("trainer.debrief.attainable_stretches.MAX_TICKS", 1_500)
+    monkeypatch.setattr("trainer.debrief.attainable.stretches.MAX_TICKS", 1_500)
     shares: list[float] = []
     run = explored("stern-plane-jam", late("stern-plane-jam", 15))
     run.progress = shares.append

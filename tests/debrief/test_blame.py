@@ -12,25 +12,25 @@ from helpers.sessions import start_plan
 
 from trainer.authoring.trainees import Skill
 from trainer.authoring.validation import fly_skilled
-from trainer.debrief.attainable_changes import (
+from trainer.debrief.attainable.changes import (
     ChangeCause,
     MarkChange,
     join_changes,
     net_changes,
 )
-from trainer.debrief.attainable_curve import AttainableCurve, attainable_curve
-from trainer.debrief.attainable_falls import (
+from trainer.debrief.attainable.curve import AttainableCurve, attainable_curve
+from trainer.debrief.attainable.falls import (
     PassedKind,
     SteepFall,
     bound_falls,
     lasting_points,
 )
-from trainer.debrief.attainable_stretches import POINT_PERIODS, AttainablePoint
-from trainer.debrief.attainable_words import change_words
-from trainer.debrief.controls import control_of, is_alike, is_wrong_way, share_of
-from trainer.debrief.judgement import costs
-from trainer.debrief.progress import costs_of
-from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.attainable.stretches import POINT_PERIODS, AttainablePoint
+from trainer.debrief.attainable.words import change_words
+from trainer.debrief.marks.judgement import costs
+from trainer.debrief.marks.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.passage.controls import control_of, is_alike, is_wrong_way, share_of
+from trainer.debrief.trainees.progress import costs_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 STEP_S = 0.5  # [s] of the boats that fly here
@@ -39,7 +39,7 @@ STEP_S = 0.5  # [s] of the boats that fly here
 @pytest.fixture(autouse=True)
 def wider_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer moments than a user's debrief does."""
-    places = "trainer.debrief.attainable_curve.POINT_PERIODS"
+    places = "trainer.debrief.attainable.curve.POINT_PERIODS"
     monkeypatch.setattr(places, 4 * POINT_PERIODS)
 
 

@@ -18,16 +18,16 @@ from helpers.sessions import begin_run
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
-from trainer.config.class_course import CourseRow
-from trainer.config.class_file import BoatRow, ClassFile, class_text
+from trainer.config.exercise.class_course import CourseRow
+from trainer.config.exercise.class_file import BoatRow, ClassFile, class_text
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun, add_run
 from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run
-from trainer.debrief import class_debrief
-from trainer.debrief.class_debrief import CLASS_HEADER, class_lessons, gather_class
-from trainer.debrief.class_places import boat_places
-from trainer.debrief.page import read_dossier
-from trainer.debrief.run_summary import LostMarks, kept_summary, summary_of, summary_path
+from trainer.debrief.page.page import read_dossier
+from trainer.debrief.passage.class_places import boat_places
+from trainer.debrief.trainees import class_debrief
+from trainer.debrief.trainees.class_debrief import CLASS_HEADER, class_lessons, gather_class
+from trainer.debrief.trainees.run_summary import LostMarks, kept_summary, summary_of, summary_path
 from trainer.io.recording.recording import Recording
 from trainer.session.past.options import RunOptions
 

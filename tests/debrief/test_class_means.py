@@ -8,9 +8,9 @@ from typing import Final
 
 import pytest
 
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun
-from trainer.debrief.class_debrief import (
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun
+from trainer.debrief.trainees.class_debrief import (
     BoatRun,
     ClassDebrief,
     ClassExercise,
@@ -18,9 +18,9 @@ from trainer.debrief.class_debrief import (
     class_figures,
     class_text,
 )
-from trainer.debrief.class_page import render_class
-from trainer.debrief.history import ListedRecording, RecordedResult, trainee_history
-from trainer.debrief.run_summary import RunSummary
+from trainer.debrief.trainees.class_page import render_class
+from trainer.debrief.trainees.history import ListedRecording, RecordedResult, trainee_history
+from trainer.debrief.trainees.run_summary import RunSummary
 
 RUN: Final = ProgressRun(
     "a.trainer", 1, "watch", "The watch", "2026-01-01", 60.0, Outcome.WON, 40.0

@@ -9,11 +9,11 @@ import pytest
 from helpers.givers import giver_at
 from helpers.recorded import record
 
-from trainer.debrief.crew_work import WHOLE_CREW, CrewWork, judge_crew
-from trainer.debrief.data import debrief_figures
-from trainer.debrief.episodes import spoken_orders
-from trainer.debrief.page import read_dossier, render
-from trainer.debrief.watches import Watch
+from trainer.debrief.page.data import debrief_figures
+from trainer.debrief.page.page import read_dossier, render
+from trainer.debrief.passage.crew_work import WHOLE_CREW, CrewWork, judge_crew
+from trainer.debrief.passage.episodes import spoken_orders
+from trainer.debrief.passage.watches import Watch
 from trainer.io.recording.facts import NO_CREW_FACT, CrewFact, CrewNews
 from trainer.io.recording.recording import RecordedOrder
 

@@ -26,13 +26,13 @@ from helpers.sessions import begin_run, session_over
 from playwright.sync_api import Browser, expect
 
 from trainer.boat.limits import LimitMonitor
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.exercise.score_rules import SCORE_MEASURES
 from trainer.config.files import ConfigError, shipped_path
-from trainer.config.score_rules import SCORE_MEASURES
-from trainer.config.vessel import load_vessel
-from trainer.debrief.charts import charts_of, ground_of, unwrap_ordered_courses
-from trainer.debrief.data import DebriefData, debrief_figures, gather_debrief
-from trainer.debrief.measures import broach_rows
-from trainer.debrief.page import (
+from trainer.debrief.marks.measures import broach_rows
+from trainer.debrief.page.charts import charts_of, ground_of, unwrap_ordered_courses
+from trainer.debrief.page.data import DebriefData, debrief_figures, gather_debrief
+from trainer.debrief.page.page import (
     DebriefRequest,
     as_json,
     debrief_file,
@@ -41,8 +41,8 @@ from trainer.debrief.page import (
     read_dossier,
     render,
 )
-from trainer.debrief.recording_export import export_file
-from trainer.debrief.sections import format_value, legend, pressed_together
+from trainer.debrief.page.sections import format_value, legend, pressed_together
+from trainer.debrief.passage.recording_export import export_file
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.report import pdf
 from trainer.report.html import PAGE_FOLDER

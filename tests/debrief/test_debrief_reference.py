@@ -17,14 +17,16 @@ from helpers.few_points import look_at_few_moments
 from helpers.givers import journalled
 from helpers.recorded import PANEL, record
 
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
-from trainer.debrief.attainable import RunExplorer
-from trainer.debrief.attainable_changes import ChangeCause
-from trainer.debrief.attainable_curve import AttainableCurve
-from trainer.debrief.attainable_words import TEXT_COLUMNS, text_axis
-from trainer.debrief.charts import attainable_chart, ground_of, runs_beside
-from trainer.debrief.data import (
+from trainer.debrief.attainable.changes import ChangeCause
+from trainer.debrief.attainable.curve import AttainableCurve
+from trainer.debrief.attainable.explorer import RunExplorer
+from trainer.debrief.attainable.words import TEXT_COLUMNS, text_axis
+from trainer.debrief.marks.judgement import costs
+from trainer.debrief.marks.reference import can_fly, join_runs
+from trainer.debrief.page.charts import attainable_chart, ground_of, runs_beside
+from trainer.debrief.page.data import (
     DebriefData,
     ReferenceComparison,
     debrief_figures,
@@ -32,14 +34,12 @@ from trainer.debrief.data import (
     order_givers,
     reference_from,
 )
-from trainer.debrief.episodes import read_backs
-from trainer.debrief.history import came_of
-from trainer.debrief.judgement import costs
-from trainer.debrief.page import DebriefRequest, as_text, draw_track, read_compared, render
-from trainer.debrief.progress import run_of
-from trainer.debrief.reference import can_fly, join_runs
-from trainer.debrief.sections import OLDER_RULES, verdict
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.page.page import DebriefRequest, as_text, draw_track, read_compared, render
+from trainer.debrief.page.sections import OLDER_RULES, verdict
+from trainer.debrief.passage.episodes import read_backs
+from trainer.debrief.passage.trajectory import Trajectory
+from trainer.debrief.trainees.history import came_of
+from trainer.debrief.trainees.progress import run_of
 from trainer.io.recording.facts import REFERENCE_GIVER, plan_of
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report.svg import RIGHT_EDGE_PX, draw_chart

@@ -6,7 +6,7 @@ from pathlib import Path
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
-from trainer.debrief.page import read_dossier, render
+from trainer.debrief.page.page import read_dossier, render
 
 LANE = """\
 schema = "exercise/1"

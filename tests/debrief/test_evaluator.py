@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from helpers.recorded import record
 
-from trainer.debrief.attainable import NoCurve, RunExplorer
-from trainer.debrief.attainable_curve import AttainableCurve
-from trainer.debrief.attainable_words import until_words
-from trainer.debrief.data import gather_debrief, judge_as_changed
-from trainer.debrief.episodes import ordered_beyond
-from trainer.debrief.evaluator import Evaluator, answers
+from trainer.debrief.attainable.curve import AttainableCurve
+from trainer.debrief.attainable.explorer import NoCurve, RunExplorer
+from trainer.debrief.attainable.words import until_words
+from trainer.debrief.live.evaluator import Evaluator, answers
+from trainer.debrief.page.data import gather_debrief, judge_as_changed
+from trainer.debrief.passage.episodes import ordered_beyond
 from trainer.io.recording.recording import Recording
 from trainer.session.past.header import open_recording
 

@@ -18,11 +18,11 @@ from trainer.boat.due_orders import entries_due
 from trainer.boat.helm import obey_order
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
-from trainer.config.reference_crew import Helmsman, Planesman
-from trainer.debrief import rehearsal
-from trainer.debrief.attainable import RunExplorer
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import (
+from trainer.config.exercise.reference_crew import Helmsman, Planesman
+from trainer.debrief.attainable.explorer import RunExplorer
+from trainer.debrief.marks import rehearsal
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import (
     ByReference,
     Flight,
     Rehearsal,

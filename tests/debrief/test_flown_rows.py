@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from trainer.debrief.trajectory import BLOCK_ROWS, FlownRows
+from trainer.debrief.passage.trajectory import BLOCK_ROWS, FlownRows
 
 NAMES = ("still", "moves", "begins to move", "zero of either sign")
 

@@ -20,17 +20,17 @@ from helpers.typed import type_command
 from markupsafe import escape
 
 from trainer.cli.main import cli
-from trainer.config.class_file import BoatRow, ClassFile, class_text
+from trainer.config.exercise.class_file import BoatRow, ClassFile, class_text
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun, add_run
 from trainer.config.files import ConfigError, toml_value
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run
-from trainer.debrief.changes import Change, write_changes
-from trainer.debrief.class_debrief import CLASS_HEADER
-from trainer.debrief.forgetting import SoughtName
-from trainer.debrief.forms import EvaluationForm, write_forms
-from trainer.debrief.page import PAGE_BADGE
-from trainer.debrief.progress_words import write_table
-from trainer.debrief.run_summary import SUMMARY_SUFFIX
+from trainer.debrief.marks.changes import Change, write_changes
+from trainer.debrief.marks.forms import EvaluationForm, write_forms
+from trainer.debrief.page.page import PAGE_BADGE
+from trainer.debrief.trainees.class_debrief import CLASS_HEADER
+from trainer.debrief.trainees.forgetting import SoughtName
+from trainer.debrief.trainees.progress_words import write_table
+from trainer.debrief.trainees.run_summary import SUMMARY_SUFFIX
 from trainer.io.recording.recording import Recording
 from trainer.session.past.header import open_recording, trainees_of
 

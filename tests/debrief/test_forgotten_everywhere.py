@@ -11,16 +11,16 @@ from helpers.sessions import begin_run
 from helpers.typed import type_command
 
 from trainer.cli.main import cli
-from trainer.config.class_file import BoatRow, ClassFile, class_text
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run, progress_path
-from trainer.debrief.changes import Change, write_changes
-from trainer.debrief.class_debrief import CLASS_HEADER
-from trainer.debrief.forms import WHOLE_RUN_NAME, EvaluationForm, write_forms
-from trainer.debrief.history import marks_path
-from trainer.debrief.page import PAGE_BADGE
-from trainer.debrief.progress_words import CSV_HEADER
-from trainer.debrief.run_summary import LostMarks, RunSummary, keep_summary
+from trainer.config.exercise.class_file import BoatRow, ClassFile, class_text
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun, add_run, progress_path
+from trainer.debrief.marks.changes import Change, write_changes
+from trainer.debrief.marks.forms import WHOLE_RUN_NAME, EvaluationForm, write_forms
+from trainer.debrief.page.page import PAGE_BADGE
+from trainer.debrief.trainees.class_debrief import CLASS_HEADER
+from trainer.debrief.trainees.history import marks_path
+from trainer.debrief.trainees.progress_words import CSV_HEADER
+from trainer.debrief.trainees.run_summary import LostMarks, RunSummary, keep_summary
 from trainer.io.recording.recording import MARK_KIND, Recording
 from trainer.session.past.options import RunOptions
 

@@ -9,17 +9,17 @@ from helpers.typed import type_command
 
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.debrief.changes import change_of
-from trainer.debrief.data import debrief_figures
-from trainer.debrief.forgetting import files_of, forget_trainee
-from trainer.debrief.forms import form_text, judged_names, read_forms, with_forms, write_forms
-from trainer.debrief.history import (
+from trainer.debrief.marks.changes import change_of
+from trainer.debrief.marks.forms import form_text, judged_names, read_forms, with_forms, write_forms
+from trainer.debrief.page.data import debrief_figures
+from trainer.debrief.page.page import DebriefRequest, as_text, read_compared, read_dossier, render
+from trainer.debrief.trainees.forgetting import files_of, forget_trainee
+from trainer.debrief.trainees.history import (
     familiarisation_lines,
     list_lines,
     list_recording,
     trainee_history,
 )
-from trainer.debrief.page import DebriefRequest, as_text, read_compared, read_dossier, render
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 from trainer.session.run import run_boat

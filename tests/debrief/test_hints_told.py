@@ -9,13 +9,13 @@ from helpers.givers import giver_at
 from helpers.recorded import record
 
 from trainer.cli.run import debriefing
-from trainer.config.outcome import Outcome
-from trainer.debrief import sections
-from trainer.debrief.data import DebriefData, compare_debrief, gather_debrief
-from trainer.debrief.judgement import costs, judge_run
-from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.debrief.scoring import Scorecard
-from trainer.debrief.trajectory import Trajectory
+from trainer.config.exercise.outcome import Outcome
+from trainer.debrief.marks.judgement import costs, judge_run
+from trainer.debrief.marks.rehearsal import fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard
+from trainer.debrief.page import sections
+from trainer.debrief.page.data import DebriefData, compare_debrief, gather_debrief
+from trainer.debrief.passage.trajectory import Trajectory
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run

@@ -16,9 +16,10 @@ from helpers.altered import alter
 from helpers.recorded import record
 
 from trainer.cli.main import main
-from trainer.debrief import charts, history, sections
-from trainer.debrief.data import gather_debrief
-from trainer.debrief.recording_export import read_recording
+from trainer.debrief.page import charts, sections
+from trainer.debrief.page.data import gather_debrief
+from trainer.debrief.passage.recording_export import read_recording
+from trainer.debrief.trainees import history
 from trainer.io.recording import queries
 from trainer.io.recording.recording import Recording
 from trainer.session.replay import replay_anyway

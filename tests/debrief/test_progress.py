@@ -12,10 +12,9 @@ import pytest
 from helpers.recorded import record
 
 from trainer.cli.main import main
-from trainer.config.course import course, lessons
-from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
-from trainer.config.progress import (
+from trainer.config.exercise.course import course, lessons
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import (
     Progress,
     ProgressRun,
     add_run,
@@ -24,10 +23,11 @@ from trainer.config.progress import (
     read_progress,
     trainees_folder,
 )
-from trainer.debrief.attainable_changes import ChangeCause, MarkChange
-from trainer.debrief.page import read_dossier
-from trainer.debrief.progress import costs_of, own_marks_of, remember_run
-from trainer.debrief.progress_words import progress_lines
+from trainer.config.files import ConfigError
+from trainer.debrief.attainable.changes import ChangeCause, MarkChange
+from trainer.debrief.page.page import read_dossier
+from trainer.debrief.trainees.progress import costs_of, own_marks_of, remember_run
+from trainer.debrief.trainees.progress_words import progress_lines
 from trainer.session.past.header import names_of
 
 pytestmark = [

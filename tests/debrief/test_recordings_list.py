@@ -15,19 +15,28 @@ from helpers.altered import alter
 from helpers.recorded import record
 
 from trainer.cli.main import main
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
-from trainer.debrief import history as history_module
-from trainer.debrief.changes import (
+from trainer.debrief.marks.changes import (
     change_of,
     changes_path,
     read_changes,
     without_changes,
     write_changes,
 )
-from trainer.debrief.data import debrief_figures, find_branch
-from trainer.debrief.forgetting import files_of, forget_trainee, print_forgotten
-from trainer.debrief.history import (
+from trainer.debrief.page.data import debrief_figures, find_branch
+from trainer.debrief.page.page import (
+    DebriefRequest,
+    as_text,
+    debrief_file,
+    opinions_as_asked,
+    read_compared,
+    read_dossier,
+    render,
+)
+from trainer.debrief.trainees import history as history_module
+from trainer.debrief.trainees.forgetting import files_of, forget_trainee, print_forgotten
+from trainer.debrief.trainees.history import (
     ListedRecording,
     RecordedResult,
     history_lines,
@@ -39,15 +48,6 @@ from trainer.debrief.history import (
     print_list,
     recordings_in,
     trainee_history,
-)
-from trainer.debrief.page import (
-    DebriefRequest,
-    as_text,
-    debrief_file,
-    opinions_as_asked,
-    read_compared,
-    read_dossier,
-    render,
 )
 from trainer.io.paths import recordings_folder
 from trainer.io.recording.facts import OVER_WORDS
@@ -213,7 +213,7 @@ def test_whatever_one_recording_does_the_others_are_listed_and_forgotten(
         texts_of(path, *how)
 
     monkeypatch.setattr(history_module, "kept_result", unforeseen)
-    monkeypatch.setattr("trainer.debrief.forgetting.erase_texts", unforeseen_texts)
+    monkeypatch.setattr("trainer.debrief.trainees.forgetting.erase_texts", unforeseen_texts)
 
     found = {each.path: each.trouble for each in map(list_recording, (odd, kept))}
     assert found[kept] == ""

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from helpers.recorded import record
 
-from trainer.debrief.data import DebriefData, gather_debrief
+from trainer.debrief.page.data import DebriefData, gather_debrief
 from trainer.io.recording.recording import Recording
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")

@@ -12,20 +12,20 @@ from helpers.nursery import Done, run_trainer
 from helpers.passages import BB2, alert, trajectory
 
 from trainer.boat.calls import Rank
-from trainer.config.exercise import ExerciseLimits, load_exercise, parse_exercise
+from trainer.config.exercise.exercise import ExerciseLimits, load_exercise, parse_exercise
+from trainer.config.exercise.score_rules import ALERT_RANKS, ScoreRule
 from trainer.config.files import ConfigError, shipped_names
-from trainer.config.score_rules import ALERT_RANKS, ScoreRule
-from trainer.debrief import measures
-from trainer.debrief.reference import alerts_until
-from trainer.debrief.scoring import (
+from trainer.debrief.marks import measures
+from trainer.debrief.marks.reference import alerts_until
+from trainer.debrief.marks.scoring import (
     formula_of,
     marks_of,
     score_rules,
     take_measure,
     unit_of,
 )
-from trainer.debrief.ships_met import Detection, LookOut
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.passage.ships_met import Detection, LookOut
+from trainer.debrief.passage.trajectory import Trajectory
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.stations.alerts import SEEN_RANKS, Alert
 from trainer.units import KNOT

@@ -9,15 +9,15 @@ from helpers.givers import journalled
 from helpers.passages import alert, trajectory
 from helpers.recorded import record
 
-from trainer.config.derived import ALL_QUANTITIES
-from trainer.config.exercise import parse_exercise
-from trainer.config.score_rules import SCORE_MEASURES, ScoreRule
-from trainer.debrief.controls import MOVING_AXES
-from trainer.debrief.data import debrief_figures
-from trainer.debrief.page import as_text, read_dossier, render
-from trainer.debrief.scoring import score_rules
-from trainer.debrief.station_marks import TaskMarks, attribute_marks, marks_of_person
-from trainer.debrief.watches import Watch
+from trainer.config.exercise.derived import ALL_QUANTITIES
+from trainer.config.exercise.exercise import parse_exercise
+from trainer.config.exercise.score_rules import SCORE_MEASURES, ScoreRule
+from trainer.debrief.marks.scoring import score_rules
+from trainer.debrief.marks.station_marks import TaskMarks, attribute_marks, marks_of_person
+from trainer.debrief.page.data import debrief_figures
+from trainer.debrief.page.page import as_text, read_dossier, render
+from trainer.debrief.passage.controls import MOVING_AXES
+from trainer.debrief.passage.watches import Watch
 from trainer.io.recording.facts import CrewFact, CrewNews
 
 EXERCISE: Final = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'

@@ -16,18 +16,18 @@ from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.files import shipped_names
 from trainer.core.kernel import Numbers
-from trainer.debrief.groundings import groundings
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import (
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import (
     ByReference,
     Flight,
     fly_rehearsal,
     last_tick,
     stretches,
 )
-from trainer.debrief.tick_ground import GroundWatch, ground_reads
-from trainer.debrief.tick_judge import TickJudge, nobody_aboard
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.passage.groundings import groundings
+from trainer.debrief.passage.trajectory import Trajectory
+from trainer.debrief.ticks.ground import GroundWatch, ground_reads
+from trainer.debrief.ticks.judge import TickJudge, nobody_aboard
 from trainer.io.recording.facts import Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from helpers.recorded import record
 
-from trainer.debrief.data import debrief_figures
-from trainer.debrief.forgetting import forget_trainee
-from trainer.debrief.page import read_dossier, render
-from trainer.debrief.watches import Watch, named
+from trainer.debrief.page.data import debrief_figures
+from trainer.debrief.page.page import read_dossier, render
+from trainer.debrief.passage.watches import Watch, named
+from trainer.debrief.trainees.forgetting import forget_trainee
 
 SAID = {
     1.0: "stern planes dive 1",

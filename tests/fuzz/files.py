@@ -28,19 +28,19 @@ from trainer.analysis.guide.contents import load_earlier
 from trainer.analysis.guide.trials import load_published
 from trainer.analysis.programs.evaluate import evaluate_states
 from trainer.boat.assemble import Method, Records, fit_out
-from trainer.config.casualties import parse_casualties
-from trainer.config.check_case import parse_case
-from trainer.config.derivatives import load_derivatives
-from trainer.config.derived import compile_condition
-from trainer.config.exercise import parse_exercise
+from trainer.config.boat.casualties import parse_casualties
+from trainer.config.boat.vessel import load_vessel, parse_vessel
+from trainer.config.exercise.check_case import parse_case
+from trainer.config.exercise.derived import compile_condition
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError, Position, read_text
-from trainer.config.nomoto import load_nomoto
-from trainer.config.sea import parse_sea
-from trainer.config.series import load_series
-from trainer.config.ship import parse_ship, ship_text
-from trainer.config.soundings import read_ascii
+from trainer.config.ship.derivatives import load_derivatives
+from trainer.config.ship.nomoto import load_nomoto
+from trainer.config.ship.series import load_series
+from trainer.config.ship.ship import parse_ship, ship_text
 from trainer.config.tables import read_table
-from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.config.world.sea import parse_sea
+from trainer.config.world.soundings import read_ascii
 from trainer.core.kernel import Record
 from trainer.identify.judge.fitted import resume_search
 from trainer.identify.model.system_files import load_system

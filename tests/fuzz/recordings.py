@@ -13,9 +13,9 @@ from helpers.givers import HELM
 from fuzz.fuzz import Target, folder, shipped_texts, text_of, write_file
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
-from trainer.debrief.recording_export import table_layout
+from trainer.debrief.passage.recording_export import table_layout
 from trainer.io.recording.recording import Moment, Recording, RecordingError
 from trainer.session.past.header import (
     PLAN_FORMAT,

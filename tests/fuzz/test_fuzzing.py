@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from fuzz.catalogue import TARGETS, corpus
 from fuzz.fuzz import Found, Tally, Target, only, run_round
-from trainer.config.casualties import parse_casualties
-from trainer.config.exercise import parse_exercise
+from trainer.config.boat.casualties import parse_casualties
+from trainer.config.boat.vessel import parse_vessel
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError
-from trainer.config.sea import parse_sea
-from trainer.config.vessel import parse_vessel
+from trainer.config.world.sea import parse_sea
 
 CORPUS = TESTS / "corpus"
 FAULT = re.compile(r"[a-z]+(-[a-z]+)+")  # not the digest that a fuzzer gives

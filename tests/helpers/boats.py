@@ -7,7 +7,7 @@ from helpers.places import DATA
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.calls import MonitorCall
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.units import KNOT
 
 

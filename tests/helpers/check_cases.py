@@ -7,7 +7,7 @@ of the core. It names what is then beyond the spread that a case states.
 """
 
 from trainer.analysis.check_cases import STORED_DIGITS, CaseOutputs, fly_case, fly_run
-from trainer.config.check_case import TIME_COLUMN, CheckCase, case_paths, load_case
+from trainer.config.exercise.check_case import TIME_COLUMN, CheckCase, case_paths, load_case
 
 
 def outputs_text(case: CheckCase, outputs: CaseOutputs) -> str:

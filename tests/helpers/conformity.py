@@ -5,7 +5,7 @@
 in the folder of the tests writes it; a test compares them, and looks every test up.
 """
 
-from trainer.config.conformity import (
+from trainer.config.exercise.conformity import (
     CLOSING_DECLARATION,
     LINE_STATES,
     UNREAD_MARK,

@@ -5,7 +5,7 @@
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.session.doors.warm_up import warm_boat
 
 if __name__ == "__main__":

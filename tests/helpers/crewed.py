@@ -15,11 +15,11 @@ from helpers.sessions import free_session, prompt_sender
 from trainer.boat.casualties import arm_casualty
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.world import world_of
-from trainer.config.derived import Loss, compile_condition
-from trainer.config.exercise import ConditionalCasualty, ExerciseLimits
+from trainer.config.exercise.derived import Loss, compile_condition
+from trainer.config.exercise.exercise import ConditionalCasualty, ExerciseLimits
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import Position
-from trainer.config.outcome import Outcome
-from trainer.config.world import WorldTables
+from trainer.config.world.world import WorldTables
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.recording.recording import Recording

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from helpers.places import ROOT
-from trainer.config.baseline import kept_baseline
+from trainer.config.exercise.baseline import kept_baseline
 from trainer.config.files import path_named, shipped_names
 from trainer.console.keys import KEYS
 from trainer.io.orders import sentences

@@ -6,9 +6,9 @@ from typing import Any
 from helpers.givers import journalled
 from helpers.sessions import start_plan
 from trainer.boat.reference_crew import CrewReaction
-from trainer.debrief.attainable import RunExplorer
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.attainable.explorer import RunExplorer
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from trainer.debrief import attainable_curve
-from trainer.debrief.attainable import RunExplorer
+from trainer.debrief.attainable import curve as attainable_curve
+from trainer.debrief.attainable.explorer import RunExplorer
 
 
 def look_at_few_moments(patch: pytest.MonkeyPatch) -> None:

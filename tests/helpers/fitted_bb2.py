@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 from helpers.bb2_trials import estimated_bb2, four_trials
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.identify.boat import search
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import read_prior

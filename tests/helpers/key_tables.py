@@ -12,24 +12,32 @@ from dataclasses import fields
 from typing import Any, Final
 
 from trainer.analysis.sweep import records as sweep
-from trainer.config import ballast_records as ballast
-from trainer.config import check_case, contacts, exercise, hull, reference_crew, ship
-from trainer.config import plant_records as plant
-from trainer.config import vessel_records as vessel
-from trainer.config.bottom import BottomTable
-from trainer.config.casualties import SEVERITY_MEASURES, CasualtyEntry, CompoundEntry
-from trainer.config.condition import STATE_QUANTITIES
-from trainer.config.current import Current, Tide
-from trainer.config.derivatives import DerivativesFile
-from trainer.config.nomoto import NomotoFile
+from trainer.config.boat import ballast_records as ballast
+from trainer.config.boat import hull
+from trainer.config.boat import plant_records as plant
+from trainer.config.boat import vessel_records as vessel
+from trainer.config.boat.casualties import SEVERITY_MEASURES, CasualtyEntry, CompoundEntry
+from trainer.config.boat.similarity import LAW_EXCEPTIONS, formula, power_of
+from trainer.config.boat.vessel import DOCUMENTARY_KEYS, DOCUMENTARY_TABLES, VESSEL_RECORDS
+from trainer.config.exercise import check_case, exercise, reference_crew
+from trainer.config.exercise.condition import STATE_QUANTITIES
+from trainer.config.exercise.score_rules import (
+    SCORE_MEASURES,
+    TIMELESS_MEASURES,
+    WINDOW_KEYS,
+    ScoreRow,
+)
+from trainer.config.exercise.stated import StatedRow
+from trainer.config.exercise.steps import StepRow
 from trainer.config.schema import kind_of
-from trainer.config.score_rules import SCORE_MEASURES, TIMELESS_MEASURES, WINDOW_KEYS, ScoreRow
-from trainer.config.sea import Sea
-from trainer.config.sensors import Sensors
-from trainer.config.similarity import LAW_EXCEPTIONS, formula, power_of
-from trainer.config.stated import StatedRow
-from trainer.config.steps import StepRow
-from trainer.config.vessel import DOCUMENTARY_KEYS, DOCUMENTARY_TABLES, VESSEL_RECORDS
+from trainer.config.ship import ship
+from trainer.config.ship.derivatives import DerivativesFile
+from trainer.config.ship.nomoto import NomotoFile
+from trainer.config.ship.sensors import Sensors
+from trainer.config.world import contacts
+from trainer.config.world.bottom import BottomTable
+from trainer.config.world.current import Current, Tide
+from trainer.config.world.sea import Sea
 from trainer.core.casualties import KINDS
 from trainer.identify.model.system_files import SystemFile, SystemParameter
 from trainer.identify.pages import decca

@@ -18,9 +18,9 @@ from helpers.places import ROOT
 from helpers.recorded import record
 from trainer.cli.main import EARLIER_NAMES, cli
 from trainer.cli.schema import SCHEMA_MODULES, schema_of
-from trainer.config.check_case import CASE_CHANNELS, TIME_COLUMN
+from trainer.config.exercise.check_case import CASE_CHANNELS, TIME_COLUMN
 from trainer.core.casualties import KINDS
-from trainer.debrief.data import debrief_figures, gather_debrief
+from trainer.debrief.page.data import debrief_figures, gather_debrief
 from trainer.io.orders.sentences import FACTS
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.file import SCHEMA

@@ -10,8 +10,8 @@ import numpy as np
 from helpers.bb2_trials import DAY, DEPTH, ERRORS, PUSHES, RATE, READ, STEPS, Law
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.sea import SeaFile, load_sea
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.boat.vessel import VesselFile, load_vessel
+from trainer.config.world.sea import SeaFile, load_sea
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers, sail_controls
 from trainer.identify.boat.motion import STATE, STATE_COUNT, STATE_NAMES

@@ -6,9 +6,9 @@ import numpy as np
 
 from helpers.boats import make_boat
 from trainer.boat.calls import Rank
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.core.casualties import CODES
-from trainer.debrief.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
+from trainer.debrief.passage.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
 from trainer.session.stations.alerts import Alert, Instant
 
 BB2 = make_boat("bb2", "modified")

@@ -11,7 +11,7 @@ from helpers.orders import read_order
 from helpers.sessions import begin_run
 from trainer.boat.due_orders import entries_due
 from trainer.boat.helm import obey_order
-from trainer.debrief.rehearsal import last_tick
+from trainer.debrief.marks.rehearsal import last_tick
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, Giver

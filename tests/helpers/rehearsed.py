@@ -4,10 +4,10 @@ import functools
 
 from trainer.authoring.exercise_page import FlownExercise, fly_at
 from trainer.boat.reference_crew import CrewReaction
-from trainer.config.reference_crew import Crew
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.debrief.scoring import Scorecard
+from trainer.config.exercise.reference_crew import Crew
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from typing import Any
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import ConditionalCasualty
+from trainer.config.exercise.exercise import ConditionalCasualty
 from trainer.config.files import remembering
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.absence import NoRecording

@@ -10,7 +10,7 @@ import numpy as np
 
 from trainer.boat.ship.forces import ROW_COUNT, System, add_terms, set_terms
 from trainer.boat.ship.models import ShipModel, model_of, with_roll
-from trainer.config.ship import Dimensions, RecordSettings, Roll, ShipFile
+from trainer.config.ship.ship import Dimensions, RecordSettings, Roll, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import sail_record
 from trainer.identify.record.measurements import Record

@@ -15,7 +15,7 @@ from helpers.places import ROOT
 from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED_PATH
-from trainer.debrief.boat_page import state_changes
+from trainer.debrief.page.boat_page import state_changes
 from trainer.web.modules import ASSETS_FOLDER
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"

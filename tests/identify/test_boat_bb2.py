@@ -15,7 +15,7 @@ import pytest
 from helpers.bb2_trials import estimated_bb2, four_trials, sail, vertical, zigzag
 from helpers.held_bands import SURE, inside, scores, told
 
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.identify.boat import search
 from trainer.identify.boat.figures import BAND_DRAWS, FigureBand, figure_bands
 from trainer.identify.boat.filter import CHANNEL_NAMES, GROUND_CHANNEL, SPEED_CHANNEL

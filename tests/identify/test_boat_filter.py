@@ -8,7 +8,7 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.core import full
 from trainer.core.kernel import Numbers
 from trainer.core.kinematics import attitude_of

@@ -17,8 +17,8 @@ from trainer.analysis.estimate.uncertainty import (
     filed_estimate,
     filed_fit,
 )
+from trainer.config.boat.vessel import load_vessel, read_vessel
 from trainer.config.files import ConfigError, parse_toml
-from trainer.config.vessel import load_vessel, read_vessel
 from trainer.identify.boat import figures, fit, page, search, sheet
 from trainer.identify.boat.filter import CHANNEL_NAMES
 from trainer.identify.boat.fitted_file import fitted_text

@@ -12,9 +12,9 @@ from helpers.bb2_trials import PUSHES, estimated_bb2
 from helpers.boat_trials import estimated_boat, made_trial
 
 from trainer.cli.main import cli
-from trainer.config.exercise import parse_exercise
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.identify.boat import plan, search
 from trainer.identify.boat.filter import DRIVEN_COUNT
 from trainer.identify.boat.motion import STATE

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from trainer.analysis.programs.characteristic import MeanMotions, horizontal_system
-from trainer.config.exercise import parse_exercise
+from trainer.config.boat.vessel import load_vessel, parse_vessel
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError
-from trainer.config.sensors import Sensors
-from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.config.ship.sensors import Sensors
 from trainer.identify.experiment import (
     BinarySequence,
     exercise_text,

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import trainer
 from trainer import identify
 from trainer.cli.workshop.identify import identify as command
-from trainer.config.fit_options import FIT_KINDS
+from trainer.config.ship.fit_options import FIT_KINDS
 from trainer.core.kernel import Numbers
 from trainer.identify.record.study import load_study
 

@@ -14,8 +14,8 @@ from helpers.ships import COEFFICIENTS, SHIP, sailed_zigzag
 
 import trainer
 from trainer import identify
-from trainer.config.nomoto import load_nomoto
-from trainer.config.ship import load_ship, ship_text
+from trainer.config.ship.nomoto import load_nomoto
+from trainer.config.ship.ship import load_ship, ship_text
 from trainer.identify.experiment import hold_bits, prbs
 
 pytest.importorskip("scipy")

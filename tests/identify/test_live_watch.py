@@ -10,8 +10,8 @@ from helpers.sessions import prompt_sender
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.console.client import MAX_ORDER_LETTERS
 from trainer.console.readings import ChannelReadings
 from trainer.identify.boat.altered import ALTERED_PARTS

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from trainer.cli.workshop.identify import identify
 from trainer.config.files import ConfigError
-from trainer.config.nomoto import load_nomoto
+from trainer.config.ship.nomoto import load_nomoto
 from trainer.identify.fitting.nonlinear import (
     CURVE_NAMES,
     LINEAR_NAMES,

@@ -29,8 +29,8 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.boat.ship.models import MODELS, model_for, model_of, with_roll
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.config.ship import FitResult as Fitted
-from trainer.config.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
+from trainer.config.ship.ship import FitResult as Fitted
+from trainer.config.ship.ship import ShipColumn, ShipFile, load_ship, parse_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.record.measurements import Record

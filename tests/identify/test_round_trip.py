@@ -16,7 +16,7 @@ from helpers.typed import type_command
 from trainer.analysis.programs.characteristic import horizontal_system
 from trainer.cli.workshop.guide import manoeuvre
 from trainer.cli.workshop.identify import identify, prbs
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.identify.model.nomoto import find_steering
 from trainer.units import KNOT
 

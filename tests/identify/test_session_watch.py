@@ -11,8 +11,8 @@ from helpers.nursery import run_trainer, start_trainer
 from helpers.waiting import await_that
 
 from trainer.cli.workshop.live_watch import SessionWatch
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.console.client import Client, LineLoss, RoleRefusal, RoleTaken
 from trainer.identify.boat.live import LiveRecord
 from trainer.identify.boat.vessel import FittedVessel

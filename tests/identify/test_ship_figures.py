@@ -12,7 +12,7 @@ from trainer.analysis.guide.trials import HELD_OUT, Published, load_published, t
 from trainer.analysis.guide.verdicts import Validity
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError, read_text, shipped_names, shipped_path
-from trainer.config.ship import ShipFile, load_ship
+from trainer.config.ship.ship import ShipFile, load_ship
 from trainer.identify.ships import vehicle
 from trainer.identify.ships.published import compare_ship, figures_path, render
 

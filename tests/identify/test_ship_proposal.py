@@ -8,7 +8,7 @@ import pytest
 from helpers.ships import sailed_zigzag
 from helpers.studies import answered
 
-from trainer.config.ship import load_ship
+from trainer.config.ship.ship import load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.ships.records import inputs_of, load_trial, readings_of
 

@@ -26,8 +26,8 @@ from trainer.boat.ship.models import model_of
 from trainer.cli.main import cli
 from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
-from trainer.config.ship import FitResult as Fitted
-from trainer.config.ship import (
+from trainer.config.ship.ship import FitResult as Fitted
+from trainer.config.ship.ship import (
     RecordSettings,
     ShipColumn,
     ShipFile,

@@ -19,9 +19,9 @@ from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.workshop.guide import manoeuvre
 from trainer.cli.workshop.identify import identify, steering
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.nomoto import NomotoFile, is_nomoto, load_nomoto, nomoto_text_of
-from trainer.config.vessel import load_vessel
+from trainer.config.ship.nomoto import NomotoFile, is_nomoto, load_nomoto, nomoto_text_of
 from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.derived import arms_of, nomoto_of
 from trainer.identify.model.models import MODELS

@@ -16,7 +16,7 @@ from helpers.ships import SHIP
 from helpers.studies import identified, numbers
 
 from trainer.config.files import ConfigError
-from trainer.config.ship import ShipColumn
+from trainer.config.ship.ship import ShipColumn
 from trainer.config.tables import read_table
 from trainer.identify.record.columns import CHANNEL_WORDS, SHIP_WORDS, guess_columns
 from trainer.identify.record.measurements import Record

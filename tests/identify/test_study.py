@@ -14,7 +14,7 @@ from helpers.typed import type_command
 
 from trainer.cli.workshop.identify import identify, prbs
 from trainer.config.files import ConfigError
-from trainer.config.nomoto import load_nomoto
+from trainer.config.ship.nomoto import load_nomoto
 from trainer.identify.experiment import hold_bits
 from trainer.identify.experiment import prbs as sequence
 from trainer.identify.judge.uncertainty import beside_bounds, uncertainty

@@ -16,8 +16,8 @@ from trainer.analysis.manoeuvres.flight import LEAD_TIME_S, fly_manoeuvre
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
-from trainer.config.sensors import Sensors
-from trainer.config.ship import ShipFile, parse_ship
+from trainer.config.ship.sensors import Sensors
+from trainer.config.ship.ship import ShipFile, parse_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import prbs
 from trainer.identify.fitting.estimate import by_scoring

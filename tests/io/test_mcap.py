@@ -17,7 +17,7 @@ from mcap.reader import make_reader
 from scipy.spatial.transform import Rotation
 
 from trainer.config.files import ConfigError
-from trainer.debrief.recording_export import export_file, read_recording
+from trainer.debrief.passage.recording_export import export_file, read_recording
 from trainer.io.mcap import quaternion_of
 from trainer.io.recording.recording import Recording
 from trainer.units import DEGREE

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from trainer.config.progress import ProgressRun, add_run
+from trainer.config.exercise.progress import ProgressRun, add_run
 from trainer.io import paths
 
 RUN = ProgressRun.__new__(ProgressRun)  # it is not reached

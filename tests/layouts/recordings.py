@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from helpers.places import TESTS
 
-from trainer.debrief.trajectory import NEEDED_COLUMNS
+from trainer.debrief.passage.trajectory import NEEDED_COLUMNS
 from trainer.io.recording.recording import Recording
 from trainer.session.past.layout import LAYOUT
 

@@ -6,8 +6,8 @@ import pytest
 from helpers.crewed import PLACE, Begin, Crewed
 from helpers.line import Line, fields_of
 
-from trainer.config.derived import compile_condition
-from trainer.config.exercise import ConditionalCasualty
+from trainer.config.exercise.derived import compile_condition
+from trainer.config.exercise.exercise import ConditionalCasualty
 from trainer.core.casualties import KINDS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import ScheduledOrder, parse_schedule

@@ -11,11 +11,11 @@ from helpers.line import Line, fields_of
 from helpers.sessions import TIME_TO_65_M, start_plan
 
 from trainer.boat.casualties import instrument_readings
-from trainer.config.exercise import AIDS, load_exercise, parse_exercise
+from trainer.config.exercise.exercise import AIDS, load_exercise, parse_exercise
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
 from trainer.console.exercise import marks_in_words
-from trainer.debrief.rehearsal import fly_rehearsal
+from trainer.debrief.marks.rehearsal import fly_rehearsal
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.exercise import aids as exercise_aids
 from trainer.session.exercise.marks import Judgement

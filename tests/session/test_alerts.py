@@ -16,7 +16,7 @@ from trainer.boat.limits import (
 )
 from trainer.boat.pilot import GIVEN_UP_TEXTS, REMARK_NAMES, SHARED_SURFACES
 from trainer.boat.plant_alerts import PLANT_RANKS
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import RecordedEvent
 from trainer.session.stations.alert_table import ALERT_TABLE, alert_row

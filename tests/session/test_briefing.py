@@ -13,7 +13,7 @@ from helpers.sessions import free_session, prompt_sender, start_plan
 
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise.exercise import load_exercise
 from trainer.config.files import shipped_names
 from trainer.io.orders import sentences
 from trainer.io.orders.help import help_text

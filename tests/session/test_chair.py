@@ -11,8 +11,8 @@ from helpers.orders import read_order
 
 from trainer.console.exercise import marks_in_words
 from trainer.console.guide import INSTRUCTOR_HELP, TRAINEE_HELP
-from trainer.debrief.episodes import aids_used
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.passage.episodes import aids_used
+from trainer.debrief.passage.trajectory import Trajectory
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from helpers.crewed import Begin, Crewed
 
-from trainer.config.class_course import ClassCourse, CourseRow
+from trainer.config.exercise.class_course import ClassCourse, CourseRow
 from trainer.config.files import ConfigError
 from trainer.session.past.options import RunOptions
 from trainer.session.people.briefing import Briefing, in_words

@@ -16,8 +16,8 @@ from helpers.sessions import free_session, prompt_sender
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import hull_depth
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
 from trainer.io.recording.recording import Recording
 from trainer.session.past.options import RunOptions

@@ -16,12 +16,12 @@ from helpers.line import Line, fields_of
 
 from trainer.boat.quantities import is_met, quantity_of
 from trainer.cli.run import debriefing
-from trainer.config.course import course, lessons
-from trainer.config.derived import ALL_QUANTITIES, Condition
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise.course import course, lessons
+from trainer.config.exercise.derived import ALL_QUANTITIES, Condition
+from trainer.config.exercise.exercise import load_exercise
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun, add_run, progress_path
 from trainer.config.files import shipped_names
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run, progress_path
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import parse_sentence
 from trainer.session.aside import CLOSE_MARGIN_S, answer_aside

@@ -56,7 +56,7 @@ ENDS = (0, 1)  # codes of a run to its end: 1, an order of the schedule was refu
 # after a time, or once SQLite has taken so many instructions for the run, in the midst of a write.
 NURSERY = """
 import json, os, signal, sys, time
-from trainer.debrief import recording_export
+from trainer.debrief.passage import recording_export
 from trainer.cli import main as cli
 from trainer.io.recording import checkpoint, file as recording_file, recording
 from trainer.session import replay

@@ -17,13 +17,13 @@ from trainer.boat.limits import LimitMonitor, following_speed_ratio
 from trainer.boat.quantities import is_met
 from trainer.boat.world.world import World
 from trainer.cli.export import boat_at_start
-from trainer.config.derived import compile_conditions
-from trainer.config.exercise import ExerciseLimits, parse_exercise
+from trainer.config.exercise.derived import compile_conditions
+from trainer.config.exercise.exercise import ExerciseLimits, parse_exercise
 from trainer.config.files import ConfigError, Position
-from trainer.config.sea import load_sea
-from trainer.debrief.boat_page import boat_of
-from trainer.debrief.measures import rows_beyond
-from trainer.debrief.rehearsal import Departure, fly, fly_rehearsal
+from trainer.config.world.sea import load_sea
+from trainer.debrief.marks.measures import rows_beyond
+from trainer.debrief.marks.rehearsal import Departure, fly, fly_rehearsal
+from trainer.debrief.page.boat_page import boat_of
 from trainer.io.chart import DEFAULT_CHART
 from trainer.session.nmea.readings import read_fields
 from trainer.session.nmea.sentences import USUAL_NAMES, choose_instruments

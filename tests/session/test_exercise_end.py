@@ -14,7 +14,7 @@ from helpers.sessions import TIME_TO_65_M
 from helpers.waiting import once_it_can, stay_for
 from soak.session_process import Caller, GoneError, SessionProcess
 
-from trainer.debrief.page import DebriefRequest, debrief_file
+from trainer.debrief.page.page import DebriefRequest, debrief_file
 from trainer.io.recording.recording import Recording
 
 pytestmark = pytest.mark.process

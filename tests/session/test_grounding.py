@@ -15,12 +15,12 @@ from trainer.boat.grounding import GroundMonitor, GroundTouch, clearance
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.world.bottom import Ground, keel_of
 from trainer.boat.world.world import World
-from trainer.config.bottom import Bottom, read_bottom
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.config.files import Position
-from trainer.debrief.groundings import groundings
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
+from trainer.config.world.bottom import Bottom, read_bottom
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.passage.groundings import groundings
 from trainer.io.chart import DEFAULT_CHART
 from trainer.session.jump import jump_to
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, choose_instruments

@@ -22,7 +22,7 @@ from trainer.config.files import (
     shipped_names,
     shipped_path,
 )
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.core import digest
 from trainer.session.past import header as header_module
 from trainer.session.past.header import differences, layout_of, method_of, notes, plan_of

@@ -9,7 +9,7 @@ from helpers.crewed import Begin, Crewed
 from helpers.line import Line
 
 from trainer.boat.casualties import broken_gauges
-from trainer.config.reference_crew import Crew
+from trainer.config.exercise.reference_crew import Crew
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording

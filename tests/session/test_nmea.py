@@ -17,8 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.chart import DEFAULT_CHART, Chart, chart_at
 from trainer.io.lines import LineDecoder, OverlongLine

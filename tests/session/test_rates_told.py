@@ -19,7 +19,7 @@ from trainer.boat.quantities import quantity_of
 from trainer.boat.readings import read_rates
 from trainer.boat.world.approach import OwnMotion
 from trainer.core.rates import rates
-from trainer.debrief.rehearsal import fly_rehearsal
+from trainer.debrief.marks.rehearsal import fly_rehearsal
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 from trainer.session.rerun import charts

@@ -22,7 +22,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.config.files import ConfigError
 from trainer.core.update import update
-from trainer.debrief.recording_export import table_layout
+from trainer.debrief.passage.recording_export import table_layout
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.facts import BranchCause

@@ -25,7 +25,7 @@ from helpers.places import ROOT
 from helpers.waiting import await_that
 
 from trainer.config.files import ConfigError
-from trainer.debrief.recording_export import export_file
+from trainer.debrief.passage.recording_export import export_file
 from trainer.io.recording.recording import Recording
 from trainer.session.past.layout import LAYOUT
 from trainer.units import KNOT

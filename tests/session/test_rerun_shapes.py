@@ -9,7 +9,7 @@ import pytest
 from helpers.boats import make_boat
 
 from trainer.boat.boat import Boat
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers

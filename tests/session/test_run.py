@@ -20,7 +20,7 @@ from helpers.waiting import stay_for
 
 from trainer.cli import run as run_command
 from trainer.cli.main import main
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.session.doors.ports import Ports
 from trainer.session.past.options import RunOptions
 from trainer.session.run import run_boat

@@ -15,9 +15,9 @@ from helpers.sessions import frame_of
 from trainer.api.boat import Boat
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.files import ConfigError
-from trainer.config.world import WorldTables, read_world
-from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.debrief.ships_met import meet_ships
+from trainer.config.world.world import WorldTables, read_world
+from trainer.debrief.marks.rehearsal import fly_rehearsal
+from trainer.debrief.passage.ships_met import meet_ships
 from trainer.session.jump import jump_to
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run

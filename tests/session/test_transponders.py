@@ -15,7 +15,7 @@ from helpers.sessions import start_plan
 
 from trainer.boat.helm import obey_order
 from trainer.boat.world.contacts import contacts_in
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.io.chart import DEFAULT_CHART
 from trainer.io.orders.grammar import Order, parse
 from trainer.session.nmea.sentences import InstrumentSet, choose_instruments

@@ -8,7 +8,7 @@ from helpers.sessions import start_plan
 
 from trainer.boat.due_orders import entries_due
 from trainer.boat.mute_crew import MuteCrew
-from trainer.debrief.rehearsal import Departure, fly
+from trainer.debrief.marks.rehearsal import Departure, fly
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session.past.options import RunOptions

@@ -22,7 +22,7 @@ from simulation.disk import Disk, log_of
 from simulation.machine import LADEN_TURN_NS, SECOND_NS, Machine
 from simulation.milestones import Log, Stand
 from simulation.model import JUMP_WORDS, Before, Model
-from trainer.debrief.page import read_dossier, render
+from trainer.debrief.page.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES

@@ -21,7 +21,7 @@ import pytest
 from simulation.disk import Disk, Trouble
 from trainer.boat.calls import MonitorCall
 from trainer.boat.plant_alerts import PLANT_RANKS
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import ORDER_WORDS, Obeyer
 from trainer.session import dispatch

@@ -34,8 +34,8 @@ from simulation.seam import played_on
 from simulation.stations import Program
 from simulation.traffic import Air, fleet_text
 from simulation.wires import Wires
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError, read_text, shipped_path
-from trainer.config.outcome import Outcome
 from trainer.io.recording import recording as recordings
 from trainer.io.recording.recording import Recording
 from trainer.session import resume as resume_module

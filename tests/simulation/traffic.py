@@ -17,7 +17,7 @@ import pytest
 
 from simulation.laws import Docket, Law
 from trainer.boat.world.contacts import ContactState, contacts_in
-from trainer.config.contacts import SHIP_TYPES
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.io.orders.sentences import checksum
 from trainer.session.nmea.sentences import InstrumentSet
 from trainer.session.nmea.transponders import MIN_TURN_RATE, antenna

@@ -10,7 +10,7 @@ from typing import Final
 from soak.audit import Answered
 from soak.session_process import Caller, GoneError, SessionProcess
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.config.casualties import load_casualties
+from trainer.config.boat.casualties import load_casualties
 from trainer.io.orders.grammar import MAX_LINE_LETTERS, Order, parse
 from trainer.io.orders.quantities import Number
 from trainer.io.orders.sentences import order_sentence

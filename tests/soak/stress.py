@@ -13,8 +13,8 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.depths import collapse_of
 from trainer.boat.helm import obey_order
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import shipped_names
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core import full, wide
 from trainer.core.envelope import wide_share
 from trainer.core.kernel import Numbers, Record

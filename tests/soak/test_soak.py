@@ -16,7 +16,7 @@ from soak.audit import Answered, check_journal, complete
 from soak.operators import Orders, wishes
 from soak.session_process import WatchedClock
 from soak.soak import ENDLESS_KWH, Plan, Sample, endless_boat, flat, page, soak
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
 

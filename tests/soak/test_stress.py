@@ -8,7 +8,7 @@ from helpers.boats import make_boat
 
 from soak.stress import propulsion, stress, stress_one, water_forces, water_power
 from trainer.boat.boat import Boat
-from trainer.config.vessel import load_vessel
+from trainer.config.boat.vessel import load_vessel
 from trainer.core import full
 from trainer.core.elementary import cosine, sine
 

@@ -20,9 +20,9 @@ from trainer.boat.depths import DepthGuard
 from trainer.boat.export.orders import order_rows
 from trainer.boat.mute_crew import MuteCrew
 from trainer.cli.export import boat_at_start
-from trainer.debrief.boat_page import boat_for_page, boat_of, boat_of_visitors
-from trainer.debrief.rehearsal import Departure
-from trainer.debrief.rehearsal import fly as flown_by_orders
+from trainer.debrief.marks.rehearsal import Departure
+from trainer.debrief.marks.rehearsal import fly as flown_by_orders
+from trainer.debrief.page.boat_page import boat_for_page, boat_of, boat_of_visitors
 from trainer.io.recording.recording import RecordedOrder, Recording
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run

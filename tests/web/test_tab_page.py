@@ -30,10 +30,10 @@ from playwright.sync_api import Browser, Page, expect
 
 from trainer.cli.export import boat_at_start, page_text
 from trainer.config.files import ConfigError, read_text, shipped_path
-from trainer.debrief import boat_page as boat_page_maker
-from trainer.debrief.boat_page import boat_of_visitors, page_of, write_page
-from trainer.debrief.page import DebriefRequest, debrief_file
-from trainer.debrief.recording_export import read_recording
+from trainer.debrief.page import boat_page as boat_page_maker
+from trainer.debrief.page.boat_page import boat_of_visitors, page_of, write_page
+from trainer.debrief.page.page import DebriefRequest, debrief_file
+from trainer.debrief.passage.recording_export import read_recording
 from trainer.io.recording.recording import Recording
 from trainer.session.past.options import RunOptions
 from trainer.web import modules

@@ -12,11 +12,11 @@ from helpers.pages import Served
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Page, WebSocket, expect
 
-from trainer.config.course import course, lessons
-from trainer.config.exercise import load_exercise
-from trainer.config.outcome import Outcome
-from trainer.config.progress import ProgressRun, add_run
-from trainer.config.steps import LIGHTED_INSTRUMENTS
+from trainer.config.exercise.course import course, lessons
+from trainer.config.exercise.exercise import load_exercise
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import ProgressRun, add_run
+from trainer.config.exercise.steps import LIGHTED_INSTRUMENTS
 from trainer.console.keys import KEYS, MoveAction, OrderAction
 from trainer.web.modules import ASSETS_FOLDER
 

@@ -16,7 +16,7 @@ from helpers.rewording import reworded
 from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
-from trainer.config.loss_words import word_loss
+from trainer.config.exercise.loss_words import word_loss
 from trainer.io.orders.grammar import Order, parse
 from trainer.web.modules import ASSETS_FOLDER
 

@@ -16,7 +16,7 @@ from helpers.waiting import PATIENCE
 from playwright.sync_api import Browser, Page, expect
 from soak.session_process import Caller
 
-from trainer.config.casualties import clause_of, load_casualties
+from trainer.config.boat.casualties import clause_of, load_casualties
 from trainer.io import client
 from trainer.web import words as words_module
 from trainer.web.modules import ASSETS_FOLDER

@@ -24,9 +24,9 @@ from trainer.boat.stability import (
     stable_at,
     worst_motion,
 )
+from trainer.config.boat.plausibility import torque_remarks
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.plausibility import torque_remarks
-from trainer.config.vessel import VesselFile
 from trainer.core import full
 from trainer.core.envelope import substeps
 from trainer.core.terms import COEFFICIENTS

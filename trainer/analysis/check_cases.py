@@ -19,7 +19,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.due_orders import entries_due, obey_all
 from trainer.boat.world.world import world_of
-from trainer.config.check_case import (
+from trainer.config.exercise.check_case import (
     ANGLE_CHANNELS,
     CASE_CHANNELS,
     CaseRun,
@@ -30,7 +30,7 @@ from trainer.config.check_case import (
 from trainer.config.files import ConfigError, nearest
 from trainer.core.digest import core_digest
 from trainer.core.kernel import Numbers
-from trainer.debrief.rehearsal import stretches
+from trainer.debrief.marks.rehearsal import stretches
 from trainer.report import html, text
 from trainer.report.columns import DEPTH_COLUMNS
 from trainer.report.panels import draw_panel, legend

@@ -25,8 +25,8 @@ from trainer.analysis.reduce.reduction import as_filed
 from trainer.boat.linear import NEUTRAL_TOLERANCE
 from trainer.boat.plant import PlantFacts
 from trainer.boat.stability import BLAMED_GROWTH
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import SHIPPED_PREFIX, as_typed, key_of
-from trainer.config.vessel import VesselFile
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, wrap
 
 TURN_LABELS = {

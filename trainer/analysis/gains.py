@@ -15,8 +15,8 @@ import numpy as np
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.linear import LinearModel, Matrix, linearise_at_speed
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, toml_value
-from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.vessel import GAINS, PLANE_GAINS
 from trainer.units import KNOT

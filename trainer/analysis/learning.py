@@ -18,9 +18,9 @@ import numpy as np
 
 import trainer
 from trainer.core.kernel import Numbers
-from trainer.debrief.judgement import judge_run
-from trainer.debrief.rehearsal import fly_rehearsal
-from trainer.debrief.tick_judge import nobody_aboard
+from trainer.debrief.marks.judgement import judge_run
+from trainer.debrief.marks.rehearsal import fly_rehearsal
+from trainer.debrief.ticks.judge import nobody_aboard
 
 GENERATION_SIZE: Final = 256  # policies of a generation, in pairs of opposite noise
 HIDDEN_UNITS: Final = 12

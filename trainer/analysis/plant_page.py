@@ -7,9 +7,9 @@ both: a source, what it feeds, and what stands beside it, so that nothing can be
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
+from trainer.config.boat.plant_records import EMERGENCY_MODE, NORMAL_MODE, Plant
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.plant_records import EMERGENCY_MODE, NORMAL_MODE, Plant
-from trainer.config.vessel import VesselFile
 from trainer.core.plant.parts import BUS_NAMES
 from trainer.core.surfaces import SURFACES
 from trainer.report.svg import rect, rule, svg_element, text

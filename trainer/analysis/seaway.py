@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, sea_settings, step_problem
-from trainer.config.vessel import VesselFile
+from trainer.config.world.sea import SeaFile, sea_settings, step_problem
 from trainer.core.kernel import Numbers
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BAND_COUNT, DIRECTION_WEIGHTS
 from trainer.core.sea.filter_1969 import HIGH_DAMPING, LOW_DAMPING, corner

@@ -22,12 +22,12 @@ from trainer.api.keywords import parse_options
 from trainer.boat.limits import LimitMonitor
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
-from trainer.config.exercise import StartState
+from trainer.config.exercise.exercise import StartState
+from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError, Position, quote, remembering
-from trainer.config.outcome import Outcome
 from trainer.config.schema import kind_of
 from trainer.core.kernel import Numbers
-from trainer.debrief.recording_export import frame_of
+from trainer.debrief.passage.recording_export import frame_of
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK

@@ -62,7 +62,7 @@ class Answer(Generic[Report, Figure]):
 
         TrainerError where pandas is not installed; the extra ``pandas`` brings it.
         """
-        from trainer.debrief.recording_export import frame_of
+        from trainer.debrief.passage.recording_export import frame_of
 
         return frame_of(self.columns)
 
@@ -312,20 +312,20 @@ def watch_boat(
 
 def vessels() -> dict[str, str]:
     """Return the shipped boats: the name to give, and in words what each is."""
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     return {name: load_vessel(name).name for name in shipped_names("vessels")}
 
 
 def exercises() -> dict[str, str]:
     """Return the shipped exercises in the order of the course: name and title."""
-    from trainer.config.course import course
+    from trainer.config.exercise.course import course
 
     return {lesson.name: lesson.title for lesson in course()}
 
 
 def seas() -> dict[str, str]:
     """Return the shipped seas: the name to give, and in words what each is."""
-    from trainer.config.sea import load_sea
+    from trainer.config.world.sea import load_sea
 
     return {name: load_sea(name).name for name in shipped_names("seas")}

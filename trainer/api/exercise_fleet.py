@@ -18,14 +18,14 @@ from trainer.api.boat import plan_boat
 from trainer.api.by_number import choose_orders, numbers_of
 from trainer.api.fleet import Fleet, FleetOptions, Mask
 from trainer.boat.due_orders import obey_all, orders_due
+from trainer.config.exercise.reference_crew import SAID_ORDERS
 from trainer.config.files import ConfigError
-from trainer.config.reference_crew import SAID_ORDERS
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
-from trainer.debrief.rehearsal import LOOKOUT_GIVER, last_tick
-from trainer.debrief.tally_sheet import refuse_words
-from trainer.debrief.tick_judge import TickJudge, nobody_aboard
-from trainer.debrief.trajectory import CREW_ORDERS
+from trainer.debrief.marks.rehearsal import LOOKOUT_GIVER, last_tick
+from trainer.debrief.passage.trajectory import CREW_ORDERS
+from trainer.debrief.ticks.judge import TickJudge, nobody_aboard
+from trainer.debrief.ticks.tally_sheet import refuse_words
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import station
 from trainer.io.recording.recording import RecordedOrder

@@ -18,7 +18,8 @@ import click
 
 from trainer.authoring.stated import fly_stated, step_problems
 from trainer.boat.boat import Boat
-from trainer.config.baseline import (
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.exercise.baseline import (
     BASELINE_SCHEMA,
     Baseline,
     BaselineHeading,
@@ -27,7 +28,9 @@ from trainer.config.baseline import (
     digest_of,
     write_baseline,
 )
-from trainer.config.exercise import load_exercise, parse_exercise
+from trainer.config.exercise.exercise import load_exercise, parse_exercise
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.score_rules import ScoreRule
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -45,15 +48,12 @@ from trainer.config.files import (
     shipped_path,
     write_once,
 )
-from trainer.config.outcome import Outcome
-from trainer.config.score_rules import ScoreRule
-from trainer.config.vessel import load_vessel
 from trainer.core.digest import core_digest
-from trainer.debrief.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
-from trainer.debrief.scoring import Scorecard, formula_of
-from trainer.debrief.tally_sheet import forbids_numbers
-from trainer.debrief.trajectory import missing_quantities
+from trainer.debrief.marks.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard, formula_of
+from trainer.debrief.passage.trajectory import missing_quantities
+from trainer.debrief.ticks.tally_sheet import forbids_numbers
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run

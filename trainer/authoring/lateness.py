@@ -11,11 +11,11 @@ from typing import Final, NamedTuple
 
 from trainer.authoring.trainees import Skill, Trainee
 from trainer.boat.reference_crew import CrewReaction
-from trainer.config.casualties import HOLE_MEASURE, SEVERITY_MEASURES
+from trainer.config.boat.casualties import HOLE_MEASURE, SEVERITY_MEASURES
 from trainer.core.casualties import CASUALTY_TABLE
-from trainer.debrief.judgement import before_gate, marks_given
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
-from trainer.debrief.scoring import RuleScore, Scorecard
+from trainer.debrief.marks.judgement import before_gate, marks_given
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.marks.scoring import RuleScore, Scorecard
 from trainer.session.past.plan import Plan
 
 LATENESS_S: Final = tuple(range(0, 85, 5))  # [s] of the rungs of a ladder

@@ -18,9 +18,9 @@ from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_hands import TIME_ROUNDING_S, GaugeHistory
 from trainer.boat.reference_crew import CrewReaction, GivenOrder, RuleProgress
-from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
-from trainer.debrief.controls import control_of
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
+from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.passage.controls import control_of
 from trainer.io.orders.grammar import Order
 from trainer.session.past.plan import Plan
 

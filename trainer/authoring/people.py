@@ -18,19 +18,19 @@ from markupsafe import Markup
 from trainer.authoring.exercise_page import plan_exercise
 from trainer.authoring.operators import fly_person, person_of
 from trainer.authoring.validation import MARK_DECIMALS, Validation, rank_correlation, trial_seeds
-from trainer.config.baseline import (
+from trainer.config.exercise.baseline import (
     Baseline,
     PeopleFigures,
     baseline_path,
     kept_baseline,
     write_baseline,
 )
-from trainer.config.course import course
+from trainer.config.exercise.course import course
 from trainer.config.files import ConfigError, path_named, read_text, renew_file
 from trainer.core.digest import core_digest
 from trainer.core.kernel import Numbers
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import fly_rehearsal
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import fly_rehearsal
 from trainer.report import html, text
 from trainer.report.panels import draw_panel
 from trainer.report.plots import Curve, Panel

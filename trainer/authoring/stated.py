@@ -17,12 +17,12 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
 from trainer.boat.quantities import is_met
+from trainer.config.exercise.stated import StatedValue
+from trainer.config.exercise.steps import Step
 from trainer.config.files import Position
-from trainer.config.stated import StatedValue
-from trainer.config.steps import Step
 from trainer.core.surfaces import SURFACES
-from trainer.debrief.rehearsal import Rehearsal, fly_rehearsal
-from trainer.debrief.trajectory import Trajectory
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
+from trainer.debrief.passage.trajectory import Trajectory
 from trainer.session.exercise.exercise import LossMonitor
 from trainer.session.past.plan import Plan
 

@@ -24,14 +24,14 @@ from trainer.boat.reference_crew import (
     RuleProgress,
     order_of_hand,
 )
-from trainer.config.reference_crew import (
+from trainer.config.exercise.reference_crew import (
     CREW_HANDS,
     SAID_ORDERS,
     Crew,
     CrewRow,
     CrewRule,
 )
-from trainer.debrief.controls import opposite_order
+from trainer.debrief.passage.controls import opposite_order
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import CREW_TALK
 from trainer.session.crew.manning import in_hand

@@ -35,13 +35,13 @@ from trainer.authoring.trainees import (
     Trainee,
     silly_orders,
 )
-from trainer.config.baseline import digest_of
+from trainer.config.exercise.baseline import digest_of
 from trainer.config.files import ConfigError, path_named, read_text
 from trainer.core.digest import core_digest
-from trainer.debrief.attainable import orders_beside_crew
-from trainer.debrief.judgement import judge_run, plain_marks
-from trainer.debrief.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
-from trainer.debrief.scoring import Scorecard
+from trainer.debrief.attainable.explorer import orders_beside_crew
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.debrief.marks.scoring import Scorecard
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.recording import RecordedOrder
 from trainer.report import html, text

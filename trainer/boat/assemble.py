@@ -12,9 +12,15 @@ import numpy as np
 
 from trainer.boat.envelope import write_envelope
 from trainer.boat.plant import write_plant
-from trainer.config.ballast_records import Ballast, BlownTank, Compartment, HullBuoyancy, PumpedTank
+from trainer.config.boat.ballast_records import (
+    Ballast,
+    BlownTank,
+    Compartment,
+    HullBuoyancy,
+    PumpedTank,
+)
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.core import kinematics, scheme, state, vessel
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, HULL_STATIONS, TANKS, new_ballast
 from trainer.core.kernel import Record

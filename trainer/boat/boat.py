@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.boat.machine_code import EMPTY_CHART, bind_tick
 from trainer.boat.world.world import World
-from trainer.config.casualties import load_casualties
+from trainer.config.boat.casualties import load_casualties
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
-from trainer.config.vessel import VesselFile
+from trainer.config.world.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.casualties import instruments

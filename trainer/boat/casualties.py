@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.plant_effects import lacking_plant
-from trainer.config.casualties import (
+from trainer.config.boat.casualties import (
     GAUGE_UNITS,
     PARTS_RULE,
     SEVERITY_MEASURES,
@@ -21,8 +21,8 @@ from trainer.config.casualties import (
     parts_text,
     severity_rule,
 )
-from trainer.config.condition import PLANT_QUANTITIES, STATE_QUANTITIES
-from trainer.config.derived import Condition
+from trainer.config.exercise.condition import PLANT_QUANTITIES, STATE_QUANTITIES
+from trainer.config.exercise.derived import Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
 from trainer.core.ballast.tanks import BANKS, TANKS

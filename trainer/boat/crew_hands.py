@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import InstrumentReadings, instrument_readings
 from trainer.boat.crew_orders import CREW_AXES
-from trainer.config.reference_crew import Helmsman, Planesman
+from trainer.config.exercise.reference_crew import Helmsman, Planesman
 from trainer.core.casualties import DEPTH_GAUGE, GAUGES, GYRO
 from trainer.core.kernel import Numbers, Record
 

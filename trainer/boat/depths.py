@@ -20,9 +20,9 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.calls import MonitorCall, Rank
 from trainer.boat.flown_ticks import FlownTicks, Mask, count_before
 from trainer.boat.limits import is_surfacing, may_surface
+from trainer.config.boat.vessel import VesselFile
+from trainer.config.boat.vessel_records import Hull
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
-from trainer.config.vessel_records import Hull
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, parse
 from trainer.units import KNOT

@@ -1,7 +1,7 @@
 """A boat flown without a session, by orders that are given when they are due.
 
 ``fly_ticks`` flies for those who look at each tick. Those who fly many in one call go from one tick
-with an entry due to the next (``debrief/rehearsal``).
+with an entry due to the next (``debrief/marks/rehearsal``).
 """
 
 from collections import defaultdict

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.ballast.tanks import NEGATIVE_TANK
 from trainer.core.kernel import Numbers

@@ -16,7 +16,7 @@ from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.flown_ticks import FlownTicks, count_before
 from trainer.boat.readings import read_rates
 from trainer.boat.world.bottom import ground_under, height_of_keel, keel_of
-from trainer.config.bottom import Bottom, charted_at, is_charted
+from trainer.config.world.bottom import Bottom, charted_at, is_charted
 from trainer.core.bottom import SOUNDING_STATIONS
 from trainer.core.state import SOUNDING_COUNT
 from trainer.units import KNOT

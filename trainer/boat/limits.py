@@ -20,7 +20,7 @@ from trainer.boat.readings import NumberReader, read_rates
 from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.scope import periscope_of
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH, deck_height, sail_height

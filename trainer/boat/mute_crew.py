@@ -19,8 +19,8 @@ from trainer.boat.crew_hands import TIME_ROUNDING_S
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
 from trainer.boat.world.world import WORLD_PARTS
-from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
-from trainer.config.score_rules import ANSWER_ORDERS
+from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
+from trainer.config.exercise.score_rules import ANSWER_ORDERS
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.words import ORDER_WORDS
 

@@ -7,8 +7,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from trainer.config.plant_records import Plant
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.plant_records import Plant
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.plant.parts import (
     BURNING_ITEMS,

@@ -8,8 +8,8 @@ from trainer.boat.grounding import clearance
 from trainer.boat.limits import height_showing, is_deep
 from trainer.boat.readings import read_rates
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import STATE_QUANTITIES
-from trainer.config.derived import Condition
+from trainer.config.exercise.condition import STATE_QUANTITIES
+from trainer.config.exercise.derived import Condition
 
 
 def is_met(condition: Condition, boat: Boat) -> bool:

@@ -30,9 +30,15 @@ from trainer.boat.helm import obey_order
 from trainer.boat.limits import height_showing
 from trainer.boat.world.bottom import heights_of_keel, keel_of
 from trainer.boat.world.scope import eye_height
-from trainer.config.condition import STATE_QUANTITIES
-from trainer.config.derived import Condition
-from trainer.config.reference_crew import CREW_HANDS, MARK_ORDER, SAID_ORDERS, Crew, CrewRule
+from trainer.config.exercise.condition import STATE_QUANTITIES
+from trainer.config.exercise.derived import Condition
+from trainer.config.exercise.reference_crew import (
+    CREW_HANDS,
+    MARK_ORDER,
+    SAID_ORDERS,
+    Crew,
+    CrewRule,
+)
 from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import Order, Reply, parse

@@ -18,9 +18,9 @@ import numpy as np
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.helm import obey_order
-from trainer.config.casualties import load_casualties
+from trainer.config.boat.casualties import load_casualties
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
+from trainer.config.world.sea import load_sea
 from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.units import KNOT
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.config.sea import Sea, peak_frequency, significant_height, step_problem
+from trainer.config.world.sea import Sea, peak_frequency, significant_height, step_problem
 from trainer.core.kernel import Numbers
 from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA, PEAKED
 from trainer.io.orders.grammar import Order, Refused, Reply

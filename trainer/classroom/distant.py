@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from socket import socket
 
 from trainer.classroom.fleet import BoatState, Tell
-from trainer.config.class_file import BoatRow
+from trainer.config.exercise.class_file import BoatRow
 from trainer.io import client
 from trainer.io.serial_line import LinkError
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from socket import socket
 from typing import Final, Protocol
 
-from trainer.config.class_file import CLASS_FILE_NAME, BoatRow, ClassFile
+from trainer.config.exercise.class_file import CLASS_FILE_NAME, BoatRow, ClassFile
 from trainer.io import client
 from trainer.io.paths import LISTENING_TEXT, RECORDING_SUFFIX
 

@@ -18,7 +18,7 @@ from trainer.classroom.distant import DistantBoat
 from trainer.classroom.entrance import class_pages
 from trainer.classroom.fleet import BoatState, Fleet
 from trainer.classroom.one_sea import OneSea
-from trainer.config.class_file import (
+from trainer.config.exercise.class_file import (
     CLASS_FILE_NAME,
     ClassFile,
     class_text,

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.classroom.fleet import AnyBoat, Tell
-from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.config.exercise.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 from trainer.config.files import quote
 from trainer.io import client
 from trainer.io.line import Line

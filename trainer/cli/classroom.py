@@ -30,7 +30,7 @@ from trainer.config.files import ConfigError, is_path, path_named
 
 if TYPE_CHECKING:
     from trainer.classroom.launch import ClassSite
-    from trainer.config.class_file import ClassFile
+    from trainer.config.exercise.class_file import ClassFile
 
 FOLDER_PATH: Final = click.Path(file_okay=False, path_type=Path)
 CLASS_OPTIONS: Final = ("boats", "on", "seed", "own_seeds", "one_sea")  # that a class file says
@@ -107,7 +107,7 @@ def class_command(
 
 def refuse_new_plan(resume: Path | None) -> None:
     """Raise ConfigError for options that a class which goes on has in its file already."""
-    from trainer.config.class_file import CLASS_FILE_NAME
+    from trainer.config.exercise.class_file import CLASS_FILE_NAME
 
     if resume is not None and (given := flags_given((*CLASS_OPTIONS, "folder"))):
         kept = resume / CLASS_FILE_NAME
@@ -143,7 +143,7 @@ def plan_class(
     **_others: object,
 ) -> "ClassFile":
     """Return the class of a class file, or of an exercise and the options; ConfigError."""
-    from trainer.config.class_file import (
+    from trainer.config.exercise.class_file import (
         OWN_SEEDS,
         SAME_SEEDS,
         BoatRow,
@@ -177,7 +177,7 @@ def refuse_exercise(name: str) -> None:
     """
     path = path_named(name, "exercises")
     if is_path(name):
-        from trainer.config.exercise import load_exercise
+        from trainer.config.exercise.exercise import load_exercise
 
         load_exercise(str(path))
 
@@ -193,7 +193,7 @@ def new(file: Path, exercise: str, boats: int) -> None:
     \b
     Example:  trainer class new tuesday.toml periscope-depth --boats 8
     """
-    from trainer.config.class_file import refuse_many, write_new_class
+    from trainer.config.exercise.class_file import refuse_many, write_new_class
 
     refuse_many(boats)
     click.echo(write_new_class(file, exercise, boats))
@@ -208,7 +208,7 @@ def check(file: Path) -> None:
     \b
     Example:  trainer class check tuesday.toml
     """
-    from trainer.config.class_file import load_class
+    from trainer.config.exercise.class_file import load_class
 
     planned = load_class(file)
     for exercise in planned.exercises:
@@ -243,7 +243,7 @@ def debrief(folder: Path, cores: int | None, **asked: Any) -> None:
     FOLDER is where the class keeps its recordings; its terminal names it. The pages are one for the
     class and one for each boat. What has been judged once is kept beside the recordings.
     """
-    from trainer.debrief import class_page
+    from trainer.debrief.trainees import class_page
     from trainer.workers import processor_count
 
     request = record_of(class_page.ClassRequest, asked)

@@ -18,7 +18,7 @@ def conform(*, as_json: bool) -> None:
     Example:  trainer dev conform
               trainer dev conform --json
     """
-    from trainer.config.conformity import (
+    from trainer.config.exercise.conformity import (
         CLOSING_DECLARATION,
         LINE_STATES,
         UNREAD_MARK,

@@ -196,7 +196,7 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
     over at any moment, to the bits of trainer resume. Station visitor is the kiosk.
     """
-    from trainer.debrief.boat_page import boat_of_visitors, write_page
+    from trainer.debrief.page.boat_page import boat_of_visitors, write_page
 
     page_options = {name: value for name, value in options.items() if value is not None}
     if recording is not None and page_options:
@@ -218,7 +218,7 @@ def page_text(
     boat: Any, recording: Path | None, station: str, visitors: dict[str, Any] | None = None
 ) -> str:
     """Return a station's page with a boat or a recording inside."""
-    from trainer.debrief.boat_page import page_of
+    from trainer.debrief.page.boat_page import page_of
     from trainer.web.single_file import single_file
 
     parts = page_of(boat, recording, station, visitors)
@@ -228,9 +228,9 @@ def page_text(
 def boat_at_start(options: RunOptions) -> Any:
     """Return the boat of these options at its start; ConfigError if there is none."""
     from trainer.boat.boat import Boat
+    from trainer.config.boat.vessel import load_vessel
     from trainer.config.files import ConfigError
-    from trainer.config.sea import load_sea
-    from trainer.config.vessel import load_vessel
+    from trainer.config.world.sea import load_sea
     from trainer.session.doors.warm_up import refuse_unstable, warm_boat
     from trainer.session.past.plan import choose_method
     from trainer.units import KNOT

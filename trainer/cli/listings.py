@@ -17,7 +17,7 @@ from trainer.cli.options import EXERCISE_NAME, HTML_OUTPUT, TOML_FILE, TOML_OUTP
 from trainer.cli.types import Commands, Output
 
 if TYPE_CHECKING:
-    from trainer.config.course import Lesson
+    from trainer.config.exercise.course import Lesson
 
 MAX_LINE_COLUMNS: Final = 79  # [columns] of a line at most
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
@@ -34,7 +34,7 @@ def exercises(*, as_json: bool) -> None:
     Each has its place in the course, its title, its length, how many stations share it, and what
     they work by hand. As JSON the exercises alone are listed, because lessons have no marks.
     """
-    from trainer.config.course import course, lessons
+    from trainer.config.exercise.course import course, lessons
 
     if as_json:
         click.echo(json.dumps({each.name: each.title for each in course()}, indent=1))
@@ -257,7 +257,7 @@ def form(file: str, output: Path, *, peer: bool) -> None:
     `trainer debrief FILE --form jones.toml` keeps a filled one beside the recording, and lays its
     marks beside the program's.
     """
-    from trainer.debrief.forms import form_page, form_text
+    from trainer.debrief.marks.forms import form_page, form_text
     from trainer.session.past.options import RunOptions
     from trainer.session.past.plan import plan_run
 
@@ -275,7 +275,7 @@ def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     \b
     Example:  trainer casualties
     """
-    from trainer.config import casualties as casualties_module
+    from trainer.config.boat import casualties as casualties_module
 
     loaded = casualties_module.load_casualties(*map(str, tables))
     listing = casualties_module.listing(loaded)
@@ -293,7 +293,7 @@ def instruments(*, sample: bool, as_json: bool) -> None:
               trainer run --nmea udp://127.0.0.1:10110
               trainer serve --nmea /dev/ttyUSB0 --nmea-baud 4800 --nmea-sentences HDT,XDR,ROT
     """
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
     from trainer.session.nmea import page as nmea_page
 
     if sample:

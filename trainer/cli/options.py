@@ -15,8 +15,8 @@ import click
 from click.core import ParameterSource
 
 from trainer.cli.types import Duration, File, Name, Number, Output, Speed
-from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
+from trainer.config.ship.fit_options import FIT_KINDS
 from trainer.config.words import BATTERY_KINDS, EQUATION_SETS
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.past.options import RunOptions
@@ -130,7 +130,7 @@ last_option = click.option(
 
 def named_recording(file: Path | None, *, last: bool) -> Path:
     """Return the recording named, or the last; UsageError unless one is asked for."""
-    from trainer.debrief.history import latest_recording
+    from trainer.debrief.trainees.history import latest_recording
 
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")

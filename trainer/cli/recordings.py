@@ -84,7 +84,7 @@ def export(
 
     Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
     """
-    from trainer.debrief.recording_export import export_file, panels_of_run
+    from trainer.debrief.passage.recording_export import export_file, panels_of_run
     from trainer.report.plots import draw_plot
 
     if columns and plot is None:
@@ -147,7 +147,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 
     gc.disable()  # little of a debrief is garbage before its end: to look for it is a tenth of all
     click.get_current_context().call_on_close(gc.enable)
-    from trainer.debrief.page import (
+    from trainer.debrief.page.page import (
         DebriefRequest,
         as_json,
         as_text,
@@ -196,12 +196,12 @@ def recordings(
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
-    from trainer.debrief import forgetting, history
+    from trainer.debrief.trainees import forgetting, history
 
     if progress and trainee is None:
         raise click.UsageError("--progress says whose: add --trainee NAME")
     if csv_path is not None or progress:
-        from trainer.debrief import progress_words
+        from trainer.debrief.trainees import progress_words
 
         if csv_path is not None:
             progress_words.write_class(csv_path, trainee, places)

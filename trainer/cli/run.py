@@ -56,7 +56,7 @@ MENU_OPTIONS = frozenset({"train", "instruct", "trainee"})  # beside which a men
 Begin = Callable[[RunOptions], NoReturn]
 IMPORT_SPACE = 320_000_000  # [B] of addresses: numba and numpy were seen to take 350 million
 UNREAD_ORDERS = "orders at the standard input are not heard by --headless: leave it out"
-WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.beside")  # a refusal may name any path
+WRITER_WORDS = ("-X", "utf8", "-m", "trainer.debrief.live.beside")  # a refusal may name any path
 STATION_ROLES = (
     "instructor",
     "helm",
@@ -143,7 +143,7 @@ def fly_and_debrief(asked: RunOptions, page: Path) -> NoReturn:
         raise ConfigError(f"--debrief {page}: {record} is there already; give another name")
     code = sail(replace(asked, record=record))
     gc.disable()  # as for the command debrief
-    from trainer.debrief.page import DebriefRequest, debrief_file
+    from trainer.debrief.page.page import DebriefRequest, debrief_file
 
     debrief_file(record, page, None, DebriefRequest())
     sys.exit(code)
@@ -230,8 +230,8 @@ def choose(asked: RunOptions) -> RunOptions:
     from trainer.console.exercise_choice import I_INSTRUCT, I_TRAIN, choose_exercise
 
     def offer(side: str) -> "ExerciseChoice":
-        from trainer.config.course import course, lessons
-        from trainer.config.progress import read_progress
+        from trainer.config.exercise.course import course, lessons
+        from trainer.config.exercise.progress import read_progress
         from trainer.console.exercise_choice import exercise_choice
 
         trains = side == I_TRAIN
@@ -322,9 +322,9 @@ def debriefing() -> "DebriefSource":
     from trainer.session.exercise.marks import DebriefSource, Judgement, WrittenDebrief
 
     def judge(path: Path, branch: int) -> Judgement:
-        from trainer.config.outcome import Outcome
-        from trainer.debrief.episodes import hints_told
-        from trainer.debrief.page import read_dossier
+        from trainer.config.exercise.outcome import Outcome
+        from trainer.debrief.page.page import read_dossier
+        from trainer.debrief.passage.episodes import hints_told
 
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
@@ -357,9 +357,8 @@ def debriefing() -> "DebriefSource":
         answer = json.loads(answer_aside(whole, closing, share))
         return WrittenDebrief(answer["page"], [tuple(each) for each in answer["minutes"]])
 
-    return DebriefSource(
-        judge, write, ("-m", "trainer.debrief.evaluator"), ("-m", "trainer.debrief.progress")
-    )
+    evaluator, progress = "trainer.debrief.live.evaluator", "trainer.debrief.trainees.progress"
+    return DebriefSource(judge, write, ("-m", evaluator), ("-m", progress))
 
 
 @click.command()

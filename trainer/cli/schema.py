@@ -16,12 +16,14 @@ from trainer.cli.answers import write_text
 from trainer.cli.types import Choice, Output
 
 SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
-    **dict.fromkeys(("vessel", "hull", "exercise", "sea", "casualties"), "config.file_schemas"),
+    **dict.fromkeys(
+        ("vessel", "hull", "exercise", "sea", "casualties"), "config.exercise.file_schemas"
+    ),
     "study": "analysis.sweep.study",
     "identification": "identify.record.study",
-    "ship": "config.ship",
-    "case": "config.check_case",
-    "class": "config.class_file",
+    "ship": "config.ship.ship",
+    "case": "config.exercise.check_case",
+    "class": "config.exercise.class_file",
 }
 
 

@@ -4,7 +4,7 @@ import contextlib
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 
 REPEATED_KEYS: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
 

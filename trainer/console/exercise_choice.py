@@ -13,8 +13,8 @@ from typing import ClassVar, Final
 from textual.app import App
 from textual.binding import BindingType
 
-from trainer.config.course import Lesson
-from trainer.config.progress import Progress
+from trainer.config.exercise.course import Lesson
+from trainer.config.exercise.progress import Progress
 from trainer.console.dialogs import HEAD_ROWS, NO_OUTCOME, Choice, ChoiceRow, Dialog, DialogOutcome
 from trainer.console.pane import Lines, fit, line
 

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from trainer.config.course import AXIS_STATIONS
-from trainer.config.loss_words import word_loss
+from trainer.config.exercise.course import AXIS_STATIONS
+from trainer.config.exercise.loss_words import word_loss
 from trainer.console.dialogs import NO_OUTCOME, DialogOutcome
 from trainer.console.drawing.chart import plan
 from trainer.console.exercise import LESSON_END

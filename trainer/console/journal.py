@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Final, NamedTuple
 
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.io.orders.grammar import name_of
 from trainer.io.orders.sentences import Sentence
 

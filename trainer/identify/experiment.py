@@ -20,9 +20,9 @@ from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, toml_value
-from trainer.config.sensors import Sensors
-from trainer.config.vessel import VesselFile
+from trainer.config.ship.sensors import Sensors
 from trainer.core.kernel import Numbers
 from trainer.identify.model.nomoto import Nomoto
 from trainer.identify.record.measurements import Record

@@ -15,8 +15,8 @@ import numpy as np
 from trainer.boat.ship.models import MODELS as MANOEUVRING_MODELS
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, Position, offer_known, path_named, write_over
-from trainer.config.fit_options import FIT_KINDS
-from trainer.config.ship import ShipFile, load_ship, ship_text
+from trainer.config.ship.fit_options import FIT_KINDS
+from trainer.config.ship.ship import ShipFile, load_ship, ship_text
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.minimise import ignore_news
 from trainer.identify.judge import fitted as fitting

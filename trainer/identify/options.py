@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError, quote, relative_name
-from trainer.config.fit_options import USUAL_PRIOR_STRENGTH
-from trainer.config.vessel import load_vessel
+from trainer.config.ship.fit_options import USUAL_PRIOR_STRENGTH
 from trainer.identify.model.models import MODELS
 from trainer.identify.model.system_files import load_system
 from trainer.identify.record.sources import NO_UNIT, Column

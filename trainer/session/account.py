@@ -13,7 +13,7 @@ import click
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import account_of
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.core.kernel import INTERPRETED
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import Recording

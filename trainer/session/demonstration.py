@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
-from trainer.config.reference_crew import CREW_HANDS, SAID_ORDERS
+from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS
 from trainer.io.orders.grammar import Order, Refused, Reply, name_of
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError

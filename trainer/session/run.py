@@ -21,8 +21,8 @@ import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.class_course import NO_COURSE, ClassCourse
-from trainer.config.class_file import load_class
+from trainer.config.exercise.class_course import NO_COURSE, ClassCourse
+from trainer.config.exercise.class_file import load_class
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module

@@ -13,9 +13,9 @@ from typing import Any, Final
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from trainer import __version__
-from trainer.config.contacts import SHIP_TYPES
-from trainer.config.course import course
-from trainer.config.course import lessons as step_lessons
+from trainer.config.exercise.course import course
+from trainer.config.exercise.course import lessons as step_lessons
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.io.orders.help import limits_and_units, usage
 from trainer.io.orders.quantities import NUMBER_KINDS
 from trainer.io.orders.table import FORMS, word_of

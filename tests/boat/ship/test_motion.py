@@ -10,7 +10,7 @@ from helpers.ships import COEFFICIENTS, HEELED, ROLLING, SHIP
 from trainer.boat.ship.forces import System
 from trainer.boat.ship.models import model_of, with_roll
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
-from trainer.config.ship import FitResult, ShipFile
+from trainer.config.ship.ship import FitResult, ShipFile
 from trainer.identify.kernels.extended_filter import sail_record
 
 RESULT = FitResult(model="mmg", speed_kn=15.0, revolutions_per_s=1.5)

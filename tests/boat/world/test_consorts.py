@@ -13,7 +13,7 @@ from trainer.boat.world.encounters import EncounterMonitor
 from trainer.boat.world.hulls import OwnHull, Pose
 from trainer.boat.world.scope import periscope_of
 from trainer.boat.world.ship_force import MAX_PULLING_SHIPS
-from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.config.exercise.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 
 HEAD = 'schema = "exercise/1"\nname = "Boats"\nbriefing = "Boats."\nduration_s = 1200\n'
 KEEL, TOP = 4.83, 11.37  # [m] of bb2 below and above its origin

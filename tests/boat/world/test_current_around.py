@@ -14,10 +14,10 @@ from helpers.sessions import start_plan
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey_order
 from trainer.boat.world.current import CurrentAround, Line, TidalEllipse, current_text, flow_of
-from trainer.config.current import Current, Tide
-from trainer.config.exercise import parse_exercise
+from trainer.config.exercise.exercise import parse_exercise
 from trainer.config.files import ConfigError
-from trainer.config.sea import parse_sea
+from trainer.config.world.current import Current, Tide
+from trainer.config.world.sea import parse_sea
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
 from trainer.units import KNOT

@@ -32,7 +32,7 @@ from trainer.boat.world.encounters import (
 )
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, piece_column, situation
-from trainer.config.contacts import SHIP_TYPES
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 

@@ -8,9 +8,9 @@ import pytest
 from trainer.analysis.manoeuvres.nomoto_ship import NomotoShip
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.steered import SteeredContact, SteeredNomoto, SteeredState
-from trainer.config.contacts import read_contacts
 from trainer.config.files import ConfigError, Position, remembering
-from trainer.config.nomoto import NomotoFile, nomoto_text_of
+from trainer.config.ship.nomoto import NomotoFile, nomoto_text_of
+from trainer.config.world.contacts import read_contacts
 from trainer.units import KNOT
 
 STEP = 0.5  # [s]

@@ -36,13 +36,13 @@ from trainer.boat.world.scope import (
     stadimeter_range,
 )
 from trainer.cli.main import cli
-from trainer.config.contacts import SHIP_TYPES
-from trainer.config.exercise import ExerciseLimits, parse_exercise
-from trainer.config.vessel import parse_vessel
-from trainer.debrief.data import gather_debrief
-from trainer.debrief.scoring import take_measure
-from trainer.debrief.ships_met import shown_rows as shown_ticks
-from trainer.debrief.trajectory import PASSAGE_COLUMNS, Trajectory
+from trainer.config.boat.vessel import parse_vessel
+from trainer.config.exercise.exercise import ExerciseLimits, parse_exercise
+from trainer.config.world.contacts import SHIP_TYPES
+from trainer.debrief.marks.scoring import take_measure
+from trainer.debrief.page.data import gather_debrief
+from trainer.debrief.passage.ships_met import shown_rows as shown_ticks
+from trainer.debrief.passage.trajectory import PASSAGE_COLUMNS, Trajectory
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.facts import station
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording

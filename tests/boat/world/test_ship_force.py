@@ -20,7 +20,7 @@ from trainer.boat.world.ship_force import (
     water_acceleration,
 )
 from trainer.boat.world.world import World
-from trainer.config.contacts import SHIP_TYPES
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import plan_run
 

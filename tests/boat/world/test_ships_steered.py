@@ -13,9 +13,9 @@ from trainer.boat.ship.motion import ShipMotion
 from trainer.boat.world.contacts import Contacts, contacts_of
 from trainer.boat.world.steered import SteeredContact
 from trainer.boat.world.steered_ship import ENGINE_RISE_S, SteeredShip
-from trainer.config.contacts import read_contacts
 from trainer.config.files import ConfigError, Position, read_text, remembering, shipped_path
-from trainer.config.ship import ShipFile, load_ship
+from trainer.config.ship.ship import ShipFile, load_ship
+from trainer.config.world.contacts import read_contacts
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.units import KNOT
 

@@ -15,7 +15,7 @@ from trainer.boat.world.swell import (
     pack_numbers,
     swell_round,
 )
-from trainer.config.sea import parse_sea
+from trainer.config.world.sea import parse_sea
 from trainer.core.sea.sea import advance_sea
 from trainer.units import KNOT
 

@@ -15,7 +15,7 @@ from trainer.boat.world.tracks import (
     situation,
     unreached_stretch,
 )
-from trainer.config.contacts import SHIP_ACCELERATION_M_S2
+from trainer.config.world.contacts import SHIP_ACCELERATION_M_S2
 
 START = Piece(0.0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

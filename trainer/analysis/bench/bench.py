@@ -43,7 +43,7 @@ from trainer.analysis.bench.tick import (
 )
 from trainer.boat.boat import Boat
 from trainer.boat.machine_code import way_name
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.scheme import SCHEME
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL

@@ -22,8 +22,8 @@ from dataclasses import dataclass, replace
 from re import Match, Pattern
 from typing import Final
 
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.session.time.ledger import SECOND_NS, Histogram, Spread
 
 TERMINAL_SIZE: Final = 40, 120  # rows and columns

@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.analysis.bench.end_to_end import begin_session, line, on_terminal
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.io.paths import LISTENING_TEXT
 from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Histogram, Spread

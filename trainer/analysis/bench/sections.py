@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from trainer.analysis.bench import end_to_end, on_time, start_up
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from trainer.boat.depths import collapse_of
 from trainer.boat.limits import height_showing
 from trainer.boat.machine_code import EMPTY_CHART
 from trainer.boat.plant import without_drain
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile
+from trainer.config.world.sea import load_sea
 from trainer.core.entry import fly
 from trainer.core.plant.parts import BUS_NAMES
 from trainer.units import KNOT

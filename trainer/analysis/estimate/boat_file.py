@@ -38,9 +38,8 @@ from trainer.analysis.gains import design_gains
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.stability import boat_responses, stable_at
-from trainer.config.coefficients import FORCE_AXES
-from trainer.config.files import ConfigError, format_key, path_named, raise_problems, toml_value
-from trainer.config.hull import (
+from trainer.config.boat.coefficients import FORCE_AXES
+from trainer.config.boat.hull import (
     BOW_CONTROL,
     RUDDER_CONTROL,
     STERN_CONTROL,
@@ -48,8 +47,9 @@ from trainer.config.hull import (
     list_defaults,
     load_hull,
 )
-from trainer.config.plausibility import MASS_PRIME_RANGE
-from trainer.config.vessel import VesselFile, parse_vessel
+from trainer.config.boat.plausibility import MASS_PRIME_RANGE
+from trainer.config.boat.vessel import VesselFile, parse_vessel
+from trainer.config.files import ConfigError, format_key, path_named, raise_problems, toml_value
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COEFFICIENTS, TERM_TABLE
 from trainer.units import KNOT

@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.estimate.geometry import Panel, Shape, integral, panels_of_surface, shape_of
+from trainer.config.boat.hull import BOW_CONTROL, RUDDER_CONTROL, STERN_CONTROL, X_CONTROL, HullFile
 from trainer.config.files import MIN_NONZERO_SIZE
-from trainer.config.hull import BOW_CONTROL, RUDDER_CONTROL, STERN_CONTROL, X_CONTROL, HullFile
 from trainer.core.kernel import Numbers
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.hull import HullFile, HullForm, Panels
+from trainer.config.boat.hull import HullFile, HullForm, Panels
 from trainer.core.kernel import Numbers
 
 STATION_COUNT: Final = 801  # along the hull, on every machine

@@ -26,9 +26,9 @@ from trainer.analysis.manoeuvres.flight import fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.boat.assemble import Method
+from trainer.config.boat.hull import HULL_TABLES, HullFile, Panels, list_defaults, read_hull
+from trainer.config.boat.vessel import VesselFile, read_vessel
 from trainer.config.files import ConfigError, parse_toml
-from trainer.config.hull import HULL_TABLES, HullFile, Panels, list_defaults, read_hull
-from trainer.config.vessel import VesselFile, read_vessel
 from trainer.units import KNOT
 
 DIAMETER_MEASURE: Final = "steady diameter"

@@ -24,9 +24,9 @@ from trainer.analysis.estimate.coefficients import (
     hull_of,
 )
 from trainer.analysis.sweep.draws import fill_normals, stream_number, uniforms
+from trainer.config.boat.hull import BOW_CONTROL, read_hull
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, Position, as_table
-from trainer.config.hull import BOW_CONTROL, read_hull
-from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.core.terms import TERM_TABLE, THRUST_KEYS
 

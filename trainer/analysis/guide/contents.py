@@ -60,8 +60,8 @@ from trainer.analysis.manoeuvres.submarine import BOAT_COLUMNS, Submarine
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.programs import characteristic, neutral, thrust
 from trainer.boat.assemble import Method
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, no_constant, quote
-from trainer.config.vessel import VesselFile
 from trainer.core.digest import core_digest
 from trainer.units import KNOT
 

@@ -23,7 +23,7 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import largest_value
 from trainer.analysis.manoeuvres.vertical import Meander, TrimChange
 from trainer.boat.assemble import Method
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.units import KNOT
 
 STEP_SHARES: Final = (0.5, 1.0, 2.0, 3.0)  # of the boat's own step: 0.25, 0.5, 1 and 1.5 s of 1969

@@ -24,8 +24,8 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
 from trainer.analysis.programs.characteristic import vertical_system
 from trainer.boat.assemble import Method
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 from trainer.workers import worker_pool
 

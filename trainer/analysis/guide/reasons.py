@@ -13,7 +13,7 @@ from trainer.analysis.guide.programme import FlightTable, Task
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.boat.assemble import Method
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 

@@ -20,6 +20,7 @@ from trainer.analysis.guide.verdicts import unit_of
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import FIELD_CHOICES, Flight, Manoeuvre
 from trainer.boat.assemble import Method
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -48,7 +49,6 @@ from trainer.config.schema import (
     with_default,
     within,
 )
-from trainer.config.vessel import VesselFile
 
 FILE_UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("m", "s", "m/s", "rad", "rad/s", "-"), 1.0),

@@ -35,6 +35,9 @@ from trainer.analysis.guide.trials import (
     trials_path,
 )
 from trainer.analysis.guide.validation import InputTable, wave_values
+from trainer.config.boat.propulsion import ThrustRows
+from trainer.config.boat.vessel import VesselFile, load_vessel
+from trainer.config.boat.vessel_records import ThrustSet
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -43,9 +46,6 @@ from trainer.config.files import (
     text_if_there,
     toml_value,
 )
-from trainer.config.propulsion import ThrustRows
-from trainer.config.vessel import VesselFile, load_vessel
-from trainer.config.vessel_records import ThrustSet
 from trainer.core.kernel import Numbers
 from trainer.workers import worker_pool
 

@@ -30,7 +30,7 @@ from trainer.analysis.manoeuvres.submarine import Rig
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.linear import head_wave_response, head_waves
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.units import KNOT
 
 STEP_MULTIPLES: Final = (1.0, 2.0, 4.0)  # of the step of the trials, the finest first

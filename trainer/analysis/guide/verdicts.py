@@ -23,7 +23,7 @@ from trainer.analysis.guide.programme import Leg, fly_boat
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT, Measure
 from trainer.analysis.programs.compare import compare_runs
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.terms import COEFFICIENTS
 
 WITHIN_TOLERANCE: Final = "within"

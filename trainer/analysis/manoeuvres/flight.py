@@ -32,7 +32,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     check_parts,
 )
 from trainer.config.files import ConfigError
-from trainer.config.series import Series
+from trainer.config.ship.series import Series
 from trainer.core.kernel import Numbers
 
 CycleGenerator = Generator[None, None, None]

@@ -13,7 +13,7 @@ from typing import Final
 from trainer.analysis.manoeuvres.vehicle import Control, LostError
 from trainer.boat.world.nomoto import NomotoMotion, NomotoState
 from trainer.config.files import ConfigError
-from trainer.config.nomoto import NomotoFile, load_nomoto
+from trainer.config.ship.nomoto import NomotoFile, load_nomoto
 from trainer.units import KNOT
 
 SHIP_COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")

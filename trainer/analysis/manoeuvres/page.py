@@ -22,8 +22,8 @@ from trainer.analysis.manoeuvres.submarine import CALM_SEA, DEEP_WATER_M, Rig, S
 from trainer.analysis.manoeuvres.turns import SPIRAL_WAYS
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.boat.assemble import Method
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.outputs import write_whole
 from trainer.report.columns import DEPTH_COLUMNS, page_unit

@@ -18,9 +18,9 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, feeling_surface, hull_depth, lowest_depth
 from trainer.boat.limits import height_showing
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.vessel import VesselFile
+from trainer.config.world.sea import load_sea
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot.steering import OWN_LAW, REPORT_LAW, REPORT_LITERAL

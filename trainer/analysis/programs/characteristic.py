@@ -34,7 +34,7 @@ from trainer.boat.depths import (
     surface_remarks,
 )
 from trainer.boat.linear import Matrix, Mode, modes
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.autopilot.report_law import (
     REPORT_CLIMB,
     REPORT_DEPTH,

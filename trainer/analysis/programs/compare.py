@@ -20,7 +20,7 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.vehicle import ALLOWED_PERCENT
 from trainer.config.files import ConfigError
-from trainer.config.series import Series
+from trainer.config.ship.series import Series
 from trainer.core.kernel import Numbers
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel

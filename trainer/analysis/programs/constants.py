@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import Method, fit_out
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.ballast.tanks import BANKS, BLOWN_TANKS, PUMPS, TANKS
 from trainer.core.kernel import Record
 from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS, TERM_TABLE

@@ -14,6 +14,7 @@ from typing import NoReturn
 import numpy as np
 
 from trainer.boat.assemble import Method, Records, fit_out
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import (
     MAX_QUOTED_LETTERS,
     ConfigError,
@@ -23,7 +24,6 @@ from trainer.config.files import (
     quote_key,
     raise_problems,
 )
-from trainer.config.vessel import VesselFile
 from trainer.core.rates import rates as write_rates
 from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION, RATES

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
-from trainer.config.series import Series
+from trainer.config.ship.series import Series
 from trainer.core.kernel import Numbers
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, PAGE_WIDTH, cut_text, format_number, root_text, table

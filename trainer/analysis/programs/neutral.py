@@ -35,7 +35,7 @@ from trainer.boat.depths import (
     surface_at,
     surface_remarks,
 )
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.scheme import equations_alone
 from trainer.core.trim import STERN_PLANES, trim
 from trainer.report.plots import Curve, Panel

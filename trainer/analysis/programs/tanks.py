@@ -26,8 +26,8 @@ from trainer.analysis.manoeuvres.vertical import Overshoot
 from trainer.analysis.programs.compare import COMPARISON_END_S, compare_runs
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, nearest, quote, raise_problems
-from trainer.config.vessel import VesselFile
 from trainer.report.columns import DEPTH_COLUMNS, page_unit
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, format_number, titled_table, wrap

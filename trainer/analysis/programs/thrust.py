@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.report.plots import Curve, Panel
 from trainer.report.text import INDENT, titled_table
 from trainer.units import KNOT

@@ -28,8 +28,8 @@ from trainer.analysis.guide.verdicts import (
 from trainer.analysis.manoeuvres.flight import Flight, fly_manoeuvre
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.boat.assemble import Method, body_values, thrust_rows
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.kernel import Numbers
 from trainer.core.terms import BASIC_DROPS, COMPACT_TERMS, EXTRA_TERMS, SLIP_TERMS
 from trainer.core.vessel import compact_record

@@ -52,8 +52,8 @@ from trainer.analysis.manoeuvres.vertical import (
     TrimChange,
 )
 from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
 
 WEAVE_LENGTHS: Final = (3.0, 6.0, 6.0)  # [lengths run] to one side, the other, and the first again

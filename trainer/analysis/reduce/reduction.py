@@ -55,8 +55,8 @@ from trainer.analysis.reduce.search import (
 )
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, no_constant, renew_file
-from trainer.config.vessel import VesselFile
 from trainer.core.digest import core_digest
 from trainer.core.entry import LOOKOUT, ROW_COLUMNS, sail
 from trainer.core.terms import COEFFICIENTS, COMPACT_TERMS

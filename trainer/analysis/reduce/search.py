@@ -21,7 +21,7 @@ import numpy as np
 from trainer.analysis.guide.programme import Leg
 from trainer.analysis.reduce.objective import Candidate, CandidatePool, Yardstick, fixed_terms
 from trainer.analysis.reduce.programme import legs_of_guide
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.core.kernel import Numbers
 
 MIN_FACTOR, MAX_FACTOR = 0.5, 2.0  # [-] factors

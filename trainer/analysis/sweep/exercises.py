@@ -13,13 +13,13 @@ from typing import Any, Final
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, read_off
 from trainer.analysis.sweep.study import Study, method_of
-from trainer.config.exercise import read_exercise
+from trainer.config.boat.vessel import read_vessel
+from trainer.config.exercise.exercise import read_exercise
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
-from trainer.config.series import Series
-from trainer.config.vessel import read_vessel
-from trainer.debrief.rehearsal import ByReference
-from trainer.debrief.rehearsal import Flight as UnderWay
+from trainer.config.ship.series import Series
+from trainer.config.world.sea import load_sea
+from trainer.debrief.marks.rehearsal import ByReference
+from trainer.debrief.marks.rehearsal import Flight as UnderWay
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
 from trainer.io.tables import MOTION_COLUMNS
 from trainer.session.past.plan import Plan, into_hand

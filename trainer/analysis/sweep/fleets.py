@@ -25,8 +25,8 @@ from trainer.boat.assemble import (
 )
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.envelope import write_envelope
-from trainer.config.sea import load_sea, sea_settings
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
+from trainer.config.world.sea import load_sea, sea_settings
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone

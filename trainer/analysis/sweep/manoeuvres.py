@@ -30,11 +30,11 @@ from trainer.analysis.sweep.job import Batch, Output, asked_of, fly_each, member
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
-from trainer.config.coefficients import COEFFICIENT_QUANTITY, FACTOR_QUANTITY
+from trainer.config.boat.coefficients import COEFFICIENT_QUANTITY, FACTOR_QUANTITY
+from trainer.config.boat.vessel import VesselFile, read_vessel
 from trainer.config.files import ConfigError, Position
 from trainer.config.schema import read_record
-from trainer.config.series import Series
-from trainer.config.vessel import VesselFile, read_vessel
+from trainer.config.ship.series import Series
 from trainer.core.autopilot.steering import REPORT_LAW
 from trainer.units import KNOT
 

@@ -36,9 +36,10 @@ from trainer.analysis.sweep.records import (
 )
 from trainer.analysis.sweep.sobol import MIN_BASE_POINTS, SET_COUNT, SOBOL_SAMPLE
 from trainer.boat.assemble import Method
-from trainer.config.coefficients import EQUATION_SETS
+from trainer.config.boat.coefficients import EQUATION_SETS
+from trainer.config.boat.vessel import VesselFile, load_vessel, with_defaults
+from trainer.config.exercise.file_schemas import exercise_keys
 from trainer.config.extras import require_library
-from trainer.config.file_schemas import exercise_keys
 from trainer.config.files import (
     ConfigError,
     Position,
@@ -60,7 +61,6 @@ from trainer.config.schema import (
     read_record,
     record_schema,
 )
-from trainer.config.vessel import VesselFile, load_vessel, with_defaults
 from trainer.config.words import SHIP_FILE_SCHEMA
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.core.terms import COEFFICIENTS

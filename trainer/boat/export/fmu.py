@@ -48,9 +48,9 @@ from trainer.boat.platforms import (
     platform_name,
 )
 from trainer.boat.sea_orders import fully_developed
-from trainer.config.casualties import GAUGE_UNITS
+from trainer.config.boat.casualties import GAUGE_UNITS
 from trainer.config.files import ConfigError
-from trainer.config.sea import SEA_STATE_HEIGHT, SeaFile, sea_settings, step_problem
+from trainer.config.world.sea import SEA_STATE_HEIGHT, SeaFile, sea_settings, step_problem
 from trainer.core import state
 from trainer.core.digest import core_digest
 from trainer.core.state import MAX_CASUALTIES, SCRATCH, STATE

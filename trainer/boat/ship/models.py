@@ -16,7 +16,7 @@ import numpy as np
 
 from trainer.boat.ship.forces import HEEL_EQUATIONS, LEVEL_EQUATIONS, TERM_ROWS, DrivenStates, Terms
 from trainer.config.files import ConfigError, nearest
-from trainer.config.ship import ShipFile
+from trainer.config.ship.ship import ShipFile
 from trainer.core.kernel import Numbers
 
 AXIS_LETTERS: Final = "XYNK"

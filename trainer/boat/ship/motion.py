@@ -30,7 +30,7 @@ from trainer.boat.ship.forces import (
 from trainer.boat.ship.forward_numbers import VALUE
 from trainer.boat.ship.models import check_names, model_for
 from trainer.config.files import ConfigError
-from trainer.config.ship import ShipFile
+from trainer.config.ship.ship import ShipFile
 from trainer.core.kernel import Numbers, kernel
 from trainer.units import KNOT
 

@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.bottom import START_RADIUS_M, Bottom, is_charted, land_near
 from trainer.config.files import ConfigError
-from trainer.config.world import WorldTables
+from trainer.config.world.bottom import START_RADIUS_M, Bottom, is_charted, land_near
+from trainer.config.world.world import WorldTables
 from trainer.core.bottom import SOUNDING_STATIONS as STATIONS
 from trainer.core.kernel import Numbers
 from trainer.core.soundings import FIRST_SAMPLE, sound

@@ -7,8 +7,8 @@ taken to have the hull of the session's own boat, as a box upright in the water.
 from dataclasses import replace
 from typing import Any, Final
 
-from trainer.config.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
-from trainer.config.contacts import SHIP_TYPES, ShipType
+from trainer.config.exercise.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
+from trainer.config.world.contacts import SHIP_TYPES, ShipType
 
 BOAT_NAME: Final = "boat-{}"  # as orders name it
 BOAT_TYPE: Final = "submarine"

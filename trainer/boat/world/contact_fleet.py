@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from trainer.boat.world.consorts import body_of
 from trainer.boat.world.steered import SteeredContact
 from trainer.boat.world.tracks import Piece, ShipMotion, Situation, Way, situation
-from trainer.config.contacts import SHIP_TYPES, ShipType
+from trainer.config.world.contacts import SHIP_TYPES, ShipType
 from trainer.core.kernel import Numbers
 
 Ticks = NDArray[np.int64]

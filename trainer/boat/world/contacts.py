@@ -36,7 +36,8 @@ from trainer.boat.world.tracks import (
     turn_stretch,
     unreached_stretch,
 )
-from trainer.config.contacts import (
+from trainer.config.files import ConfigError, collecting, nearest, raise_problems
+from trainer.config.world.contacts import (
     CONTACT_NAME,
     MAX_CONTACTS,
     RESERVED_NAMES,
@@ -44,8 +45,7 @@ from trainer.config.contacts import (
     Contact,
     Encounters,
 )
-from trainer.config.files import ConfigError, collecting, nearest, raise_problems
-from trainer.config.world import WorldTables
+from trainer.config.world.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 

@@ -13,8 +13,8 @@ from operator import itemgetter
 from typing import Any, Final
 
 from trainer.boat.world.bottom import STATE_OFFSETS, TICK_OFFSET, Z
-from trainer.config.current import MIN_CHANGE_TIME_S, Current, Tide
-from trainer.config.world import WorldTables
+from trainer.config.world.current import MIN_CHANGE_TIME_S, Current, Tide
+from trainer.config.world.world import WorldTables
 from trainer.core.current import north_and_east
 from trainer.io.orders.grammar import Order, Reply
 from trainer.units import KNOT

@@ -31,8 +31,8 @@ from trainer.boat.world.contact_fleet import Ship, Ticks
 from trainer.boat.world.contacts import Contacts, contacts_in
 from trainer.boat.world.hulls import POSE_NAMES, OwnHull, Pose, read_pose, ships_overlap
 from trainer.boat.world.tracks import ShipMotion, Situation
-from trainer.config.contacts import Encounters
 from trainer.config.files import raise_problems
+from trainer.config.world.contacts import Encounters
 from trainer.core.kernel import Numbers
 
 MEAN_PERIOD_S: Final = 20.0  # [s] of the mean of the boat's course and turn, which waves swing

@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.world.bottom import STATE_OFFSETS
-from trainer.config.contacts import ShipType
+from trainer.config.world.contacts import ShipType
 from trainer.core.kernel import Numbers
 
 POSE_NAMES: Final = ("x", "y", "z", "phi", "theta", "psi")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from trainer.config.contacts import ShipType
+from trainer.config.world.contacts import ShipType
 
 LARGE_LENGTH_M, MEDIUM_LENGTH_M = 50.0, 12.0  # [m] lengths at which the rules change
 SIDELIGHT_SECTOR: Final = math.radians(112.5)  # [rad] from ahead to the end of a sidelight's sector

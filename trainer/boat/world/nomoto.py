@@ -14,7 +14,7 @@ differentiated rudder that stands still within the step is of first order.
 import math
 from typing import NamedTuple
 
-from trainer.config.nomoto import NomotoFile
+from trainer.config.ship.nomoto import NomotoFile
 from trainer.units import KNOT
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from trainer.boat.world.bottom import TICK_OFFSET
 from trainer.boat.world.contact_fleet import ContactFleet, Ticks
 from trainer.boat.world.contacts import ContactState, contacts_in
-from trainer.config.vessel_records import Scope
-from trainer.config.world import WorldTables
+from trainer.config.boat.vessel_records import Scope
+from trainer.config.world.world import WorldTables
 from trainer.core.casualties import instruments
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import height_above_water

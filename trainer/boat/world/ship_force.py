@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.boat.world.hulls import Pose, axes_of
-from trainer.config.contacts import ShipType
+from trainer.config.world.contacts import ShipType
 from trainer.core.kernel import Numbers
 
 SOURCE_COUNT: Final = 24  # along a ship

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple, Protocol
 
 from trainer.boat.world.nomoto import NomotoMotion, NomotoState
-from trainer.config.contacts import SHIP_ACCELERATION_M_S2
-from trainer.config.nomoto import NomotoFile
+from trainer.config.ship.nomoto import NomotoFile
+from trainer.config.world.contacts import SHIP_ACCELERATION_M_S2
 from trainer.io.orders.grammar import Refused
 
 MAX_SUBSTEP_S: Final = 0.5  # [s] at most

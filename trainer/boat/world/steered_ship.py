@@ -14,7 +14,7 @@ from typing import Final
 
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
 from trainer.boat.world.steered import SteeredState
-from trainer.config.ship import ShipFile
+from trainer.config.ship.ship import ShipFile
 from trainer.io.orders.grammar import Refused
 from trainer.units import KNOT
 

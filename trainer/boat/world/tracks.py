@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config.contacts import SHIP_ACCELERATION_M_S2
+from trainer.config.world.contacts import SHIP_ACCELERATION_M_S2
 from trainer.core.kernel import Numbers
 
 MIN_TURN: Final = 1e-9  # [rad] change of course that needs no turn

@@ -13,7 +13,7 @@ from trainer.boat.world.bottom import ground_of
 from trainer.boat.world.contacts import contacts_of
 from trainer.boat.world.current import make_current
 from trainer.boat.world.scope import Periscope
-from trainer.config.world import WorldTables
+from trainer.config.world.world import WorldTables
 from trainer.io.orders.grammar import Order, Refused, Reply
 
 

@@ -47,7 +47,7 @@ def bench(
     import json
     from dataclasses import asdict
 
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     chosen = [name for name, wanted in parts.items() if wanted or everything]

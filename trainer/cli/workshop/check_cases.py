@@ -45,7 +45,7 @@ def check_cases(
     not judged.
     """
     from trainer.analysis.check_cases import case_figures, cases_page, cases_text, fly_cases
-    from trainer.config.check_case import case_paths
+    from trainer.config.exercise.check_case import case_paths
 
     flights = fly_cases(case_paths(folder), others)
     if page is not None:

@@ -188,9 +188,9 @@ def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
 def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreReport, Flight]":
     """Return report and flight of a boat, or of a ship that was identified."""
     from trainer.analysis.manoeuvres import page
-    from trainer.config.nomoto import is_nomoto
-    from trainer.config.ship import is_ship, load_ship
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
+    from trainer.config.ship.nomoto import is_nomoto
+    from trainer.config.ship.ship import is_ship, load_ship
 
     wishes = manoeuvre_options(options)
     path = ships.path_of(vessel)
@@ -260,7 +260,7 @@ def guide(vessel: str, **options: Any) -> None:
         return
     from trainer.analysis.guide import contents, page
     from trainer.analysis.guide.programme import guide_legs, legs_of_1969, legs_of_trainer
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     baseline = options["baseline"]

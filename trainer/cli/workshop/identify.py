@@ -27,7 +27,7 @@ from trainer.cli.options import (
 )
 from trainer.cli.types import AHEAD_SPEED_TYPE, File, Name, Number, Output, ParentCommand
 from trainer.cli.workshop import ships
-from trainer.config.fit_options import SHIP_MODELS, USUAL_PRIOR_STRENGTH
+from trainer.config.ship.fit_options import SHIP_MODELS, USUAL_PRIOR_STRENGTH
 from trainer.config.words import LINEAR_MODELS
 
 if TYPE_CHECKING:
@@ -189,8 +189,8 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer ship prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
               trainer ship prbs ship.toml --zigzag 20/20 --amplitude 20
     """
+    from trainer.config.boat.vessel import load_vessel
     from trainer.config.extras import require_library
-    from trainer.config.vessel import load_vessel
 
     require_library("scipy", "trainer ship prbs")
     if ships.is_ship(vessel):
@@ -244,7 +244,7 @@ def steering(vessel: str, speeds: tuple[float, ...], record: Path | None, **opti
 
     The speed is the vessel's own unless it is given; that of a ship is in its file.
     """
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
     from trainer.identify.pages import steering as page
 
     path = Path(vessel)

@@ -73,7 +73,7 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     Exit code 1 when a change of change is beyond what is allowed.
     """
     from trainer.analysis.programs import compare as program
-    from trainer.config.series import load_series
+    from trainer.config.ship.series import load_series
 
     runs = load_series(full), load_series(other)
     event = program.event_apart(*runs)
@@ -121,7 +121,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
     EC330). Exit code 1 when the fit does not settle.
     """
     from trainer.analysis.programs import fit as program
-    from trainer.config.series import load_series
+    from trainer.config.ship.series import load_series
 
     span = options["begin"], options["end"]
     t, y, level = program.response_in(load_series(run), column, span, options["about"])
@@ -144,7 +144,7 @@ def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[comple
     """Return the roots [1/s] to start from, and their source; UsageError if half is given."""
     from trainer.analysis.programs.characteristic import horizontal_system, vertical_system
     from trainer.analysis.programs.fit import one_of_each, pencil_roots
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
     from trainer.units import KNOT
 
     vessel, speed, plane = options["vessel"], options["speed"], options["plane"]
@@ -182,7 +182,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
     With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
     from trainer.analysis.programs import neutral as program
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     report = program.report_neutral(file, speeds_of(file, speeds), depth)
@@ -215,7 +215,7 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     Example:  trainer report-1969 thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
     from trainer.analysis.programs import thrust as program
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     ahead = speeds or (0.0, *speeds_of(file, ()))
@@ -263,7 +263,7 @@ def tanks(
     alone moved as far as the tanks do, or by 2 % of BG where there are none.
     """
     from trainer.analysis.programs import tanks as program
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     names = [name for name, _ in fills]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
@@ -295,7 +295,7 @@ def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options
     With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """
     from trainer.analysis.programs import characteristic as program
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     means = program.MeanMotions(

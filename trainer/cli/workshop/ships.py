@@ -12,10 +12,10 @@ import click
 
 from trainer.cli.answers import print_note, show_report, show_step, write_text
 from trainer.cli.options import flags_given, options_given, record_of
-from trainer.config.fit_options import SHIP_MODELS
+from trainer.config.ship.fit_options import SHIP_MODELS
 
 if TYPE_CHECKING:
-    from trainer.config.sensors import Sensors
+    from trainer.config.ship.sensors import Sensors
 
 SHIP_KERNELS: Final = "boat/ship", "identify/kernels"
 SHIP_KERNELS_TEXT: Final = "the kernels of ships, once (some 20 s)"
@@ -46,7 +46,7 @@ def path_of(vessel: str) -> Path:
 
 def is_ship(vessel: str) -> bool:
     """Return whether a name or path is that of a ship that is not linear."""
-    from trainer.config.ship import is_ship as is_ships_file
+    from trainer.config.ship.ship import is_ship as is_ships_file
 
     path = path_of(vessel)
     return path.suffix == ".toml" and path.is_file() and is_ships_file(path)
@@ -68,7 +68,7 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
             "binary sequence"
         )
     from trainer.boat import compilation
-    from trainer.config.ship import load_ship
+    from trainer.config.ship.ship import load_ship
     from trainer.identify.ships import trials
 
     ship = load_ship(path)
@@ -81,7 +81,7 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
 
 def sensors_asked(options: dict[str, Any]) -> "Sensors":
     """Return the errors of the instruments, from an experiment's options."""
-    from trainer.config.sensors import Sensors
+    from trainer.config.ship.sensors import Sensors
 
     return Sensors(
         sway_kn=options["sway"], yaw_rate_deg_s=options["yaw_rate"], heading_deg=options["heading"]
@@ -106,7 +106,7 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
         raise click.UsageError(f"{unknown}: not with the models {', '.join(SHIP_MODELS)}")
     from trainer.boat import compilation
     from trainer.config.files import path_named
-    from trainer.config.ship import ship_text
+    from trainer.config.ship.ship import ship_text
     from trainer.identify.options import IdentifyOptions
     from trainer.identify.ships import page
     from trainer.identify.ships.results import fit_trials, read_trials
@@ -135,7 +135,7 @@ def print_figures(vessel: str, *, as_json: bool) -> None:
     from trainer.analysis.guide.trials import load_published
     from trainer.boat import compilation
     from trainer.cli.answers import json_of
-    from trainer.config.ship import load_ship
+    from trainer.config.ship.ship import load_ship
     from trainer.identify.ships import published
 
     ship = load_ship(path_of(vessel))

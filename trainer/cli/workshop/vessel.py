@@ -43,7 +43,7 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 
     With --length every number follows the length by Froude's law; each law stands in the file.
     """
-    from trainer.config.vessel_template import write_new
+    from trainer.config.boat.vessel_template import write_new
 
     click.echo(write_new(file, source, length, name))
 
@@ -68,7 +68,7 @@ def evaluate(
     line has z as well, and the water is calm.
     """
     from trainer.analysis.programs.evaluate import evaluate_lines as rates_of
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     for line in rates_of(
@@ -103,7 +103,7 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
         return
     from trainer.analysis.check import check_vessel as examine
     from trainer.analysis.check_page import examine_boat, render, render_readiness
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     report, ready = examine(file), examine_boat(file)
@@ -117,7 +117,7 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
 def list_constants(vessel: str, *, as_json: bool) -> None:
     """Print every constant of a vessel; ConfigError if there is no such vessel."""
     from trainer.analysis.programs.constants import list_vessel_constants, render
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     report = list_vessel_constants(load_vessel(vessel))
     click.echo(json_of(asdict(report)) if as_json else render(report))
@@ -136,7 +136,7 @@ def plant(vessel: str, svg: Path | None) -> None:
     It is made from the table [plant] of the vessel file. Exit code 2 for a boat without one.
     """
     from trainer.analysis.plant_page import draw_feeds, feed_page
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     file = load_vessel(vessel)
     click.echo(feed_page(file))
@@ -153,7 +153,7 @@ def gains(vessel: str) -> None:
     Example:  trainer boat gains my-boat.toml >> my-boat.toml
     """
     from trainer.analysis.gains import design_text
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
 
     click.echo(design_text(load_vessel(vessel)))
 
@@ -181,8 +181,8 @@ def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, *
     Pierson-Moskowitz sea on a boat held still.
     """
     from trainer.analysis import seaway
-    from trainer.config.sea import load_sea
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
+    from trainer.config.world.sea import load_sea
 
     file, boat = load_sea(name), load_vessel(vessel)
     at = tuple(dict.fromkeys(depths)) or seaway.usual_depths(boat)
@@ -215,7 +215,7 @@ def reduce(vessel: str, **options: Any) -> None:
     out of tolerance.
     """
     from trainer.analysis.reduce import page, reduction
-    from trainer.config.vessel import load_vessel
+    from trainer.config.boat.vessel import load_vessel
     from trainer.workers import processor_count
 
     chosen = [name for name in ("check", "table", "write", "output") if options[name]]

@@ -6,7 +6,7 @@ time below has that time. No other screen draws it, because no other role is tol
 
 from typing import Final
 
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.console.drawing.event_log import MIN_TIMELINE_COLUMNS, end_of
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Run, fit, line

@@ -20,8 +20,8 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vertical import TrimChange
 from trainer.analysis.manoeuvres.zigzag import VerticalZigZag, ZigZag
 from trainer.boat.assemble import Method
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.prior import Knowledge
 from trainer.identify.boat.vessel import FittedVessel

@@ -9,9 +9,9 @@ import numpy as np
 from trainer import __version__
 from trainer.analysis.estimate.boat_file import stable_steps, table_lines
 from trainer.analysis.gains import design_gains
-from trainer.config.coefficients import FORCE_AXES
+from trainer.config.boat.coefficients import FORCE_AXES
+from trainer.config.boat.vessel import parse_vessel
 from trainer.config.files import ConfigError, toml_value
-from trainer.config.vessel import parse_vessel
 from trainer.core.terms import COEFFICIENTS
 from trainer.identify.boat.regressors import HEIGHT_KEY, PARAMETER_NAMES
 from trainer.identify.boat.report import BoatFit

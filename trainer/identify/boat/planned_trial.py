@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from trainer.config.exercise import ORDER_ROWS, parse_exercise
+from trainer.config.exercise.exercise import ORDER_ROWS, parse_exercise
 from trainer.config.files import ConfigError, toml_value
 from trainer.identify.boat.motion import STATE
 from trainer.identify.boat.plan import PlannedFigure, TrialPlan

@@ -25,8 +25,8 @@ from trainer.analysis.estimate.uncertainty import (
     filed_fit,
     keep_sign,
 )
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError, parse_toml
-from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.matrices import root_of_covariance
 from trainer.identify.boat.regressors import HEIGHT_KEY, PARAMETER_NAMES

@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.boat.boat import turning_signs
+from trainer.config.boat.vessel_records import Surfaces
 from trainer.config.files import ConfigError
-from trainer.config.vessel_records import Surfaces
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers, sail_controls
 from trainer.identify.boat.motion import STATE, STATE_COUNT

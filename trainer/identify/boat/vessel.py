@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.propulsion import ThrustRows
-from trainer.config.vessel import VesselFile
-from trainer.config.vessel_records import ThrustSet
+from trainer.config.boat.propulsion import ThrustRows
+from trainer.config.boat.vessel import VesselFile
+from trainer.config.boat.vessel_records import ThrustSet
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.motion import BoatNumbers, mass_matrix
 from trainer.identify.boat.regressors import (

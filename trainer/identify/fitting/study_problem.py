@@ -14,8 +14,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.likelihood import (
     Innovations,

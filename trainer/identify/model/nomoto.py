@@ -20,8 +20,8 @@ from trainer.analysis.programs.characteristic import (
     dimensional_constants,
     horizontal_system,
 )
-from trainer.config.derivatives import DerivativesFile
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
+from trainer.config.ship.derivatives import DerivativesFile
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
 

@@ -19,7 +19,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.config.files import ConfigError, Position, collecting, parse_toml, quote, read_text
-from trainer.config.fit_options import FIT_KINDS
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -30,6 +29,7 @@ from trainer.config.schema import (
     with_default,
     within,
 )
+from trainer.config.ship.fit_options import FIT_KINDS
 from trainer.config.tables import CsvTable, read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.record.sources import write_columns

@@ -12,9 +12,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
-from trainer.config.sensors import Sensors
-from trainer.config.vessel import VesselFile
+from trainer.config.ship.sensors import Sensors
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import (
     LEAD_TIME_S,

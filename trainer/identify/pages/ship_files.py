@@ -12,9 +12,9 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.programs.characteristic import MeanMotions
+from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError, toml_value
-from trainer.config.nomoto import NOMOTO_SCHEMA, NomotoFile, nomoto_text_of
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.ship.nomoto import NOMOTO_SCHEMA, NomotoFile, nomoto_text_of
 from trainer.identify.fitting.nonlinear import BendEstimate
 from trainer.identify.judge.fitted import ModelFit
 from trainer.identify.model.derived import nomoto_of

@@ -14,10 +14,10 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config.derivatives import DERIVATIVES_SCHEMA, load_derivatives
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError, nearest, parse_toml, quote, read_text
-from trainer.config.nomoto import NOMOTO_SCHEMA, load_nomoto
-from trainer.config.vessel import VesselFile
+from trainer.config.ship.derivatives import DERIVATIVES_SCHEMA, load_derivatives
+from trainer.config.ship.nomoto import NOMOTO_SCHEMA, load_nomoto
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.nonlinear import BentShip
 from trainer.identify.model.nomoto import (

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError, raise_problems
-from trainer.config.fit_options import INPUT_PATHS, MOTION_CHANNELS
+from trainer.config.ship.fit_options import INPUT_PATHS, MOTION_CHANNELS
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
 from trainer.identify.record.measurements import (

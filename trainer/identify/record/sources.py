@@ -20,11 +20,11 @@ from typing import Any, Final, cast
 import numpy as np
 
 from trainer.config.files import ConfigError, collecting, nearest, offer_known, quote
-from trainer.config.sensors import Sensors
+from trainer.config.ship.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.config.units import KNOWN_UNITS, SCALELESS_UNITS, UNIT_FACTORS, spell_unit
 from trainer.core.kernel import Numbers
-from trainer.debrief.recording_export import table_layout
+from trainer.debrief.passage.recording_export import table_layout
 from trainer.identify.record.measurements import (
     BOAT_CHANNEL_UNITS,
     CHANNEL_UNITS,

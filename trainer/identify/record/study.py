@@ -19,7 +19,7 @@ from trainer.config.schema import (
     read_record,
     record_schema,
 )
-from trainer.config.sensors import Sensors
+from trainer.config.ship.sensors import Sensors
 from trainer.identify.model.own_systems import System
 from trainer.identify.record.findings import (
     PATH_TEXTS,

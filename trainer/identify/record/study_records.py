@@ -7,7 +7,6 @@ reader, its messages, the JSON Schema and docs/identification.md.
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config.fit_options import FIT_KINDS, MOTION_CHANNELS
 from trainer.config.schema import (
     Choice,
     Rows,
@@ -18,7 +17,8 @@ from trainer.config.schema import (
     with_default,
     within,
 )
-from trainer.config.ship import COLUMN_OFFSET, COLUMN_SCALE, MISSING_NUMBERS, UNIT_NAMES
+from trainer.config.ship.fit_options import FIT_KINDS, MOTION_CHANNELS
+from trainer.config.ship.ship import COLUMN_OFFSET, COLUMN_SCALE, MISSING_NUMBERS, UNIT_NAMES
 from trainer.config.words import LINEAR_MODELS
 from trainer.identify.record.measurements import (
     CHANNEL_UNITS,

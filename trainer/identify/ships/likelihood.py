@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from trainer.boat.ship.forces import System, Terms
 from trainer.boat.ship.models import ShipModel
-from trainer.config.ship import Dimensions, ShipFile
+from trainer.config.ship.ship import Dimensions, ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_filter import filter_record, sail_record
 from trainer.identify.record.measurements import Record

@@ -34,7 +34,7 @@ from trainer.config.files import (
     shipped_names,
     shipped_path,
 )
-from trainer.config.ship import ShipFile
+from trainer.config.ship.ship import ShipFile
 from trainer.identify.ships.vehicle import IdentifiedShip, draw_ships
 from trainer.report.text import ascii_text, table, wrap
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from trainer.boat.ship.forces import STIFFNESS_INDEX
 from trainer.config.files import ConfigError, raise_problems
-from trainer.config.sensors import Sensors
-from trainer.config.ship import GRAVITY_M_S2, ShipFile
+from trainer.config.ship.sensors import Sensors
+from trainer.config.ship.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.record.findings import (

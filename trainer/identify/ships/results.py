@@ -17,7 +17,7 @@ import numpy as np
 
 from trainer.boat.ship.models import AXIS_LETTERS, FIXED_VALUES, NONLINEAR_NAMES, model_for
 from trainer.config.files import ConfigError, offer_known
-from trainer.config.ship import FitResult, ShipFile, load_ship
+from trainer.config.ship.ship import FitResult, ShipFile, load_ship
 from trainer.core.kernel import Numbers
 from trainer.identify.fitting.estimate import by_scoring
 from trainer.identify.fitting.minimise import approach_minimum

@@ -16,8 +16,8 @@ from trainer.analysis.manoeuvres.vehicle import Measure
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.boat.ship.models import model_for
 from trainer.config.files import ConfigError
-from trainer.config.sensors import Sensors
-from trainer.config.ship import ShipFile
+from trainer.config.ship.sensors import Sensors
+from trainer.config.ship.ship import ShipFile
 from trainer.core.kernel import Numbers
 from trainer.identify.experiment import REGISTER_TAPS, HelmOptions, prbs
 from trainer.identify.record.measurements import Record

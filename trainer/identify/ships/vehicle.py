@@ -33,7 +33,7 @@ from trainer.boat.ship.forces import ROLL_INDEX
 from trainer.boat.ship.motion import ShipMoment, ShipMotion
 from trainer.config.files import ConfigError, Position, raise_problems
 from trainer.config.schema import read_record
-from trainer.config.ship import ShipFile, read_ship
+from trainer.config.ship.ship import ShipFile, read_ship
 from trainer.report.text import table, wrap
 
 FLIGHT_COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r", "n")

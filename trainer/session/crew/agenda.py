@@ -15,10 +15,10 @@ from typing import Final, NamedTuple
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.casualties import casualty_refusal, scale_of
 from trainer.boat.quantities import is_met
-from trainer.config.derived import Condition, compile_condition
-from trainer.config.exercise import ConditionalCasualty
+from trainer.config.exercise.derived import Condition, compile_condition
+from trainer.config.exercise.exercise import ConditionalCasualty
+from trainer.config.exercise.loss_words import word_loss
 from trainer.config.files import ConfigError, Position
-from trainer.config.loss_words import word_loss
 from trainer.io.orders.grammar import Order, Refused, Reply, condition_words, parse
 from trainer.io.orders.schedule import ScheduledOrder
 from trainer.io.recording.facts import Giver, GiverKind

@@ -13,7 +13,7 @@ import click
 from trainer.boat import casualties, compilation, machine_code
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.config.files import ConfigError
 from trainer.core.start import set_out
 from trainer.session.stations.view import Pace, Picture, StateReader

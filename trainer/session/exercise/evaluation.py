@@ -1,9 +1,9 @@
 """What a careful crew could still earn from here, told to the instructor alone.
 
-``debrief/evaluator`` finds it in a process of its own, which this module starts once an instructor
-is there. A thread hands it the present moment every 10 s of exercise time, and when time stands
-still. A tick leaves a moment in a slot and waits for nothing: one that comes before the last has
-been answered takes its place, and is counted. Without a recording there is no evaluation.
+``debrief/live/evaluator`` finds it in a process of its own, which this module starts once an
+instructor is there. A thread hands it the present moment every 10 s of exercise time, and when
+time stands still. A tick leaves a moment in a slot and waits for nothing: one that comes before the
+last has been answered takes its place, and is counted. Without a recording there is no evaluation.
 """
 
 import base64
@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, Final, cast
 
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.words import BOAT_ORDERS
 from trainer.io.recording.recording import Moment

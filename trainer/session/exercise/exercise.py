@@ -12,9 +12,9 @@ from typing import Final
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
 from trainer.boat.quantities import is_met
-from trainer.config.derived import Loss
-from trainer.config.loss_words import word_loss
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.derived import Loss
+from trainer.config.exercise.loss_words import word_loss
+from trainer.config.exercise.outcome import Outcome
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.facts import OVER_WORDS

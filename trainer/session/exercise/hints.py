@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from trainer.boat.casualties import broken_gauges
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import RuleProgress
-from trainer.config.score_rules import HINT_ORDER
+from trainer.config.exercise.score_rules import HINT_ORDER
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.facts import Giver
 from trainer.io.recording.recording import Moment

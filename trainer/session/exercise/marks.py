@@ -15,7 +15,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
-from trainer.config.outcome import Outcome
+from trainer.config.exercise.outcome import Outcome
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.words import TRAINEE
 from trainer.io.recording.recording import Moment

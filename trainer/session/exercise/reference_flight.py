@@ -2,7 +2,7 @@
 
 From the start by the schedule alone it is the ghost. By the orders that were given aboard, with
 the crew mute, it tells what that crew knows at a moment, from which it can then show the way.
-``aids`` flies the ghost, ``demonstration`` and ``debrief/boat_page`` follow a run.
+``aids`` flies the ghost, ``demonstration`` and ``debrief/page/boat_page`` follow a run.
 
 A session flies it in a thread, so it rests after each tick: the session's own tick never waits for
 long.
@@ -25,7 +25,7 @@ from trainer.boat.grounding import GroundMonitor
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
 from trainer.boat.world.encounters import EncounterMonitor
-from trainer.config.reference_crew import MARK_ORDER
+from trainer.config.exercise.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.io.status_line import clock

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.quantities import is_met
-from trainer.config.outcome import Outcome
-from trainer.config.steps import MISSED_AGAIN, MISSED_ON, Step
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.steps import MISSED_AGAIN, MISSED_ON, Step
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.session.aside import BackgroundTask

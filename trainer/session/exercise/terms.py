@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.class_course import NO_COURSE, ClassCourse
-from trainer.config.course import following
-from trainer.config.derived import Loss
+from trainer.config.exercise.class_course import NO_COURSE, ClassCourse
+from trainer.config.exercise.course import following
+from trainer.config.exercise.derived import Loss
 from trainer.io.orders.grammar import Refused
 from trainer.session.exercise.marks import DebriefSource
 from trainer.session.past.plan import Plan

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Final
 
-from trainer.config.course import course, lessons
-from trainer.config.exercise import load_exercise
+from trainer.config.exercise.course import course, lessons
+from trainer.config.exercise.exercise import load_exercise
+from trainer.config.exercise.outcome import Outcome
+from trainer.config.exercise.progress import Progress, read_progress
 from trainer.config.files import ConfigError
-from trainer.config.outcome import Outcome
-from trainer.config.progress import Progress, read_progress
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.aside import BackgroundTask, begin_aside, hear_out
 from trainer.session.exercise.exercise import ExerciseEnd

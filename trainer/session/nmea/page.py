@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.vessel import VesselFile
+from trainer.config.boat.vessel import VesselFile
 from trainer.io.chart import DEFAULT_CHART
 from trainer.session.nmea.sentences import (
     INSTRUMENTS,

@@ -12,7 +12,7 @@ from typing import Final
 
 from trainer.boat.depths import MAST_RAISED_M
 from trainer.boat.world.contacts import ContactState, contacts_in
-from trainer.config.contacts import SHIP_TYPES
+from trainer.config.world.contacts import SHIP_TYPES
 from trainer.io import ais
 from trainer.io.ais import Field, PositionReport, ShipParticulars
 from trainer.io.chart import Chart

@@ -28,8 +28,10 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config import nomoto
-from trainer.config.baseline import BASELINE_SUFFIX
+from trainer.config.boat.vessel import load_vessel
+from trainer.config.exercise.baseline import BASELINE_SUFFIX
+from trainer.config.exercise.progress import file_stem
+from trainer.config.exercise.score_rules import RULES_FORM
 from trainer.config.files import (
     ABANDONED_FILES,
     ConfigError,
@@ -41,11 +43,9 @@ from trainer.config.files import (
     reading_recorded,
     remembering,
 )
-from trainer.config.progress import file_stem
-from trainer.config.score_rules import RULES_FORM
-from trainer.config.soundings import read_as_kept
-from trainer.config.vessel import load_vessel
+from trainer.config.ship import nomoto
 from trainer.config.words import ENDLESS_BATTERY
+from trainer.config.world.soundings import read_as_kept
 from trainer.core.digest import core_digest, same_core
 from trainer.io.recording.recording import Recording, RecordingError, bring_home
 from trainer.session.past.layout import LAYOUT, changes

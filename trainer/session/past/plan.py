@@ -19,10 +19,11 @@ from trainer.boat.depths import DepthGuard
 from trainer.boat.plant import without_drain
 from trainer.boat.world.encounters import refuse_touching
 from trainer.boat.world.world import world_of
-from trainer.config.baseline import Baseline, kept_baseline
-from trainer.config.casualties import Casualty, load_casualties
-from trainer.config.derived import Loss
-from trainer.config.exercise import (
+from trainer.config.boat.casualties import Casualty, load_casualties
+from trainer.config.boat.vessel import VesselFile, load_vessel
+from trainer.config.exercise.baseline import Baseline, kept_baseline
+from trainer.config.exercise.derived import Loss
+from trainer.config.exercise.exercise import (
     AIDS,
     ConditionalCasualty,
     Exercise,
@@ -30,14 +31,13 @@ from trainer.config.exercise import (
     StartState,
     load_exercise,
 )
+from trainer.config.exercise.reference_crew import Crew
+from trainer.config.exercise.score_rules import ScoreRule, with_quiet_hands
+from trainer.config.exercise.steps import Step
 from trainer.config.files import ConfigError, read_text
-from trainer.config.reference_crew import Crew
-from trainer.config.score_rules import ScoreRule, with_quiet_hands
-from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
-from trainer.config.steps import Step
-from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.words import ENDLESS_BATTERY
-from trainer.config.world import WorldTables
+from trainer.config.world.sea import SeaFile, load_sea, sea_settings, step_problem
+from trainer.config.world.world import WorldTables
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, ScheduledOrder, parse_schedule

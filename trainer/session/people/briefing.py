@@ -12,10 +12,10 @@ from dataclasses import dataclass, field, fields
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.config.derived import Loss
-from trainer.config.exercise import ExerciseLimits
-from trainer.config.loss_words import word_loss
-from trainer.config.plant_records import HAND_MODE
+from trainer.config.boat.plant_records import HAND_MODE
+from trainer.config.exercise.derived import Loss
+from trainer.config.exercise.exercise import ExerciseLimits
+from trainer.config.exercise.loss_words import word_loss
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse

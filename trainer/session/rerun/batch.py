@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
-from trainer.config.exercise import ExerciseLimits
+from trainer.config.exercise.exercise import ExerciseLimits
 from trainer.core.kernel import Numbers
 from trainer.session.past.layout import LAYOUT
 from trainer.session.past.plan import Plan

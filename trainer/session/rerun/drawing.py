@@ -18,7 +18,7 @@ from trainer.boat.readings import is_depth_kept
 from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import ContactState, contacts_in
 from trainer.boat.world.scope import Periscope, periscope_of
-from trainer.config.bottom import Bottom, depths_at
+from trainer.config.world.bottom import Bottom, depths_at
 from trainer.core.kernel import Numbers
 from trainer.io.outputs import open_output
 from trainer.session.rerun.batch import Batch, Block, Changes, NewsRows, Subject, Times, Track
