@@ -7,7 +7,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from helpers import exit_codes
+from helpers import exit_codes, help_lines
+
+from trainer.cli.types import HELP_LINES_PATH
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -99,6 +101,12 @@ def test_the_page_of_exit_codes_is_made_of_the_help_of_the_commands() -> None:
     page = (DOCS / "exit-codes.md").read_text(encoding="utf-8")
 
     assert page == exit_codes.page(), "python -m helpers.exit_codes > ../docs/exit-codes.md"
+
+
+def test_lists_of_commands_show_what_each_says_of_itself_first() -> None:
+    assert HELP_LINES_PATH.read_text(encoding="utf-8") == help_lines.text(), (
+        "python -m helpers.help_lines > ../trainer/cli/help-lines.txt"
+    )
 
 
 def test_the_citation_agrees_with_the_project() -> None:

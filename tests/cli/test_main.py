@@ -172,6 +172,23 @@ def test_the_help_of_a_group_lists_its_commands(group: str) -> None:
     ]
 
 
+@pytest.mark.process
+@pytest.mark.parametrize("words", [(), ("boat",), ("ship",), ("report-1969",), ("dev",)])
+def test_lists_of_commands_need_none_of_the_workshops(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    shutil.copytree(
+        Path(main.__file__).parents[1],
+        tmp_path / "trainer",
+        ignore=shutil.ignore_patterns("analysis", "identify", "workshop", "__pycache__"),
+    )
+
+    code, listed, told = typed(*words, "--help", folder=tmp_path)
+
+    assert (code, told) == (0, "")
+    assert listed == typed(*words, "--help", folder=tmp_path.parent)[1]
+
+
 def test_a_word_that_lacks_is_told_in_one_line_with_the_choices(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

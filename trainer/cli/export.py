@@ -23,9 +23,8 @@ from trainer.cli.options import (
     run_options,
     sea_option,
     seed_option,
-    text_option,
 )
-from trainer.cli.types import Choice, Output
+from trainer.cli.types import Choice, Output, text_option
 from trainer.session.past.options import RunOptions
 
 # Those of the table of targets, which is not read for a list of commands; the first, the default,

@@ -14,9 +14,7 @@ import click
 
 from trainer import __version__
 from trainer.cli.moved import name_successor
-from trainer.cli.options import text_option
-from trainer.cli.types import Commands
-from trainer.config.files import ConfigError
+from trainer.cli.types import Commands, text_option
 
 SHOWN_LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
 IDENTIFY_PLACE: Final = "trainer.cli.workshop.identify.identify"
@@ -236,7 +234,11 @@ def run_command(command: click.Command, name: str) -> NoReturn:
     limit = memory_limit()  # now, because it needs memory itself
     try:
         sys.exit(command(prog_name=name, standalone_mode=False))
-    except ConfigError as wrong:
+    except ValueError as wrong:
+        from trainer.config.files import ConfigError
+
+        if not isinstance(wrong, ConfigError):
+            raise
         leave_with(2, *str(wrong).splitlines())
     except click.UsageError as wrong:
         path = wrong.ctx.command_path if wrong.ctx else name

@@ -92,19 +92,6 @@ def kind_option(name: str, *flags: str, text: str = "", **more: Any) -> Decorato
     raise TypeError(kind)
 
 
-def text_option(flag: str, text: Callable[[], str], told: str) -> Decorator:
-    """Return the option that prints a text and ends the command, whatever else is typed."""
-
-    def show(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
-        if value and not ctx.resilient_parsing:
-            click.echo(text())
-            ctx.exit()
-
-    return click.option(
-        flag, is_flag=True, is_eager=True, expose_value=False, callback=show, help=told
-    )
-
-
 def sea_option(text: str, default: str | None = None) -> Decorator:
     """Return the option that chooses a sea."""
     return click.option(

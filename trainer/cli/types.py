@@ -8,16 +8,14 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
 import click
 from click.shell_completion import CompletionItem
-
-from trainer.config.files import is_path
-from trainer.io.outputs import SameFileError, note_input, promising
 
 FILE_KINDS: Final = {  # what has an ending, also such as only somebody else writes
     ".trainer": "a recording",
@@ -43,7 +41,15 @@ FILE_KINDS: Final = {  # what has an ending, also such as only somebody else wri
     ".zip": "an archive",
     ".jpg": "a picture",
 }
+HELP_LINES_PATH: Final = Path(__file__).with_name("help-lines.txt")  # python -m helpers.help_lines
 PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
+
+
+@cache
+def help_lines() -> Mapping[str, str]:
+    """Return the first sentence of each command's help, by its place."""
+    text = HELP_LINES_PATH.read_text(encoding="utf-8")
+    return {place: line for place, _, line in (row.partition(" ") for row in text.splitlines())}
 
 
 class FoundCommands(MutableMapping[str, click.Command]):
@@ -53,35 +59,41 @@ class FoundCommands(MutableMapping[str, click.Command]):
     """
 
     def __init__(self) -> None:
-        self._places: dict[str, str | click.Command] = {}
+        self.places: dict[str, str] = {}  # such as ``trainer.cli.run.run``, by name
+        self._found: dict[str, click.Command] = {}
 
     def add(self, place: str | click.Command) -> str:
-        """Add a command, or its place such as ``trainer.cli.run.run``; return its name."""
-        if isinstance(place, str):  # named as click names a command by its function
-            name = place.rpartition(".")[2].removesuffix("_command").replace("_", "-")
-        else:
-            name = place.name or ""
-        self._places[name] = place
+        """Add a command, or its place; return its name."""
+        if isinstance(place, click.Command):
+            self[place.name or ""] = place
+            return place.name or ""
+        # named as click names a command by its function
+        name = place.rpartition(".")[2].removesuffix("_command").replace("_", "-")
+        self.places[name] = place
         return name
 
+    def line(self, name: str) -> str:
+        """Return the first sentence of a command's help; no module is imported for it."""
+        listed = help_lines().get(self.places.get(name, ""))
+        return listed or self[name].get_short_help_str(200)
+
     def __getitem__(self, name: str) -> click.Command:
-        place = self._places[name]
-        if isinstance(place, str):
-            module, _, attribute = place.rpartition(".")
-            place = self._places[name] = getattr(import_module(module), attribute)
-        return place
+        if name not in self._found:
+            module, _, attribute = self.places[name].rpartition(".")
+            self._found[name] = getattr(import_module(module), attribute)
+        return self._found[name]
 
     def __setitem__(self, name: str, command: click.Command) -> None:
-        self._places[name] = command
+        self.places[name], self._found[name] = "", command
 
     def __delitem__(self, name: str) -> None:
-        del self._places[name]
+        del self.places[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self.places)
 
     def __len__(self) -> int:
-        return len(self._places)
+        return len(self.places)
 
 
 class Commands(click.Group):
@@ -89,16 +101,16 @@ class Commands(click.Group):
 
     def __init__(self, *args: Any, places: Iterable[str] = (), **attributes: Any) -> None:
         super().__init__(*args, **attributes)
-        self.commands = self._found = FoundCommands()
+        self.commands = self.found = FoundCommands()
         for place in places:
-            self._found.add(place)
+            self.found.add(place)
         self.sections: dict[str, list[str]] = {}
         # What is typed now, by a name that is no longer listed.
         self.earlier_names: Mapping[str, str] = {}
 
     def add_section(self, title: str, places: Iterable[str | click.Command]) -> None:
         """Add commands, or their places, to be listed under ``title``."""
-        self.sections[title] = [*map(self._found.add, places)]
+        self.sections[title] = [*map(self.found.add, places)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write each section's commands with the first sentence of their help."""
@@ -106,12 +118,7 @@ class Commands(click.Group):
         width = max(map(len, self.commands))
         for title, names in (self.sections or {"Commands": [*self.commands]}).items():
             with formatter.section(title):
-                formatter.write_dl(
-                    [
-                        (name.ljust(width), self.commands[name].get_short_help_str(200))
-                        for name in names
-                    ]
-                )
+                formatter.write_dl([(name.ljust(width), self.found.line(name)) for name in names])
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Return the arguments after the group's own options. None at all mean --help."""
@@ -173,6 +180,19 @@ class ParentCommand(click.Command):
         return super().invoke(ctx) if ctx.command is self else ctx.command.invoke(ctx)
 
 
+def text_option(flag: str, text: Callable[[], str], told: str) -> Callable[[Any], Any]:
+    """Return the option that prints a text and ends the command, whatever else is typed."""
+
+    def show(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
+        if value and not ctx.resilient_parsing:
+            click.echo(text())
+            ctx.exit()
+
+    return click.option(
+        flag, is_flag=True, is_eager=True, expose_value=False, callback=show, help=told
+    )
+
+
 class Duration(click.ParamType[float]):
     """A time: 90, 90s, 10m, 1h, 1h30m."""
 
@@ -227,6 +247,8 @@ class File(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the path; UsageError if it cannot be both this and what else is named."""
+        from trainer.io.outputs import SameFileError
+
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         if param is not None and ctx is not None and not ctx.resilient_parsing:
             try:
@@ -237,6 +259,8 @@ class File(click.Path):
 
     def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
         """Note the file as an input. SameFileError if another parameter writes it."""
+        from trainer.io.outputs import note_input
+
         del param, ctx
         note_input(path)
 
@@ -253,6 +277,8 @@ class Output(File):
 
     def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
         """Promise the file until the command ends. SameFileError if an input would be lost."""
+        from trainer.io.outputs import promising
+
         self.refuse_ending(path, param, ctx)
         if self.endings and not path.parent.is_dir():
             self.fail(f"{path}: there is no folder {path.parent}", param, ctx)
@@ -291,6 +317,9 @@ class Name(click.ParamType[str]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the name; that of a file is an input. UsageError if another would write it."""
+        from trainer.config.files import is_path
+        from trainer.io.outputs import SameFileError, note_input
+
         name = super().convert(value, param, ctx)
         if is_path(name):
             try:

@@ -25,9 +25,8 @@ from trainer.cli.options import (
     record_of,
     sea_option,
     seed_option,
-    text_option,
 )
-from trainer.cli.types import AHEAD_SPEED_TYPE, File, Number, Word
+from trainer.cli.types import AHEAD_SPEED_TYPE, File, Number, Word, text_option
 from trainer.cli.workshop import ships
 from trainer.config.words import EQUATION_SETS
 

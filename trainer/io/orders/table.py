@@ -357,11 +357,16 @@ def word_of(form: Form) -> str:
     return form.name or heading_word(form)
 
 
+def _forms_by_word() -> dict[str, tuple[Form, ...]]:
+    found: dict[str, list[Form]] = {}
+    for form in FORMS:
+        if not form.refusal:
+            found.setdefault(word_of(form), []).append(form)
+    return {name: tuple(forms) for name, forms in found.items()}
+
+
 # The wordings of each order, without those that are refused.
-FORMS_BY_WORD: Mapping[str, Sequence[Form]] = {
-    name: tuple(form for form in FORMS if word_of(form) == name and not form.refusal)
-    for name in dict.fromkeys(word_of(form) for form in FORMS if not form.refusal)
-}
+FORMS_BY_WORD: Mapping[str, Sequence[Form]] = _forms_by_word()
 HELP_TOPICS = tuple(dict.fromkeys(heading_word(form) for form in FORMS if not form.refusal))
 # Orders whose words a person is free to choose; those of all others are the grammar's.
 REMARK_ORDERS = {word_of(form) for form in FORMS if form.pattern.endswith(" REMARK")}
