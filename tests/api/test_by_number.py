@@ -187,6 +187,8 @@ def test_what_numbers_cannot_do_is_refused_by_name(tmp_path: object) -> None:
         (["stern"], ["thetta"], 1, "reads: the state has no 'thetta'; nearest is theta"),
         ([], ["z"], 1, "orders: give a list of names"),
         ("stern", ["z"], 1, "orders: give a list of names"),
+        (10**30, ["z"], 1, "orders: give a list of names"),
+        (["stern"], 1, 1, "reads: give a list of names"),
         (["stern"], "z", 1, "reads: give a list of names"),
         (["stern"], ["z"], 0, "ticks must be 1 to 1000000, not 0"),
         (["stern"], ["z"], 1.5, "ticks must be 1 to 1000000, not 1.5"),

@@ -132,3 +132,26 @@ def test_a_run_without_a_console_and_its_debrief_name_the_battery(
     assert sailed.returncode == again.returncode == told.returncode == 0, told.stderr
     assert "the same to the last bit" in again.stdout
     assert "endless: not drained" in (tmp_path / "on.html").read_text(encoding="utf-8")
+
+
+def test_a_boat_by_numbers_stops_where_her_hull_collapses_and_goes_on_from_before() -> None:
+    boat = trainer.Boat("bb2", depth=300)
+    before = boat.snapshot()
+    by_number = boat.by_number(["stern", "bow", "turns"], ["z"], ticks=50)
+    dive = [-0.2, -0.2, 5.0]
+
+    def go_down() -> None:
+        for _ in range(30):
+            by_number.step(dive)
+
+    with pytest.raises(trainer.TrainerError, match=r"lost at .* s: collapse at 4.. m"):
+        go_down()
+    assert "collapse at" in boat.lost
+    there = boat.state
+    with pytest.raises(trainer.TrainerError, match="cannot go on: collapse"):
+        by_number.step(dive)
+    assert boat.state == there
+
+    boat.restore(before)
+    assert by_number.step(dive)[0] < 450.0
+    assert boat.lost == ""

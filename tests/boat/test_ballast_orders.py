@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from helpers.boats import fly
-from helpers.orders import obey_all, read_order
+from helpers.orders import answer_of, obey_all, read_order
 from helpers.sessions import frame_of
 
 from trainer.boat.assemble import Method
@@ -224,6 +224,18 @@ def test_the_depth_that_is_kept_after_an_ascent_is_called_as_it_was_ordered(boat
     (over,) = pilot.look(boat)
     assert over.text.endswith("autopilot: the ascent is over: keeping depth 17.5 m")
     assert over.rank is Rank.CAUTION
+
+
+def test_open_vents_below_open_blow_valves_do_not_bring_a_boat_down(boat: Boat) -> None:
+    obey_all(boat, "emergency blow")
+    fly(boat, 200.0)
+    obey_all(boat, "vent all open")
+
+    assert "is not kept" in answer_of(boat, "depth 60")
+    obey_all(boat, "blow stop")
+    assert answer_of(boat, "depth 60") == "keeping depth 60 m"
+    fly(boat, 900.0)
+    assert boat.state.z == pytest.approx(60.0, abs=1.0)
 
 
 def test_with_the_planes_in_hand_no_depth_is_said_to_be_kept_after_an_ascent(boat: Boat) -> None:

@@ -442,3 +442,27 @@ def test_a_course_is_kept_astern_or_refused_and_a_boat_that_swings_is_told(
     assert refused == (left > math.tau)
     assert refused or left < abs(begun - kept)
     assert (GIVEN_UP_TEXTS["swinging"] in said) == refused
+
+
+@pytest.mark.parametrize("vessel", sorted(p.stem for p in (ROOT / "configs/vessels").iterdir()))
+@pytest.mark.parametrize("share", [0.5, 1.0])
+@pytest.mark.parametrize("depth", [30, 55])
+def test_a_depth_is_kept_astern_or_that_it_is_not_is_said(
+    vessel: str, share: float, depth: int
+) -> None:
+    boat = start_boat(1.5, vessel=vessel, step=load_vessel(vessel).run.step_s)
+    astern = answer_of(boat, f"turns {share * boat.vessel.u_c_astern / KNOT:.2f}")
+    fly(boat, 300.0)
+    before = boat.snapshot()
+    answer = answer_of(boat, f"depth {depth}")
+    if refused := answer != f"keeping depth {depth} m":
+        assert answer.startswith("going astern the planes do not bring her to ")
+        assert boat.snapshot().tobytes() == before.tobytes()
+    fly(boat, 2400.0)
+
+    left = abs(float(boat.state.z) - float(boat.state.ordered_depth))
+    if refused:  # the depth ordered before is kept where that was said
+        assert (left < 10.0) == (not astern.endswith("; astern no depth is kept"))
+    else:
+        assert left < 5.5
+    assert refused != (vessel == "bb2" and share == 0.5) or vessel == "sdv-mk9"

@@ -140,6 +140,16 @@ def test_a_name_is_gone_from_all_that_the_product_has_written(folder: Path) -> N
         forget(folder, NAME)
 
 
+@pytest.mark.parametrize("name", ["", " ", "\t", "-", "\u00a0"])
+def test_what_is_no_name_is_refused_and_nothing_is_touched(folder: Path, name: str) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    with pytest.raises(ConfigError, match="say whose name"):
+        forget(folder, name)
+
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("dialect", [",", ";", "\t", "all ;"])
 def test_a_table_saved_again_in_another_country_is_cleaned(

@@ -19,6 +19,7 @@ import numpy as np
 
 from trainer.api.by_number import BoatByNumber
 from trainer.api.keywords import parse_options
+from trainer.boat.depths import collapse_of
 from trainer.boat.limits import LimitMonitor
 from trainer.cli.options import run_options
 from trainer.cli.run import run as run_command
@@ -319,9 +320,8 @@ class Boat:
     def lost(self) -> str:
         """Return why the boat cannot go on, "" while it can."""
         ending = self._session.conduct.ending
-        return self._session.control.failure or (
-            ending.why if ending.outcome is Outcome.LOST else ""
-        )
+        why = ending.why if ending.outcome is Outcome.LOST else ""
+        return self._session.control.failure or why or collapse_of(self._boat)
 
     def snapshot(self) -> Snapshot:
         """Return this moment, whole: state, sea, tanks, casualties, and what is still scheduled."""

@@ -4,6 +4,7 @@ One call obeys a row of numbers, advances, and reads a row of the state, in mach
 (``core.entry.steer``). What an order by number writes is what its words write, to the bit.
 """
 
+import math
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any, Final
@@ -11,7 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trainer.boat.boat import Boat
+from trainer.boat.boat import STATE_OFFSETS, Boat
+from trainer.boat.depths import collapse_of
 from trainer.boat.effects import NumberedOrder, numbered_orders
 from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.boat.world.bottom import TICK_OFFSET
@@ -29,6 +31,7 @@ WRITE_CODES: Final = {
     "short": SHORT,
     "shorter": SHORTER,
 }
+Z_OFFSET: Final = STATE_OFFSETS["z"]
 MAX_TICKS: Final = 1_000_000  # of a step
 NO_RULES: Final = np.empty((0, RULE_COLUMNS))  # for a tick without orders
 
@@ -57,7 +60,8 @@ class BoatByNumber:
         self.orders, self.reads, self.ticks = tuple(orders), tuple(reads), ticks
         self.low = np.array([order.low for order in chosen])
         self.high = np.array([order.high for order in chosen])
-        self._boat = boat
+        self._boat, hull = boat, boat.file.hull
+        self._deep = (hull.collapse_depth_m or math.inf) - hull.length  # above it no hull collapses
         self._values = np.zeros((1, len(chosen)))
         self._out = np.zeros((1, 1 + rows * len(reads)))
         self._shape, self._row = self.low.shape, self._values[0]
@@ -87,6 +91,8 @@ class BoatByNumber:
                 "another thread is at this boat: one call at a time; give each thread its own boat"
             )
         try:
+            if self._boat.plain[Z_OFFSET] > self._deep and (lost := collapse_of(self._boat)):
+                raise ConfigError(f"this boat cannot go on: {lost}; go back to a snapshot")
             self._row[...] = values
             world = self._boat.world
             resting = (
@@ -96,6 +102,8 @@ class BoatByNumber:
             )
             if resting:
                 raise ConfigError(self._reason())
+            if self._boat.plain[Z_OFFSET] > self._deep and (lost := collapse_of(self._boat)):
+                raise ConfigError(f"lost at {self._boat.time:g} s: {lost}")
             return self._copy()
         finally:
             self._release()
@@ -185,7 +193,7 @@ def rules_of(orders: Sequence[NumberedOrder]) -> Numbers:
 def choose_orders(boat: Boat, names: Sequence[str]) -> list[NumberedOrder]:
     """Return orders by a number; ConfigError if the boat takes none of such a name."""
     known = numbered_orders(boat)
-    if not names or isinstance(names, str):
+    if not isinstance(names, Sequence) or isinstance(names, str) or not names:
         raise ConfigError('orders: give a list of names, such as ["stern", "bow"]')
     for name in names:
         if name not in known:
@@ -198,7 +206,7 @@ def choose_orders(boat: Boat, names: Sequence[str]) -> list[NumberedOrder]:
 
 def choose_reads(names: Sequence[str]) -> Numbers:
     """Return where numbers stand in the state; ConfigError if there are none of such names."""
-    if isinstance(names, str):
+    if not isinstance(names, Sequence) or isinstance(names, str):
         raise ConfigError('reads: give a list of names, such as ["z", "theta"]')
     for name in names:
         if name not in LAYOUT:

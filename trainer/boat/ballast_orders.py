@@ -141,30 +141,33 @@ def cannot_hover(boat: Boat, depth: float) -> Refused | None:
 def too_light(boat: Boat, depth: float) -> Refused | None:
     """Return why blown main ballast forbids a depth [m], or None.
 
-    It is flown: a boat that is not within half the way of that depth, or NEAR_M, after FORESEEN_S
-    is too light for it. Open vents fill the tanks again, and the depth-control tank takes what it
-    has room for.
+    It is flown. Open vents fill the tanks again, and the depth-control tank takes what it has room
+    for.
     """
     s = boat.state
-    surfaced = SURFACED_DEPTH * float(boat.vessel.diameter)
-    if depth <= surfaced or not is_surfacing(boat) or any(s[f"vent_{tank}"] for tank in MAIN_TANKS):
+    if depth <= SURFACED_DEPTH * float(boat.vessel.diameter) or not is_surfacing(boat):
         return None
     light = (float(boat.vessel.buoyancy) - float(s.weight)) / float(boat.vessel.g) / 1000.0
     control = TANKS.index("depth_control")
     blowing = bool(s.blow[: len(MAIN_TANKS)].any())
     if not blowing and 1000.0 * light <= boat.vessel.capacity[control] - s.water[control]:
         return None
-    there, begun = boat.snapshot(), float(s.z)
-    write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
-    reached = boat.foresee("z")
-    boat.restore(there)
-    if abs(reached - depth) <= max(0.5 * abs(begun - depth), NEAR_M):
+    if comes_to(boat, depth):
         return None
     if blowing:
         return Refused(f"main ballast is being blown: {depth:g} m is not kept; dive first")
     return Refused(
         f"main ballast is blown: the boat is {light:.0f} t too light for {depth:g} m; dive first"
     )
+
+
+def comes_to(boat: Boat, depth: float) -> bool:
+    """Return whether the boat, flown, comes within half the way of a depth [m], or NEAR_M."""
+    there, begun = boat.snapshot(), float(boat.state.z)
+    write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
+    reached = boat.foresee("z")
+    boat.restore(there)
+    return abs(reached - depth) <= max(0.5 * abs(begun - depth), NEAR_M)
 
 
 def _surface(boat: Boat, order: Order) -> Reply:

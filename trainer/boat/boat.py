@@ -37,7 +37,9 @@ from trainer.units import KNOT
 
 STATE_OFFSETS = {name: field[1] // 8 for name, field in (STATE.fields or {}).items()}
 TICK_OFFSET = STATE_OFFSETS["tick"]
-FORESEEN_S: Final = 600.0  # [s] that an order is flown to see whether it can be kept: an estimate
+# How long an order is flown to see whether it can be kept: estimates
+FORESEEN_S: Final = 600.0  # [s]
+ASTERN_LENGTHS, ASTERN_S = 50.0, 1800.0  # [-] of the boat, [s]
 FLAT_WORDS: Final = ", after the battery went flat"  # of a loss
 
 
@@ -130,6 +132,12 @@ class Boat:
     def has_plant(self) -> bool:
         """Return whether the vessel file says what feeds the boat."""
         return bool(self.vessel.battery_full > 0.0)
+
+    @property
+    def astern_pace(self) -> float:
+        """Return how fast [m/s] the boat goes astern, or is ordered to; 0 ahead."""
+        s = self.state
+        return float(max(-s.u, -(s.ordered_u_c if s.speed_by_hand else s.ordered_speed), 0.0))
 
     @property
     def flat_words(self) -> str:
@@ -287,8 +295,13 @@ class Boat:
         return 0
 
     def foresee(self, name: str) -> float:
-        """Return what a number of the state is FORESEEN_S later; the boat stays here."""
-        there, rows = self.snapshot(), np.full((self.ticks_in(FORESEEN_S), 1), self.state[name])
+        """Return what a number of the state is FORESEEN_S later; the boat stays here.
+
+        Astern it is the time for ASTERN_LENGTHS of the boat, if longer, ASTERN_S at most.
+        """
+        way = ASTERN_LENGTHS * self.file.hull.length
+        seconds = min(max(FORESEEN_S, way / (self.astern_pace or math.inf)), ASTERN_S)
+        there, rows = self.snapshot(), np.full((self.ticks_in(seconds), 1), self.state[name])
         self.fly(np.array([STATE_OFFSETS[name]]), rows)
         self.restore(there)
         return float(rows[-1, 0])

@@ -127,6 +127,9 @@ def _depth(boat: Boat, order: Order) -> Reply:
     depth = float(boat.state.ordered_depth) if order.word == "auto" else order.value
     if refusal := ballast_orders.too_light(boat, depth):
         return refusal
+    astern = boat.state.u < 0.0 and not boat.state.hover
+    if astern and not ballast_orders.comes_to(boat, depth):
+        return Refused(f"going astern the planes do not bring her to {depth:g} m: go ahead first")
     # hovering, the pump has to hold the new depth, where waves may ask more than it gives
     if order.word != "auto" and boat.state.hover:
         refusal = ballast_orders.cannot_hover(boat, order.value)
@@ -150,7 +153,7 @@ def _steer(boat: Boat, order: Order) -> Reply:
     It is flown: such a boat is then further from the course than she began.
     """
     s = boat.state
-    if min(s.u, s.ordered_u_c if s.speed_by_hand else s.ordered_speed) >= 0.0:
+    if boat.astern_pace == 0.0:
         return COURSE_DUTIES[order.name](boat, order)
     there, begun = boat.snapshot(), float(s.psi)
     answer, kept = COURSE_DUTIES[order.name](boat, order), float(s.ordered_psi)
@@ -224,7 +227,15 @@ def _revolutions(boat: Boat, order: Order) -> Reply:
         )
     effect.write(boat, order.value)
     said = "" if order.name == "turns" else f"{order.text}: "
-    return f"{said}turns for {boat.state.ordered_u_c / KNOT:.3g} kn"
+    answer = f"{said}turns for {boat.state.ordered_u_c / KNOT:.3g} kn"
+    return answer + "; astern no depth is kept" * (order.value < 0.0 and _loses_depth(boat))
+
+
+def _loses_depth(boat: Boat) -> bool:
+    """Return whether the planes, which are to keep a depth, do not as the boat is ordered."""
+    s = boat.state
+    keeps = boat.automatic and not (s.hover or s.ascent or (s.stern_by_hand and s.bow_by_hand))
+    return bool(keeps and not ballast_orders.comes_to(boat, float(s.ordered_depth)))
 
 
 COURSE_DUTIES = {"course": _course, "course-to": _course_to, "course-by": _course_by}

@@ -271,8 +271,10 @@ def files_of(sources: Sequence[Path]) -> Iterator[Path]:
 def print_forgotten(sources: Sequence[Path], name: str) -> int:
     """Remove a name, print where it stood and still stands; return the exit code.
 
-    ConfigError if it is nowhere.
+    ConfigError if it is nowhere, or none.
     """
+    if not re.search(r"\w", name):
+        raise ConfigError(f"--forget {quote(name)}: say whose name; this is none")
     files, left, found = list(files_of(sources)), list[str](), False
     for line in forget_trainee(name, files, left):
         click.echo(line)
