@@ -162,7 +162,10 @@ def too_light(boat: Boat, depth: float) -> Refused | None:
 
 
 def comes_to(boat: Boat, depth: float) -> bool:
-    """Return whether the boat, flown, comes within half the way of a depth [m], or NEAR_M."""
+    """Return whether the boat, flown, comes to a depth [m].
+
+    Half the way is enough, or NEAR_M.
+    """
     there, begun = boat.snapshot(), float(boat.state.z)
     write_effect(boat, Order("depth", depth, "", f"depth {depth:g}", words="depth"))
     reached = boat.foresee("z")
