@@ -210,6 +210,29 @@ def test_a_replay_has_its_alerts_as_they_were_and_makes_none_of_its_own(ship: Cr
     assert [each.number for each in ship.session.event_log.alerts.listed] == [known.number]
 
 
+def test_an_alert_that_is_acknowledged_in_a_replay_is_owed_after_it(ship: Crewed) -> None:
+    planes = ship.comes("planes")
+    ship.order("autopilot off")
+    ship.boat.state.z = 219.0
+    ship.order("snapshot above")
+    ship.order("restore above")
+    ship.order("blow stop")
+    ship.order("stern planes dive 10")
+    while not ship.session.event_log.alerts.listed:
+        ship.fly(1)
+    ship.fly(4)
+    ship.order("freeze")
+
+    ship.order(f"replay {3 * ship.boat.method.step:g} s")
+    ship.fly(1)
+    acknowledge_all(ship, planes)
+    assert open_alerts(ship, planes) == {NEAR: "acknowledged"}
+    ship.fly(3)
+
+    assert not ship.session.history.flown.replaying
+    assert open_alerts(ship, planes) == {NEAR: "active"}
+
+
 def test_a_note_of_an_alert_that_is_damaged_is_told() -> None:
     for text in ("{", "[]", '["seen"]', '["gone", 1]', '["raised", 1]', '["seen", null]'):
         event = RecordedEvent(1, 7, "alert-note", "", text, "")

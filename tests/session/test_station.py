@@ -30,6 +30,7 @@ from trainer.session.stations.roles import (
 from trainer.session.stations.station import (
     ORDERS_A_SECOND,
     ORDERS_AT_ONCE,
+    Fact,
     News,
     Station,
     TokenGuesses,
@@ -269,6 +270,20 @@ def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(post: MakePost
     assert "needs a token: --token WORD" in line.answer_to("role helm")
     line.station.tell(News(0, 0.0, "station", "somebody came"))
     assert not line.said()
+
+
+def test_a_program_that_owes_a_token_is_told_no_fact(post: MakePost) -> None:
+    line = post(token=TOKEN)
+    line.type(order_sentence("status", "1"))
+    line.said()
+    has = News(0, 0.0, "exercise", "", Fact("has", "rudder,helm at local 1,"))
+
+    line.station.note(has)
+    assert not line.said()
+    line.type(order_sentence(f"role helm {TOKEN}", "2"))
+    line.said()
+    line.station.note(has)
+    assert line.said()
 
 
 @pytest.mark.parametrize("guess", [TOKEN.lower(), TOKEN[:-1], TOKEN + "0", "x"])

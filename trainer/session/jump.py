@@ -21,7 +21,8 @@
 not announce anything of its own past, because nothing has happened there twice.
 
 The end of a replay is no jump: the boat has flown to that moment, and all have gone with it. Only
-the plans are put back, because a replay also notes plans that were refused (``end_replay``).
+the plans are put back, because a replay also notes plans that were refused, and the alerts, which
+somebody may have acknowledged in it (``end_replay``).
 
 A jump leaves alone what is of no moment: the recording, who is attached, who commands, the work of
 the machine. Whoever adds an object that remembers anything else gives it ``follow`` and a line in
@@ -92,6 +93,7 @@ def end_replay(session: Parts) -> None:
     """Freeze time where a replay has come to its end. The run can go on from there."""
     session.event_log.tell("moment", session.history.end_replay())
     session.in_force.put_back_plans()
+    session.event_log.put_back_alerts()
     session.conduct.judge_moment()
     session.control.stop()
     session.shown.show()

@@ -236,12 +236,15 @@ class EventLog:
 
     def _replay_alerts(self) -> None:
         """In a replay, have the alerts become again what they became at this tick."""
-        tick, alerts = self.history.tick, self.alerts
-        if not self.history.flown.replaying or all(n.when.tick != tick for n in alerts.notes):
-            return
-        before = {**alerts.open}
+        tick, replaying = self.history.tick, self.history.flown.replaying
+        if replaying and any(note.when.tick == tick for note in self.alerts.notes):
+            self.put_back_alerts()
+
+    def put_back_alerts(self) -> None:
+        """Have this moment's alerts as they are recorded; tell programs if any differ."""
+        before = {**self.alerts.open}
         self._follow_alerts(self.history.now())
-        if alerts.open != before:
+        if self.alerts.open != before:
             for station in self.stations:
                 self.note_alerts(station)
 

@@ -258,8 +258,8 @@ class Station:
         self.line.send(sentences.event(*news[:4]))
 
     def note(self, news: News) -> None:
-        """Tell a program the fact of the news, if there is one."""
-        if news.fact and self._program:
+        """Tell a program the fact of the news, unless it owes a token."""
+        if news.fact and self._program and self.role is not STRANGER_ROLE:
             self.line.send(sentences.fact(news.tick, news.seconds, *news.fact))
 
     def take_chair(self, role: Role) -> None:
