@@ -46,7 +46,9 @@ four more at 173 s (6 to 8) and two at 378 and 390 s. A mark in a replay, a jump
 is full and a kill in a replay came by neither. The first of the two comes by plain seeds as soon.
 
 **A model beside the session** (``model``) is fed by the same lines and ticks, and has tables of its
-own: a law that asks the product's tables holds where these are wrong. ``mistakes`` has small faults
+own: a law that asks the product's tables holds where these are wrong. So have ``alert_model`` (who
+acknowledges and silences which alert), ``admission`` (the words by which roles come in) and
+``damage`` (what the journal of a recording breaks and mends). ``mistakes`` has small faults
 that it sees.
 
 **When it was lost** (``lost``): a script that breaks a law is played up to one of its orders and on

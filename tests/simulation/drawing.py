@@ -9,6 +9,7 @@ from dataclasses import replace
 from random import Random
 from typing import Final
 
+from simulation.admission import ask_words, give_words
 from simulation.disk import Trouble
 from simulation.network import ROOM_BYTES
 from simulation.script import Act, Ending, Farewell, Life, Mishap, Player, Point, Script, Visit, Way
@@ -99,7 +100,7 @@ def draw_script(seed: int, longest: float = max(LIFE_TIMES_S)) -> Script:
     recorded = dice.random() >= UNRECORDED_SHARE
     lives = lives if recorded else lives[:1]
     script = Script(exercise, duration, speed, tuple(lives), recorded)
-    return script if seed % FLEET_EVERY else _among_ships(dice, script)
+    return ask_words(seed, script if seed % FLEET_EVERY else _among_ships(dice, script))
 
 
 def redraw(
@@ -118,7 +119,8 @@ def redraw(
     while not lives or lives[-1].ending is not Ending.SIGNAL:
         if len(lives) >= max(most_lives, point.life + 1):
             break
-        lives.append(_draw_life(dice, script.exercise, rate, longest))
+        fresh = _draw_life(dice, script.exercise, rate, longest)
+        lives.append(give_words(dice, fresh, script.tokens) if script.tokens else fresh)
     return replace(script, lives=tuple(lives))
 
 

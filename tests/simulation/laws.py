@@ -7,9 +7,10 @@ on the lines is in ``stations``.
 
 import contextlib
 import hashlib
+import json
 import sqlite3
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -18,19 +19,22 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pytest
 
+from simulation.alert_model import AlertModel, Book, Deed, Said
+from simulation.damage import check_damage, check_schedule
 from simulation.disk import Disk, log_of
 from simulation.machine import LADEN_TURN_NS, SECOND_NS, Machine
 from simulation.milestones import Log, Stand
 from simulation.model import JUMP_WORDS, Before, Model
 from trainer.debrief.page.page import read_dossier, render
 from trainer.io.orders.grammar import Refused, Reply
-from trainer.io.orders.words import ORDER_WORDS
+from trainer.io.orders.words import ORDER_WORDS, STRANGER
 from trainer.io.recording.checkpoint import MAX_AHEAD_BYTES
 from trainer.io.recording.recording import MARK_KIND, Recording
 from trainer.session.attendance import Attendance, Introduction
 from trainer.session.crew.agenda import Plans
 from trainer.session.dispatch import Dispatch
 from trainer.session.exercise.terms import Terms
+from trainer.session.past.header import plan_of
 from trainer.session.past.journal import MAX_KEPT_MOMENTS
 from trainer.session.replay import replay_anyway
 from trainer.session.session import Session
@@ -65,6 +69,11 @@ class Law(Enum):
     MODEL = "L18: a session is what its lines make of it: plans, command, pictures, instruments"
     PLANS = "L17: the orders ahead are after a kill what they were before it; each is given once"
     SHOWN = "L19: whatever is subscribed shows the present moment, also after a jump"
+    ALERTS = (
+        "L20: whose an alert is sees it, for good; who silences it does so there alone, for 30 s"
+    )
+    ADMITTED = "L21: without its word a line orders and sees nothing; with it, it always comes in"
+    DAMAGE = "L22: what is broken is what orders have broken and mended, at each tick"
 
 
 class Breach(NamedTuple):
@@ -83,8 +92,8 @@ class Promise(NamedTuple):
     who: str
     what: str
     tick: int
-    kind: str  # "order", "refused" for one that was journalled and refused, "mark", "snapshot"
-    # or "branch"
+    kind: str  # "order", "refused" for one that was journalled and refused, "mark", "snapshot",
+    # "branch", or "ack" of an alert that is seen or silenced
     branch: int
 
 
@@ -109,6 +118,7 @@ class Docket:
     trace: "hashlib._Hash" = field(default_factory=hashlib.sha256)
     promises: list[tuple[Promise, int]] = field(default_factory=list)  # and when [ns]
     snapshots: dict[str, set[bytes]] = field(default_factory=lambda: defaultdict(set))
+    alert_deeds: set[Said] = field(default_factory=set)
     life: int = 1
     orders: int = 0
     answers: int = 0
@@ -143,6 +153,7 @@ class Witness:
     machine: Machine
     session: Session | None = None
     model: Model = field(init=False)
+    alerts: AlertModel = field(init=False)
     amidst: bool = False  # an order is journalled, and not yet answered there
     _reply: object = None  # the last that a station was given
     _who: str = ""  # gives the order that is heard, before it may take another role
@@ -156,6 +167,11 @@ class Witness:
             lambda text: self.docket.enter(Law.MODEL, text),
             lambda: self.machine.now / SECOND_NS,
             self.docket.see_picture,
+        )
+        self.alerts = AlertModel(
+            lambda text: self.docket.enter(Law.ALERTS, text),
+            lambda: self.machine.now / SECOND_NS,
+            self.docket.alert_deeds,
         )
 
     def watch(self, patch: pytest.MonkeyPatch) -> None:
@@ -173,6 +189,8 @@ class Witness:
             answer_left(dispatch)
             assert self.session is not None
             self.model.begin(self.session)
+            kept = {promise for promise, _ in self.docket.promises}
+            self.alerts.begin(self.session, lambda deed: ack_promise(deed) in kept)
             self._check_plans()
 
         def hear_order(dispatch: Dispatch, asked: Request) -> None:
@@ -188,10 +206,12 @@ class Witness:
                 self.docket.enter(Law.ENDED, f"a tick follows tick {session.history.tick}, the end")
             self.docket.ticks += 1
             self.ahead, stand, before = None, Stand.of(session), Before.of(session)
+            book = Book.of(session, self.alerts.clock())
             tick(session)
             if self.machine.turn == LADEN_TURN_NS:  # else it takes no time at all
                 self.machine.now += LADEN_TURN_NS
             self.model.tick(session, before)
+            self.alerts.tick(session, book, moved=has_moved(session, before))
             self.ahead = Ahead.of(session)
             self.docket.log.see_tick(session, stand)
 
@@ -232,6 +252,8 @@ class Witness:
         session = self.session
         assert session
         before, stand, said = Posture.of(session), Stand.of(session), Before.of(session)
+        book, role = Book.of(session, self.alerts.clock()), asked.station.role.name
+        self.alerts.expect(asked.order, role, book)
         elsewhere = is_elsewhere(session, asked.station)
         self._reply, self._before, self.ahead = None, session.history.after, None
         self.docket.orders += 1
@@ -244,11 +266,18 @@ class Witness:
         station = asked.station
         self.docket.log.see_order(session, name, station.role.name, station, stand, self._reply)
         self.model.hear(session, asked.order, station, self._reply, said)
+        moved, done = has_moved(session, said), len(self.alerts.deeds)
+        self.alerts.hear(session, asked.order, role, self._reply, book, moved=moved)
+        if not session.history.recording.trouble:  # lost power may take it: then it is owed again
+            deeds = self.alerts.deeds[done:]
+            self.docket.promises += [(ack_promise(deed), FOREVER_NS) for deed in deeds]
         text = f"{asked.order.text!r} at tick {before.tick}"
         if isinstance(self._reply, Refused):
             if changed := before.changed(after):
                 reason = self._reply.reason
                 self.docket.enter(Law.REFUSED, f"{text}: refused ({reason}), and {changed}")
+        elif role == STRANGER:
+            self.docket.enter(Law.ADMITTED, f"{text}: obeyed without a word")
         elif elsewhere and not ORDER_WORDS[name].watching:
             self.docket.enter(Law.COMMAND, f"{text}: obeyed without command")
         elif before.over:
@@ -362,6 +391,13 @@ class Posture(NamedTuple):
         )
 
 
+def has_moved(session: Session, before: Before) -> bool:
+    """Return whether a session has come to another moment otherwise than by a tick."""
+    history = session.history
+    replaying = before.replaying or history.flown.replaying
+    return replaying or history.recording.branch != before.branch or history.tick < before.tick
+
+
 def is_elsewhere(session: Session, station: Station) -> bool:
     """Return whether another instructor has command, who is here."""
     holder = session.conduct.command.holder
@@ -413,6 +449,11 @@ def branch_promise(branch: int, tick: int) -> Promise:
     return Promise("", "", tick, "branch", branch)
 
 
+def ack_promise(deed: Deed) -> Promise:
+    """Return what is promised where an alert is seen or silenced."""
+    return Promise(deed.role, f"{deed.what} {deed.number}", deed.tick, "ack", deed.branch)
+
+
 def promises_in(recording: Recording) -> Counter[Promise]:
     """Return the orders and marks in a recording, and how often each is there."""
     kept: Counter[Promise] = Counter()
@@ -425,6 +466,9 @@ def promises_in(recording: Recording) -> Counter[Promise]:
     for event in recording.events():
         if event.kind == MARK_KIND:
             kept[Promise(event.who, event.text, event.tick, "mark", event.branch)] += 1
+    for note in recording.notes():
+        what, number = json.loads(note.text)[:2]
+        kept[ack_promise(Deed(what, number, note.role, note.branch, note.tick))] += 1
     return kept
 
 
@@ -437,6 +481,14 @@ def check_debriefs(docket: Docket, path: Path) -> None:
         if first != second:
             docket.enter(Law.DEBRIEFED, f"branch {branch}: two pages differ")
         docket.trace.update(first.encode())
+
+
+def check_secrets(docket: Docket, path: Path, secrets: Sequence[bytes]) -> None:
+    """L21: look for the words that a session asks for in what it leaves."""
+    left = b"".join(each.read_bytes() for each in path.parent.iterdir())
+    for word in secrets:
+        if word in left:
+            docket.enter(Law.ADMITTED, f"{word.decode()} is in the recording")
 
 
 def check_whole(docket: Docket, path: Path) -> None:
@@ -452,13 +504,14 @@ def check_whole(docket: Docket, path: Path) -> None:
                 )
         for branch in recording.branches():
             docket.trace.update(repr(branch).encode())
-            given = [order.entry for order in recording.orders(branch.id)]
-            given = [entry for entry in given if entry is not None]
-            if any(count > 1 for count in Counter(given).values()):
-                docket.enter(Law.PLANS, f"branch {branch.id}: of the schedule are given {given}")
             for order in recording.orders(branch.id):
                 docket.trace.update(repr(order).encode())
             for tick, state in recording.states(branch.id):
                 docket.trace.update(b"%d:" % tick + state)
+        plan = plan_of(recording.header())
+        for text in check_damage(recording, plan.method.step):
+            docket.enter(Law.DAMAGE, text)
+        for text in check_schedule(recording, plan):
+            docket.enter(Law.PLANS, text)
         for event in recording.events():
             docket.trace.update(repr(event).encode())

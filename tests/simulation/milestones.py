@@ -54,11 +54,16 @@ class Stand(NamedTuple):
     ramping: bool
     busy: bool  # marks or a debrief are being made
     holder: object  # of command
+    owed: int  # alerts that nobody has acknowledged
+    seen: int  # alerts that somebody has
+    silenced: int  # at how many roles
 
     @classmethod
     def of(cls, session: Session) -> "Stand":
         """Return how a session stands."""
         state, conduct = session.boat.state, session.conduct
+        book = session.event_log.alerts
+        alerts = [*book.past, *book.open.values()]
         return cls(
             session.history.recording.branch,
             session.history.tick,
@@ -70,6 +75,9 @@ class Stand(NamedTuple):
             bool((state.casualty_ticks != 0.0).any()),
             any(thread.is_alive() for thread in conduct.work.threads),
             conduct.command.holder,
+            sum(alert.owed for alert in alerts),
+            sum(bool(alert.seen_by) for alert in alerts),
+            sum(len(alert.silenced) for alert in alerts),
         )
 
 
@@ -168,6 +176,24 @@ ORDER_MILESTONES: Final[Mapping[str, Callable[[Glance], bool]]] = {
     "L17: a plan is made in a freeze": lambda g: (
         g.accepted and g.word == "plan" and g.before.frozen
     ),
+    "L20: an alert is acknowledged": lambda g: g.after.seen > g.before.seen and not g.jumped,
+    "L20: an alert is silenced": lambda g: g.after.silenced > g.before.silenced and not g.jumped,
+    "L20: an alert that is owed is refused to one": lambda g: (
+        not g.accepted and g.word == "ack" and g.before.owed > 0
+    ),
+    "L20: a jump takes an acknowledgement back": lambda g: (
+        g.jumped and g.after.seen < g.before.seen
+    ),
+    "L20: a jump brings an acknowledgement back": lambda g: (
+        g.jumped and g.after.seen > g.before.seen
+    ),
+    "L22: one of several is mended": lambda g: (
+        g.accepted and g.word == "clear" and g.before.casualties > 1
+    ),
+    "L22: several break at once": lambda g: g.after.casualties > 1 + g.before.casualties,
+    "L22: a jump takes back what is broken": lambda g: (
+        g.jumped and g.after.casualties < g.before.casualties
+    ),
 }
 # What a tick may reach, and what processes begin and end with.
 TICK_MILESTONES: Final[Mapping[str, Callable[[Stand, Stand, Session], bool]]] = {
@@ -182,6 +208,11 @@ TICK_MILESTONES: Final[Mapping[str, Callable[[Stand, Stand, Session], bool]]] = 
     ),
     "L17: a plan comes": lambda before, after, _: (
         after.plans < before.plans and before.branch == after.branch
+    ),
+    "L22: something breaks by a plan or the schedule": lambda before, after, _: (
+        before.branch == after.branch
+        and after.casualties > before.casualties
+        and not before.replaying
     ),
     "L16: a tick late among ships": lambda _before, _after, session: (
         session.boat.world.acts and bool(session.time.ledger.summary().overruns)
@@ -208,6 +239,11 @@ OTHER_MILESTONES: Final = (
     "L11: somebody comes after a kill",
     "L14: a second session is refused",
     "L17: a kill with plans ahead",
+    "L20: a kill after an acknowledgement",
+    "L21: a line without its word is refused an order",
+    "L21: a wrong word",
+    "L21: a word after a kill",
+    "L22: a kill with something broken",
 )
 # A line answers its own orders, which no other part of the session hears; all say their role.
 WORD_MILESTONES: Final = tuple(
@@ -316,6 +352,8 @@ class Log:
         self._note("L6: a kill after the end", killed and stand.over)
         self._note("L6: a kill while marks are made", killed and stand.busy)
         self._note("L17: a kill with plans ahead", killed and bool(stand.plans))
+        self._note("L20: a kill after an acknowledgement", killed and bool(stand.seen))
+        self._note("L22: a kill with something broken", killed and bool(stand.casualties))
         self._note("L3: a gap in the recording", bool(recording.missing))
 
     def see_signal(self, session: Session) -> None:
@@ -326,6 +364,14 @@ class Log:
         """Note what befalls the machine."""
         self._note("L8: the time of day is set", trouble is Trouble.SET)
         self._note("L8: the machine sleeps", trouble is Trouble.ASLEEP)
+
+    def see_word(self, *, granted: bool, owes: bool, asks: bool) -> None:
+        """Note an answer in a session that asks for words; ``asks``: to a role."""
+        self._note(
+            "L21: a line without its word is refused an order", owes and not (granted or asks)
+        )
+        self._note("L21: a wrong word", asks and owes)
+        self._note("L21: a word after a kill", granted and asks and self.life > 1)
 
     def see_rival(self) -> None:
         """Note that another session was refused the recording."""

@@ -55,22 +55,29 @@ def lone(words: str, **more: Any) -> Script:
     acts = tuple(Act(PACE_S, each) for each in words.split("|"))
     given: dict[str, Any] = {"seconds": PACE_S * len(acts) + 4.0, "ending": Ending.SIGNAL} | more
     exercise, fleet, speed = (given.pop(name, "") for name in ("exercise", "fleet", "speed"))
-    players = (Player("instructor", (Visit(0.2, acts),)), *given.pop("others", ()))
+    tokens, later = given.pop("tokens", ()), given.pop("later", ())
+    first = Player("instructor", (Visit(0.2, acts),), token=given.pop("token", ""))
+    players = (first, *given.pop("others", ()))
+    again = Life(2, 3.0 + (5.0 if later else 0.0), Ending.SIGNAL, 1, later)
     lives = (
         Life(1, turns=1, players=players, **given),
-        *((Life(2, 3.0, Ending.SIGNAL, 1, ()),) if given["ending"] is not Ending.SIGNAL else ()),
+        *((again,) if given["ending"] is not Ending.SIGNAL else ()),
     )
-    return Script(exercise, 0.0, speed or 1.0, lives, fleet=fleet or 0)
+    return Script(exercise, 0.0, speed or 1.0, lives, fleet=fleet or 0, tokens=tokens)
 
 
-def instructor(words: str, comes: float) -> Player:
-    """Return an instructor who comes later, and says a row of words, one each second."""
+def newcomer(words: str, comes: float, role: str = "instructor", token: str = "") -> Player:
+    """Return who comes later, and says a row of words, one each second."""
     acts = tuple(Act(1.0, each) for each in words.split("|"))
-    return Player("instructor", (Visit(comes, acts),))
+    return Player(role, (Visit(comes, acts),), token=token)
 
 
 QUIET: Final = "|".join(10 * ["who"])
-LATER: Final = (instructor(2 * f"{QUIET}|" + "who", 0.4), instructor(f"take command|{QUIET}", 0.6))
+LATER: Final = (newcomer(2 * f"{QUIET}|" + "who", 0.4), newcomer(f"take command|{QUIET}", 0.6))
+BUSES: Final = "freeze|casualty bus-port-lost|casualty bus-starboard-lost|step 4"  # two alerts
+WORDS: Final = ("instructor=keel-0815-lead", "helm=oak-2207-wheel", "ballast=tide-4711-mast")
+TEACHER: Final = "keel-0815-lead"
+ORDERS: Final = "depth 80|rudder left 5|blow aft|status"
 SCRIPTS: Final[Mapping[str, Script]] = {
     "jump": lone(
         "subscribe motion|subscribe gauges at 2 hz|freeze|step 4|snapshot A|step 4|restore A|"
@@ -117,8 +124,80 @@ SCRIPTS: Final[Mapping[str, Script]] = {
     ),
     "mark": lone("freeze|step 4|mark here|who|who|who|who|who", ending=Ending.POWER, seconds=4),
     "order": lone("freeze|step 4|depth 80|who|who|who|who|who", ending=Ending.POWER, seconds=4),
+    "whose": lone(
+        f"{BUSES}|{QUIET}",
+        others=(
+            newcomer("who|who|ack 2|ack all|ack silent 2|who", 0.3, "planes"),
+            newcomer("who|who|ack all|ack 1|who|who", 0.5, "ballast"),
+        ),
+    ),
+    "seen, and killed": lone(
+        f"{BUSES}|ack 1|ack silent 2|who|who|who|who|who", ending=Ending.KILLED, seconds=4
+    ),
+    "seen, and back": lone(
+        f"{BUSES}|snapshot A|restore A|step 2|ack 1|ack silent 2|who|restore A|step 10|"
+        "backtrack 1 s|who|branch 2|who"
+    ),
+    "silent elsewhere": lone(
+        f"{BUSES}|{QUIET}",
+        others=(
+            newcomer("who|who|who|who|who|who", 0.3, "planes"),
+            newcomer("who|who|ack silent 2|who|who", 0.5, "ballast"),
+        ),
+    ),
+    "silent for long": lone(
+        f"{BUSES}|ack silent 2|who", others=(newcomer(4 * f"{QUIET}|" + "who", 0.4),), seconds=44
+    ),
+    "words": lone(
+        f"freeze|step 4|{QUIET}",
+        tokens=WORDS,
+        token=TEACHER,
+        others=(
+            newcomer(ORDERS, 0.3, "helm", "oak-2207-wheel"),
+            newcomer(ORDERS, 0.4, "helm", "oak-2207-wheels"),
+            newcomer(ORDERS, 0.5, "ballast", "oak-2207-wheel"),
+            newcomer(ORDERS, 0.6, "planes"),
+            newcomer("planes tide-4711-mast|subscribe gauges", 0.7, "planes", "none"),
+        ),
+    ),
+    "words after a kill": lone(
+        "freeze|step 4|who|who|who",
+        tokens=WORDS,
+        token=TEACHER,
+        ending=Ending.KILLED,
+        later=(newcomer(ORDERS, 0.3, "helm"), newcomer("run|who|who", 0.5, token=TEACHER)),
+    ),
+    "several broken": lone(
+        "freeze|casualty grounding-aft|casualty bow-slow|step 4|clear grounding-aft|step 60|"
+        "clear all|step 60"
+    ),
+    "broken by degrees": lone(
+        "freeze|casualty stern-slow 0.5 ramp 20|step 20|clear stern-slow|step 40|casualty "
+        "flooding-aft 2|in 2 s casualty rudder-slow 0.3|step 20|clear all|step 40"
+    ),
+    "scheduled, and back": lone(
+        f"freeze|step 250|who|backtrack 100 s|step 250|{QUIET}", exercise="rise-jam-shallow"
+    ),
+    "scheduled, and amid a kill": lone(
+        "freeze|step 110|run",
+        exercise="depth-changes",
+        ending=Ending.KILLED,
+        amidst=True,
+        interleaving=1.0,
+        seconds=1.3,
+        speed=5.0,
+        later=(newcomer("freeze|step 900|who|who", 0.3),),
+    ),
+    "scheduled, and killed": lone(
+        f"freeze|step 111|{QUIET}",
+        exercise="depth-changes",
+        ending=Ending.KILLED,
+        later=(newcomer("step 400|who|step 400|who", 0.3),),
+    ),
 }
 SESSION, IO = "trainer.session", "trainer.io"
+ALERTS, DAMAGE = f"{SESSION}.stations", "trainer.boat.casualties"
+LOG = f"{ALERTS}.event_log:EventLog"
 PLANTED: Final = tuple(
     Planted(kind, where, before, after, script)
     for kind, rows in {
@@ -287,6 +366,196 @@ PLANTED: Final = tuple(
                 "in PROMISED_STATEMENTS",
                 "in PROMISED_STATEMENTS[::3]",
                 "order",
+            ),
+        ),
+        "an alert is seen by another than whose it is": (
+            (f"{LOG}._answerers", "if self.attended(role)]", "if not role]", "whose"),
+            (f"{LOG}._answerers", "(TRAINEE, *manned)", '(TRAINEE, "planes", *manned)', "whose"),
+            (f"{LOG}.acknowledge", "for number in wanted:", "for number in heard:", "whose"),
+            (
+                f"{LOG}.acknowledge",
+                "if others := self._answerers(found, by):",
+                (
+                    "if (others := self._answerers(found, by)) and "
+                    "self.alerts.see(found, 'helm', self._now):"
+                ),
+                "whose",
+            ),
+            (f"{LOG}.acknowledge", "by.role is not INSTRUCTOR_ROLE and heard", "False", "whose"),
+        ),
+        "an acknowledgement is lost": (
+            (
+                f"{LOG}._keep_note",
+                "if not self.history.flown.replaying:",
+                'if not (self.history.flown.replaying or note.step.value == "seen"):',
+                "seen, and killed",
+            ),
+            (
+                f"{ALERTS}.alerts:AlertBook.recall",
+                "extend(notes)",
+                'extend(n for n in notes if n.step.value != "seen")',
+                "seen, and killed",
+            ),
+            (
+                f"{LOG}._follow_alerts",
+                "-1 if ends else math.inf",
+                "math.inf",
+                "seen, and back",
+            ),
+            (
+                f"{ALERTS}.alerts:AlertBook.follow",
+                "known and stands(note.when)",
+                'known and (stands(note.when) or note.step.value == "seen")',
+                "seen, and back",
+            ),
+        ),
+        "a silence says more than it should": (
+            (
+                f"{LOG}.silence",
+                "self.own_alerts.silence(str(number), by.role.name",
+                'self.own_alerts.silence(str(number), "ballast"',
+                "whose",
+            ),
+            (
+                f"{ALERTS}.own_alerts:OwnAlerts.silence",
+                "+ SILENCE_S",
+                "+ 1.3 * SILENCE_S",
+                "silent for long",
+            ),
+            (
+                f"{ALERTS}.own_alerts:OwnAlerts.follow",
+                "said.tick <= moment.tick",
+                "said",
+                "seen, and back",
+            ),
+            (
+                f"{LOG}.silence",
+                "self.alerts.silence(alert, by.role.name",
+                "self.alerts.see(alert, by.role.name",
+                "whose",
+            ),
+        ),
+        "an alert is told to be what it is not": (
+            (f"{LOG}._state_of", "station.role.name)", '"ballast")', "silent elsewhere"),
+            (f"{LOG}._state_of", "left > 0.0", "alert.silenced", "silent elsewhere"),
+            (
+                f"{LOG}._state_of",
+                "left = self.own_alerts.silent_for(str(alert.number)",
+                "left = 30.0 - 0.0 * self.own_alerts.silent_for(str(alert.number)",
+                "silent elsewhere",
+            ),
+            (
+                f"{ALERTS}.alerts:Alert.state",
+                "not self.calls and",
+                "not (self.calls and self.silenced) and",
+                "silent elsewhere",
+            ),
+        ),
+        "a door stands open": (
+            (f"{ALERTS}.roles:Access.admits", "and bool(wanted)", "or bool(given)", "words"),
+            (f"{ALERTS}.roles:Access.admits", "given.encode()", "given.encode()[:14]", "words"),
+            (
+                f"{ALERTS}.roles:Access.admits",
+                "hmac.compare_digest(given.encode(), wanted.encode())",
+                "given in self.tokens.values()",
+                "words",
+            ),
+            (f"{ALERTS}.roles:Access.admits", "if not self.tokens:", "if not given:", "words"),
+            (
+                f"{ALERTS}.roles:Access.first",
+                "STRANGER_ROLE if self.tokens",
+                "STRANGER_ROLE if not self.tokens",
+                "words",
+            ),
+            (
+                f"{SESSION}.resume:options_as_begun",
+                "record=path.parent,",
+                "record=path.parent, token=(),",
+                "words after a kill",
+            ),
+        ),
+        "a line without its word is told something": (
+            (f"{ALERTS}.roles:Access.hide", "in self.tokens.values()", "in ()", "words"),
+            (
+                f"{ALERTS}.station:Station.note",
+                "and self.role is not STRANGER_ROLE",
+                "",
+                "words",
+            ),
+            (
+                f"{SESSION}.attendance:Attendance._admit_newcomers",
+                "station.role is not STRANGER_ROLE",
+                "station",
+                "words",
+            ),
+            (f"{ALERTS}.roles:hears_kind", "kind in role.events", "role", "words"),
+        ),
+        "other things are broken than was ordered": (
+            (
+                f"{DAMAGE}:_insert_parts",
+                "part in casualty.parts:",
+                "part in casualty.parts[1:]:",
+                "several broken",
+            ),
+            (
+                f"{DAMAGE}:clear_casualty",
+                "each in casualty.broken]",
+                "each in casualty.broken[:1]]",
+                "several broken",
+            ),
+            (
+                f"{DAMAGE}:clear_casualty",
+                "slot in suffered:",
+                "slot in suffered[:1]:",
+                "broken by degrees",
+            ),
+            (f"{DAMAGE}:_insert_parts", "part.severity)", "1.0)", "several broken"),
+        ),
+        "something is broken by another degree, or not mended in its time": (
+            (
+                f"{DAMAGE}:insert_casualty",
+                "_amount(boat, casualty, wanted)",
+                "_amount(boat, casualty, casualty.severity)",
+                "broken by degrees",
+            ),
+            (
+                f"{DAMAGE}:insert_casualty",
+                "boat.ticks_in(ramp)",
+                "boat.ticks_in(casualty.ramp_s)",
+                "broken by degrees",
+            ),
+            (f"{DAMAGE}:_end", "casualty.clear_ramp_s", "casualty.ramp_s", "broken by degrees"),
+            (
+                f"{DAMAGE}:_amount",
+                "severity * casualty.full",
+                "max(severity, 0.4) * casualty.full",
+                "broken by degrees",
+            ),
+        ),
+        "an order of the schedule is not given": (
+            (
+                f"{SESSION}.past.journal:Journal._restore",
+                "self.after, self.entry = moment.after, moment.entry",
+                "self.after = moment.after",
+                "scheduled, and back",
+            ),
+            (
+                f"{SESSION}.past.journal:Journal.order",
+                "self.entry = entry + 1",
+                "self.entry = entry + 2",
+                "scheduled, and back",
+            ),
+            (
+                f"{SESSION}.past.journal:Journal.include",
+                "given.entry + 1",
+                "given.entry + 2",
+                "scheduled, and amid a kill",
+            ),
+            (
+                f"{IO}.recording.queries:Past.moment",
+                "else done + 1",
+                "else done + 2",
+                "scheduled, and back",
             ),
         ),
     }.items()

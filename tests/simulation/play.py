@@ -15,6 +15,7 @@ from typing import Final
 
 import pytest
 
+from simulation.admission import secrets_of
 from simulation.disk import Disk, Image, Trouble
 from simulation.instruments import NMEA_OPTIONS, Plotter
 from simulation.laws import (
@@ -25,6 +26,7 @@ from simulation.laws import (
     Witness,
     check_debriefs,
     check_kept,
+    check_secrets,
     check_whole,
 )
 from simulation.machine import LADEN_TURN_NS, SECOND_NS, TURN_NS, Machine, Task
@@ -171,6 +173,7 @@ class Stage:
         if self.script.recorded and not self.docket.breaches:
             check_kept(self.docket, self.disk.path, until=FOREVER_NS)
             check_whole(self.docket, self.disk.path)
+            check_secrets(self.docket, self.disk.path, secrets_of(self.script.tokens))
             if self.script.lives[0].seed % DEBRIEFED_EVERY == 0:
                 check_debriefs(self.docket, self.disk.path)
         return self.docket
@@ -240,7 +243,10 @@ class Stage:
         for number, player in enumerate(life.players):
             hear = self._hearing(number)
             cable = self.wires.cable(cable_of(number)) if player.way is Way.CABLE else None
-            program = Program(player, number, self.machine, self.network, self.docket, hear, cable)
+            program = Program(
+                *(player, number, self.machine, self.network, self.docket, hear, cable),
+                tokens=self.script.tokens,
+            )
             self._programs.append(program)
             self._others.append(self.machine.begin(program.run, f"{player.role} {number}"))
         if life.instruments:
@@ -337,7 +343,7 @@ class Stage:
         disk, session, now, ending = self.disk, self.witness.session, self.machine.now, life.ending
         self.witness.leave(killed=ending is Ending.KILLED)
         system = Image.of(disk.path)
-        self._left, until, since = system, now, 0
+        self._left, until, since = system, FOREVER_NS, 0
         disk.kept = disk.kept or Image(system.file, b"")  # it was made whole, and never asked for
         self.docket.kills += ending is Ending.KILLED
         if ending is Ending.POWER:
@@ -393,6 +399,7 @@ class Stage:
             "unsafe_step": True,
             "speed": script.speed,
             "frozen": life.frozen,
+            "token": script.tokens,
             "lines": tuple(
                 f"{player.role}={cable_of(number)}"
                 for number, player in enumerate(life.players)

@@ -75,6 +75,7 @@ class Player:
     role: str
     visits: tuple[Visit, ...]
     way: Way = Way.PORT
+    token: str = ""  # the word that it says with its role
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,7 @@ class Script:
     lives: tuple[Life, ...]
     recorded: bool = True  # else there is one life
     fleet: int = 0  # the seed of many ships, in place of the exercise; 0: none
+    tokens: tuple[str, ...] = ()  # the words that it asks for, as `--token` has them
 
     @property
     def acts(self) -> int:
@@ -156,7 +158,8 @@ def read_script(path: Path) -> Script:
 
 
 def _script_of(table: dict[str, Any]) -> Script:
-    return Script(**{**table, "lives": tuple(_life_of(each) for each in table["lives"])})
+    lives = tuple(_life_of(each) for each in table["lives"])
+    return Script(**{**table, "lives": lives, "tokens": tuple(table.get("tokens", ()))})
 
 
 def _life_of(table: dict[str, Any]) -> Life:
@@ -181,4 +184,5 @@ def _player_of(table: dict[str, Any]) -> Player:
         )
         for each in table["visits"]
     )
-    return Player(table["role"], tuple(visits), Way(table.get("way", Way.PORT.value)))
+    way = Way(table.get("way", Way.PORT.value))
+    return Player(table["role"], tuple(visits), way, table.get("token", ""))

@@ -47,6 +47,8 @@ def smaller(script: Script) -> Iterator[Script]:
         yield replace(script, duration=0.0)
     if script.exercise and not script.duration:
         yield replace(script, exercise="")
+    if script.tokens:
+        yield replace(script, tokens=())
     if script.speed != 1.0:
         yield replace(script, speed=1.0)
 
@@ -60,7 +62,12 @@ def _smaller_lives(life: Life) -> Iterator[Life]:
     for i, player in enumerate(players):
         for visits in _smaller_visits(player.visits):
             yield replace(
-                life, players=(*players[:i], Player(player.role, visits), *players[i + 1 :])
+                life,
+                players=(
+                    *players[:i],
+                    Player(player.role, visits, token=player.token),
+                    *players[i + 1 :],
+                ),
             )
     plain: dict[str, object] = {"interleaving": 0.0, "slow_disk": False, "rest": 0.0, "turns": 1}
     plain |= {"at_answer": False, "instruments": False, "aged": False}

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from socket import AF_INET, AF_UNIX
 from typing import Final
 
+from simulation.admission import STRANGERS_WORDS, is_admitted, secrets_of
 from simulation.laws import Docket, Law
 from simulation.machine import SECOND_NS, Machine, Task
 from simulation.model import INSTRUCTORS_FACTS
@@ -20,6 +21,7 @@ from simulation.script import Act, Farewell, Player, Visit, Way
 from simulation.wires import Cable
 from trainer.io.connection import carried_for
 from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Sentence, order_sentence, parse_sentence
 from trainer.session.stations.roles import ROLES, hears_kind
 
@@ -57,6 +59,9 @@ class Program:
     _torn: bool = False  # what comes first may be the end of a line
     _rest: bytes = b""
     _entered: bool = False  # its role was granted
+    tokens: tuple[str, ...] = ()  # that the session asks for
+    _roles: set[str] = field(default_factory=set)  # that it has said
+    _free: set[str] = field(default_factory=set)  # tags of what a line may say without a word
     # by channel, when [ns] it was last shown and of which tick, and its period [s]
     _shown: dict[str, tuple[int, int]] = field(default_factory=dict)
     _periods: dict[str, float] = field(default_factory=dict)
@@ -74,12 +79,14 @@ class Program:
                 self.machine.sleep(REDIAL_S)
             self._end, self._asked, self._rest, self._entered = end, deque(), b"", False
             self._aside.clear()
+            self._free.clear()
             self._shown.clear()
             self._periods.clear()
             self._first, self._sip = self._tag + 1, self._visit.sip
             if self.player.way is Way.PAGE:
                 self._send(f"{carried_for(BROWSER)}\n".encode())
-            if self._say(Act(0.0, f"role {self.player.role}")) and self._act():
+            role = f"role {self.player.role} {self.player.token}".rstrip()
+            if self._say(Act(0.0, role)) and self._act():
                 self._leave(self.player.visits[number].farewell)
             self.place = number + 1, -1
             if self.cable is None:
@@ -92,6 +99,13 @@ class Program:
             self.place = done, 0
             task.wake_at(self._idle_since, player.visits[done].after)
         self.player = player
+
+    @property
+    def _owes(self) -> bool:
+        """Return whether it does not know the word that its role asks for."""
+        word = self.player.token
+        asked = self.tokens and self.cable is None
+        return bool(asked) and not is_admitted(self.tokens, self.player.role, word)
 
     @property
     def _visit(self) -> Visit:
@@ -176,7 +190,12 @@ class Program:
             if not self._send(data[:half]):
                 return False
             self.machine.sleep(act.pause)
-        aside = act.words.startswith(ASIDE_WORDS)
+        if act.words.startswith("role "):
+            self._roles.add(act.words.split()[1])
+        guess = self._owes and act.words.startswith("role ")  # its answer may be kept back
+        aside = guess or act.words.startswith(ASIDE_WORDS)
+        if act.words.startswith(STRANGERS_WORDS):
+            self._free.add(str(self._tag))
         # it may be answered before the last turn comes back
         (self._aside if aside else self._asked).append(str(self._tag))
         return self._send(data[half:])
@@ -190,6 +209,7 @@ class Program:
             fastest = FASTEST_HZ.get(order.subject, math.inf)
             rate = min(order.value or math.inf, fastest)
             self._periods[order.subject] = 1.0 / rate
+            self._shown.pop(order.subject, None)  # of a history before
         elif order.name == "history":  # its lines are as those that show the present
             self._periods.pop(order.subject, None)
         elif order.name in ("unsubscribe", "role", "detach"):
@@ -221,6 +241,9 @@ class Program:
         except OSError:
             return False
         self.hear(data)
+        for word in secrets_of(self.tokens):
+            if word in self._rest + data:
+                self.docket.enter(Law.ADMITTED, f"{self._name} is told {word.decode()}")
         *lines, self._rest = (self._rest + data).split(b"\r\n")
         if self._torn and lines:
             self._torn = False
@@ -228,6 +251,9 @@ class Program:
         for line in lines:
             if line.startswith(b"$"):
                 self._hear_sentence(line.decode("ascii"))
+            elif self._owes and line[:2] != b"? " and line.decode() not in help_text(""):
+                # noise is answered by "? ", or by help
+                self.docket.enter(Law.ADMITTED, f"{self._name} has no word, and is told {line!r}")
         return bool(data)
 
     def _hear_sentence(self, line: str) -> None:
@@ -238,6 +264,8 @@ class Program:
             self._hear_answer(sentence, line)
         elif self._entered:
             self._hear_shown(sentence, line)
+        elif self._owes and sentence.fields[2] != "left":
+            self.docket.enter(Law.ADMITTED, f"{self._name} has no word, and sees {line!r}")
 
     def _hear_answer(self, sentence: Sentence, line: str) -> None:
         """L5: the next answer on a line is that of the oldest order that has none."""
@@ -245,6 +273,8 @@ class Program:
             return
         if int(sentence.tag) < self._first:
             return  # a cable has it from a visit before
+        if self.tokens and self.cable is None:
+            self._hear_admission(sentence, line)
         if sentence.tag in self._aside:
             self._aside.remove(sentence.tag)
             self.docket.answers += 1
@@ -258,6 +288,15 @@ class Program:
             pass
         self._entered = self._entered or sentence.fields[0] == "ok"
         self.docket.answers += 1
+
+    def _hear_admission(self, sentence: Sentence, line: str) -> None:
+        """L21: look at an answer where the session asks for words."""
+        granted, asks = sentence.fields[0] == "ok", sentence.tag == str(self._first)
+        self.docket.log.see_word(granted=granted, owes=self._owes, asks=asks)
+        if self._owes and granted and sentence.tag not in self._free:
+            self.docket.enter(Law.ADMITTED, f"{self._name} has no word: {line!r}")
+        elif asks and not granted and not self._owes:
+            self.docket.enter(Law.ADMITTED, f"{self._name} says its word: {line!r}")
 
     def _may_lose(self, waiting: str, tag: str) -> bool:
         """Return whether an answer may be missing before another.
@@ -279,9 +318,20 @@ class Program:
             allowed = sentence.kind != "TRE" or hears_kind(role, shown[2])
         if sentence.kind == "TRF" and shown[2] in INSTRUCTORS_FACTS:
             allowed = allowed and self.player.role == "instructor"
+        if sentence.kind == "TRF" and shown[2] == "alert-state":
+            self._hear_state(*shown[3].split(",")[:2])
         self.docket.log.see_shown(sentence.kind, sentence.fields)
         if not allowed:
             self.docket.enter(Law.SECRETS, f"{self._name} may not see {line!r}")
+
+    def _hear_state(self, number: str, state: str) -> None:
+        """L20: an alert is told silent where somebody has silenced it, and seen once it was."""
+        deeds = self.docket.alert_deeds
+        silent = any(("silenced", role, number) in deeds for role in self._roles)
+        if (state == "silenced" and not silent) or (
+            state == "acknowledged" and ("seen", "", number) not in deeds
+        ):
+            self.docket.enter(Law.ALERTS, f"{self._name} is told that alert {number} is {state}")
 
     @property
     def _name(self) -> str:

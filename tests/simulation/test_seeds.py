@@ -13,6 +13,7 @@ from helpers import places
 from simulation.disk import Trouble
 from simulation.drawing import draw_script
 from simulation.milestones import MILESTONES, SAID_MILESTONES, never_reached, reach_table
+from simulation.planted import SCRIPTS
 from simulation.play import play
 from simulation.script import (
     Act,
@@ -58,10 +59,10 @@ def test_what_once_broke_a_law_breaks_none(path: Path) -> None:
 
 
 def test_a_script_is_read_back_from_its_file(tmp_path: Path) -> None:
-    script = draw_script(random.Random(1969).randrange(1000))  # noqa: S311
-    write_script(script, tmp_path / "script.json")
+    for script in (draw_script(random.Random(1969).randrange(1000)), SCRIPTS["words"]):  # noqa: S311
+        write_script(script, tmp_path / "script.json")
 
-    assert read_script(tmp_path / "script.json") == script
+        assert read_script(tmp_path / "script.json") == script
 
 
 PLAY: Final = """

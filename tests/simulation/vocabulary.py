@@ -28,7 +28,9 @@ WORDS: Final[Mapping[str, str]] = {
         |ghost on|ghost off|predictor 60 s|hint|freeze depth|release depth|release all|next
         |what if depth 80|dive|surface|drain aft|drain stop|pump trim forward 2|pump auxiliary 1
         |periscope depth|rpm 60|turns 4|name wall|detach|casualty oil-leak-header|loads shed
-        |casualty bus-port-lost|casualty fire-aft|bus tie shut|stern emergency|isolate main""",
+        |casualty bus-port-lost|casualty fire-aft|bus tie shut|stern emergency|isolate main
+        |ack 2|ack all|ack silent 2|casualty grounding-aft|clear grounding-aft
+        |casualty flooding-aft 2 ramp 60|clear flooding-aft""",
     "helm": """rudder left 10|rudder right 20|rudder midships|course 045|speed 8|bell ahead full|aye
         |report ready|ready|status|depth 70|freeze|who|subscribe steering|history gauges 20 s
         |rudder manual|rudder auto|mark late|course right 20|come left to 300|turns 5|rpm 80
@@ -43,7 +45,7 @@ WORDS: Final[Mapping[str, str]] = {
         |name tanks|unsubscribe all|isolate main|isolate stern|open main|open stern|loads shed
         |hydraulic pump 2 run|hydraulic pump vital stop|bus tie shut|bus tie open|loads back
         |breaker port open|breaker port shut|ventilation secure|ventilation run|fight fire aft
-        |subscribe plant""",
+        |subscribe plant|ack 1|ack 2|ack 3|ack silent 1""",
     "observer": "mark one|mark two|who|status|log 9|subscribe gauges|history events 60 s|help",
     "visitor": "lever dive 3|lever rise 2|lever zero|restart|status|freeze|mark no",
     "trainee": "depth 70|course 045|freeze|run|autopilot on|status|ready|hint",
@@ -83,6 +85,12 @@ SCENES: Final = (
     "sea state 5|current set 090 drift 2|snapshot A|current off|restore A",
     "freeze depth|backtrack 1 s|release all",
     "branch 1|branch 2|mark here|branch 1",
+    "casualty bus-port-lost|step 4|ack all|backtrack 1 s|run",
+    "casualty bus-port-lost|step 4|snapshot A|ack all|step 4|restore A|branch 1",
+    "casualty bus-starboard-lost|step 4|ack silent 1|ack silent 2|restore A|run",
+    "casualty grounding-aft|step 4|snapshot B|clear grounding-aft|step 60|restore B|run",
+    "casualty rudder-slow|casualty stern-slow|step 2|clear rudder-slow|step 4|backtrack 1 s",
+    "in 2 s casualty rudder-stuck|step 8|clear all|step 4|run",
 )
 TAKE_OVER_ROW: Final = "time 1|step 40|replay 15 s|who|who|who|who|who|take over|take over"
 # What each instructor says first, dealt by seed, so that none is missed. Who comes second says the
@@ -90,11 +98,14 @@ TAKE_OVER_ROW: Final = "time 1|step 40|replay 15 s|who|who|who|who|who|take over
 DEALT: Final = (
     *(2 * ("run|take command|keep command|take command|keep command|take command|keep command",)),
     "ghost on|run|what if depth 80|freeze|what if depth 80|predictor 60 s|run",
-    "who|quit|quit",
+    "who|casualties|quit|quit",
     "order depth 90|belay|flood auxiliary 5|freeze|allow planes|demonstrate for 5 s|who|run",
     "end exercise|release marks|run|again",
     "casualty oil-leak-header|step 200|rudder emergency|planes emergency|isolate main|open main",
-    "casualty bus-port-lost|step 4|bus tie shut|step 20|loads shed|breaker port open|loads back",
+    (
+        "casualty bus-port-lost|bus tie shut|compressor on|step 20|loads shed|breaker port open|"
+        "loads back"
+    ),
     (
         "casualty cells-lost 0.7|step 40|casualty cells-lost 0.9|step 40|casualty fire-aft|"
         "step 120|ventilation secure|fight fire aft|hydraulic pump 1 stop"
@@ -119,7 +130,7 @@ FOREIGN: Final = (
     *("scope raise", "negative flood", "hover on", "compressor on", "surface", "isolate main"),
     *("lever dive 3", "emergency blow", "drain aft", "rudder emergency", "stern emergency"),
     *("report ready", "ready", "have planes", "relief Berg", "order depth 90", "tell look out"),
-    *("mark mine", "rudder left 5", "planes zero", "depth 60", "course 020", "turns 5"),
+    *("restart", "mark mine", "rudder left 5", "planes zero", "depth 60", "course 020", "turns 5"),
     *("vent aft shut", "autopilot on"),
 )
 NOISE: Final = (
