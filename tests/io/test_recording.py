@@ -319,6 +319,21 @@ def test_a_branch_taken_over_in_a_replay_of_its_forebear_begins_there() -> None:
 # What a killed program leaves
 
 
+def test_a_branch_taken_over_while_nothing_can_be_read_has_no_later_order() -> None:
+    with closing(begin(None)) as recording:
+        recording.order(1, HELM, "depth 70")
+        for tick in (2, 3):
+            recording.state(tick, state_of(tick))
+        recording.order(3, HELM, "depth 80")
+        recording.fork(Moment(1, 3, state_of(3), 2, 0), "backtrack")
+        recording.trouble = "locked"  # then the owner of a moment is not known
+        recording.fork(Moment(2, 2, state_of(2), 1, 0), "take over")
+        recording.trouble = ""
+        recording.flush()
+
+        assert [each.text for each in recording.orders(3)] == ["depth 70"]
+
+
 def left_behind(path: Path) -> None:
     """Leave what a killed program leaves: the file, and beside it what was written ahead."""
     with closing(begin(path)) as recording:

@@ -272,7 +272,7 @@ class Past:
             stretches.append(self._journalled(here, rows))
             if here.parent is None or here.after <= after:
                 break
-            here, last = self._branch(here.parent), here.after
+            here, last = self._branch(here.parent), min(last, here.after)
         return [order for stretch in reversed(stretches) for order in stretch]
 
     def snapshots_seen_from(self, branch: int) -> list[tuple[str, Moment]]:
