@@ -66,7 +66,7 @@ SLOW = re.compile(
     r"bench --(footprint|machines|against-c|seconds 2)|sweep (overshoots|centre-of-gravity)"
     r"|guide bb2 (--uncertainty )?--html|estimate small-boat|export-core (core|arm|risc|m7)"
     r"|identify --example|ship prbs bb2|run periscope-depth --web|run --web-at|guide mariner"
-    r"|reduce bb2 --check|fuzz --list"
+    r"|reduce bb2 --check|fuzz --list|tests.bench --helm"
     r"|bench --latency|^trainer dev bench$|tests\.(soak|cases)|run depth-changes .* trainer debrief"
 )
 SLOW_PAGES = {  # for engineers: many flights, each of a kind that has tests of its own

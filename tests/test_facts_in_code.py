@@ -23,7 +23,7 @@ CODE_NAMES = frozenset(
 GRAMMARS = ("trainer/io/orders", "trainer/cli")  # there the words are what is decided on
 # Texts that are a notation and no prose, by file: what they are
 NOTATIONS = {
-    "trainer/analysis/bench/end_to_end.py": "sentences of programs",
+    "trainer/analysis/bench/delays.py": "sentences of programs",
     "trainer/authoring/exercise_page.py": "lines of TOML",
     "trainer/config/tables.py": "numbers",
     "trainer/config/world/soundings.py": "names of files",

@@ -24,7 +24,6 @@ OUTPUTS = "io/outputs.py"
 
 # What may write past it, and why
 REASONS = {
-    "analysis/bench/end_to_end.py on_terminal": "a terminal",
     "boat/compilation.py announce_compiling": "the cache",
     "boat/export/fmu.py link_binary": "a folder of its own, which goes",
     "boat/export/objects.py lower": "a folder of its own, which goes",

@@ -1,131 +1,75 @@
-"""The benchmark's figures: their structure and consistency, never the machine's speed."""
+"""What ``trainer dev bench`` measures: structure and consistency, never the machine's speed."""
 
+import itertools
 import json
+import sys
+import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
-from functools import partial
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
+from helpers.places import ROOT
 
-from trainer.analysis.bench import bench as bench_module
-from trainer.analysis.bench.bench import (
-    BenchFigures,
-    bench_boat,
-    cpu_model,
-    render,
-    run_paced,
-    samples_up,
-)
-from trainer.analysis.bench.sections import SECTIONS, Section
-from trainer.analysis.bench.session_tick import effect
-from trainer.analysis.bench.tick import (
-    BATCH_COUNT,
-    BATCH_NS,
-    CASUALTY_KINDS,
-    STANDARD_METHOD,
-    BatchCost,
-    Voyage,
-    in_a_loop,
-    long_enough,
-    ready_boat,
-    time_batches,
-)
+from trainer.analysis.bench import delays, ticks
+from trainer.analysis.bench.delays import OrderDelays, StartTimes
+from trainer.analysis.bench.ticks import TickFigures
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty
 from trainer.cli import main
 from trainer.config.boat.vessel import load_vessel
 from trainer.config.files import ConfigError
-from trainer.io.recording.recording import Recording
-from trainer.session.time.ledger import Spread
 
-SHORT_BATCH_NS = 1_000_000
+SHORT_BATCH_TICKS = 2000
+COMMAND = ROOT / "trainer/cli/workshop/bench.py"
+MAX_LINES = 500  # of command and measures: what compares, or proves a bound, is tests/bench
+
+
+def test_the_bench_of_this_machine_stays_small() -> None:
+    modules = [COMMAND, *(ROOT / "trainer/analysis/bench").glob("*.py")]
+
+    assert sum(len(path.read_text("utf-8").splitlines()) for path in modules) <= MAX_LINES
 
 
 @pytest.fixture(scope="module")
-def figures() -> BenchFigures:
-    """Return what one second at each step gives, by batches of a millisecond."""
+def figures() -> TickFigures:
+    """Return what one second at each step gives, by short batches."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("trainer.analysis.bench.tick.BATCH_NS", SHORT_BATCH_NS)
-        return bench_boat(load_vessel("bb2"), 1)
+        patched.setattr(ticks, "BATCH_TICKS", SHORT_BATCH_TICKS)
+        return ticks.time_duty(load_vessel("bb2"), 1)
 
 
 @pytest.mark.process
-def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: BenchFigures) -> None:
-    half, whole = figures.real_time
+def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: TickFigures) -> None:
+    half, whole = figures.runs[0.5], figures.runs[1.0]
 
-    assert (half.step_s, half.ticks, half.duty_cycle_1969_percent) == (0.5, 2, 38.0)
-    assert (whole.step_s, whole.ticks, whole.duty_cycle_1969_percent) == (1.0, 1, 19.0)
+    assert (half.ticks, whole.ticks) == (2, 1)
+    assert figures.duty_cycles_1969_percent == {0.5: 38.0, 1.0: 19.0}
     # a single tick: its duty cycle is its work
-    assert whole.duty_cycle_percent == pytest.approx(100.0 * whole.work.max_ns / 1e9)
-    assert whole.times_less_than_1969 == pytest.approx(19.0 / whole.duty_cycle_percent)
+    assert whole.duty_cycle_percent == pytest.approx(100.0 * whole.work.max_ns / 1e9, abs=1e-4)
     # waiting counted as work would make it nearly all of the time
-    assert 0.0 < half.duty_cycle_percent < 50.0
-    assert 0.0 < half.unrecorded_percent < 50.0
-    for run in figures.real_time:
+    for run in (half, whole):
+        assert 0.0 < run.duty_cycle_percent < 50.0
+        assert 0.0 < run.unrecorded_percent < 50.0
         assert run.work.p50_ns > 0
+        assert run.counts.keys() == {"overruns", "caught up", "slipped", "gaps"}
+        assert run.granted.startswith("priority ")
         for spread in (run.work, run.lateness):
             assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
-def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
-    begun: list[Recording] = []
-    create = bench_module.temporary  # type: ignore[attr-defined]
-
-    def temporary(boat: Boat) -> Recording:
-        begun.append(create(boat))
-        return begun[-1]
-
-    monkeypatch.setattr(bench_module, "temporary", temporary)
-    boat = ready_boat(load_vessel("bb2"), STANDARD_METHOD, 0.5)
-    ticks: list[int] = []
-
-    run_paced(boat, 1, ticks.append)
-
-    assert len(begun) == 1
-    assert ticks == [1, 2, 3, 4]
-
-
-def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
-    # of 20, the 20th is the 99 % one; of 1000, the 990th, with ten above it; the 999th, with one
-    assert samples_up(20, 990) == 1
-    assert samples_up(1000, 990) == 11
-    assert samples_up(1000, 999) == 2
-    assert samples_up(2000, 999) == 3
-
-
 @pytest.mark.process
-def test_batches_are_many_long_and_their_least_is_not_above_the_median(
-    figures: BenchFigures,
+def test_a_tick_is_timed_called_and_in_a_kernel_and_the_crossing_is_between(
+    figures: TickFigures,
 ) -> None:
-    tick = figures.attended
-    batches = [tick.boat, tick.bare, tick.csv_row, tick.recorded, tick.subscribed]
-    batches += [b for update in figures.updates for b in (update.called, update.in_kernel)]
+    cost = figures.tick
 
-    for batch in batches:
-        assert batch.batches >= 9
-        assert 0.0 < batch.least_ns <= batch.median_ns
-        # long enough when calibrated; a machine that was ten times busier then is beyond belief
-        assert batch.median_ns * batch.repetitions > SHORT_BATCH_NS / 10
-
-
-def test_a_batch_cost_is_per_repetition(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = [0]
-    monkeypatch.setattr("time.perf_counter_ns", lambda: clock[0])
-    calls: list[int] = []
-
-    def work(count: int) -> None:
-        compiling = 0 if calls else 10**9
-        calls.append(count)
-        clock[0] += 1000 * count + compiling
-
-    # 2^14: the first power of two that takes 10 ms at 1 us each
-    assert time_batches([work]) == [BatchCost(1000.0, 1000.0, BATCH_COUNT, 2**14)]
-    assert calls[-BATCH_COUNT:] == [2**14] * BATCH_COUNT
+    assert 0.0 < cost.in_kernel_ns < 1e7
+    assert 0.0 < cost.called_ns < 1e7
+    assert cost.crossing_ns < cost.called_ns
 
 
 def boat_under_way(fill: Callable[[Boat], object]) -> Boat:
@@ -136,16 +80,19 @@ def boat_under_way(fill: Callable[[Boat], object]) -> Boat:
     return boat
 
 
-def test_each_batch_begins_from_the_boat_put_back() -> None:
+def test_each_batch_begins_from_the_boat_put_back(monkeypatch: pytest.MonkeyPatch) -> None:
     boat, begun = boat_under_way(lambda _: None), []
+    monkeypatch.setattr(ticks, "BATCH_TICKS", 10)
+    fly = boat.fly
 
-    def take(count: int) -> None:
+    def watched(*flown: Any) -> int:
         begun.append(boat.snapshot().tobytes())
-        in_a_loop(boat.records, count)
+        return fly(*flown)
 
-    time_batches([Voyage.of(boat, take)])
+    monkeypatch.setattr(boat, "fly", watched)
+    ticks.time_tick(boat)
 
-    assert len(begun) > BATCH_COUNT
+    assert len(begun) == ticks.BATCH_COUNT
     assert len({*begun}) == 1
 
 
@@ -153,63 +100,35 @@ def test_each_batch_begins_from_the_boat_put_back() -> None:
     ("fill", "told"),
     [
         (lambda boat: boat.state.__setitem__("battery_spent", 1e12), "the battery went flat"),
-        (lambda boat: boat.state.__setitem__("z", 5664.0), "collapse at 5664 m"),
+        (lambda boat: boat.state.__setitem__("z", 5664.0), "collapse at 56"),
         (lambda boat: insert_casualty(boat, "bus-dc-lost"), "dc without power"),
         (lambda boat: boat.state.__setitem__("u", 2e3), "it has done 0 of"),
     ],
 )
 def test_a_boat_that_is_lost_frozen_or_without_power_has_no_figure(
-    fill: Callable[[Boat], object], told: str
+    fill: Callable[[Boat], object], told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(ticks, "BATCH_TICKS", 200)
     boat = boat_under_way(fill)
 
     with pytest.raises(ConfigError, match=f"bb2.toml has no figure in a benchmark: .*{told}"):
-        time_batches([Voyage.of(boat, partial(in_a_loop, boat.records))])
-
-
-def test_an_interruption_does_not_make_batches_short(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = [0]
-    monkeypatch.setattr("time.perf_counter_ns", lambda: clock[0])
-    calls: list[int] = []
-
-    def work(count: int) -> None:
-        calls.append(count)
-        clock[0] += 1000 * count + (0 if len(calls) % 3 else BATCH_NS)
-
-    assert long_enough(work) == 2**14
+        ticks.time_tick(boat)
 
 
 @pytest.mark.process
-def test_three_ways_to_compute_are_timed_and_the_crossing_is_their_difference(
-    figures: BenchFigures,
-) -> None:
-    ways = [(u.equations, u.rates, u.integrator) for u in figures.updates]
+def test_a_run_whose_boat_is_lost_has_no_figure(tmp_path: Path) -> None:
+    text = Path(load_vessel("bb2").path).read_text("utf-8")
+    lost = tmp_path / "lost.toml"
+    for was, now in (("start_depth_m = 60.0", "start_depth_m = 250"), ("450.0", "255")):
+        assert was in text
+        text = text.replace(was, now, 1)
+    lost.write_text(text, "utf-8")
+    dive = tmp_path / "dive.txt"
+    dive.write_text("0 stern planes dive 25\n", "utf-8")
+    words = ("--orders", str(dive), "--duration", "120", "--speed", "max", "--no-record")
 
-    assert ways == [
-        ("modified", "lagged", "adams2"),
-        ("full", "exact", "adams2"),
-        ("full", "exact", "rk4"),
-    ]
-    for update in figures.updates:
-        assert update.crossing_ns == update.called.least_ns - update.in_kernel.least_ns
-
-
-@pytest.mark.process
-def test_sizes_are_in_bytes_and_words_and_the_state_is_under_4_kib(figures: BenchFigures) -> None:
-    assert {"state", "vessel", "compact", "scheme"} <= figures.sizes.keys()
-    for size in figures.sizes.values():
-        assert size.bytes == 2 * size.words_of_16_bits > 0
-    assert figures.sizes["state"].bytes < 4096
-    assert figures.memory_1969_words_of_16_bits == 8192
-
-
-def test_a_boat_that_loses_its_numbers_is_refused(make_boat: Callable[..., Boat]) -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
-    boat.state.q = np.inf
-
-    with pytest.raises(ConfigError, match=r"bb2\.toml has no place .* out of all bounds"):
-        run_paced(boat, 1, lambda _: None)
+    with pytest.raises(ConfigError, match=r"no figure in a benchmark: .*collapse at 255 m"):
+        ticks.sail(load_vessel(str(lost)), *words)
 
 
 @pytest.mark.process
@@ -217,18 +136,17 @@ def test_the_processor_is_named_as_the_kernel_lists_it(tmp_path: Path) -> None:
     listing = tmp_path / "cpuinfo"
     listing.write_text("processor\t: 0\nmodel name\t: A Chip @ 2 GHz\nprocessor\t: 1\n")
 
-    assert cpu_model(listing) == "A Chip @ 2 GHz"
-    assert cpu_model(tmp_path / "none")
+    assert ticks.cpu_model(listing) == "A Chip @ 2 GHz"
+    assert ticks.cpu_model(tmp_path / "none")
 
 
 @pytest.mark.process
-def test_the_page_is_ascii_in_79_columns(figures: BenchFigures) -> None:
-    page = render(figures)
-    assert "load of the machine in the minute before: " in page
+def test_the_page_is_in_ascii_and_tells_load_and_1969(figures: TickFigures) -> None:
+    page = "\n".join(ticks.lines(figures))
 
     assert page.isascii()
     assert max(map(len, page.splitlines())) <= 79
-    for words in ("1969: 38 %", "1969: 19 %", "99 % rests on the longest one", "8192 words"):
+    for words in ("1969: 38 %", "1969: 19 %", "load of the machine in the minute before: "):
         assert words in page
 
 
@@ -243,83 +161,125 @@ def units(tree: Any, path: str = "") -> set[str]:
 
 @pytest.mark.process
 def test_json_is_one_object_whose_keys_carry_the_units(
-    figures: BenchFigures, monkeypatch: pytest.MonkeyPatch
+    figures: TickFigures, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
 
-    def measured(file: Any, seconds: int) -> BenchFigures:
+    def measured(file: Any, seconds: int) -> TickFigures:
         asked.append((file.path.name, seconds))
         return figures
 
-    monkeypatch.setattr(bench_module, "bench_boat", measured)
-    result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1", "--json"])
+    monkeypatch.setattr(ticks, "time_duty", measured)
+    tree = json.loads(said("--seconds", "1", "--json"))
 
-    assert result.exit_code == 0, result.output
     assert asked == [("bb2.toml", 1)]
-    tree = json.loads(result.stdout)
     assert tree == json.loads(json.dumps(asdict(figures)))
-    bare = {
-        n
-        for n in units(tree)
-        if not n.endswith(
-            ("_s", "_ns", "_percent", "_than_1969", "_the_calm", "_the_bare", "_processes")
-        )
-    }
-    assert not bare
-    assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])
+    by_unit = (name.split(".") for name in units(tree))
+    assert not [each for each in by_unit if not any(p.endswith(("_ns", "_percent")) for p in each)]
+    assert said("--seconds", "1") == "\n".join(ticks.lines(figures)) + "\n"
+
+
+# An order's way to a page
+
+
+def test_an_order_is_timed_until_the_rudder_moves_as_ordered() -> None:
+    # at rest; left: not yet, then it moves; right: still on its way left, then back
+    shown = iter([0.0, None, 0.0, 0.0, -1.0, None, -2.0, -2.5, -1.5, 7.0])
+    words: list[str] = []
+
+    found = delays.time_orders(load_vessel("bb2"), 0.5, words.append, lambda _: next(shown))
+
+    assert words == ["rudder left full", "rudder right full"]
+    assert len(found.delays_s) == 2
+    assert min(found.delays_s) > 0.0
+    assert list(shown) == [7.0]
+
+
+def test_a_rudder_that_stands_still_is_not_waited_for_forever() -> None:
+    waits: list[float] = []
+
+    def look(until: float) -> float | None:
+        waits.append(until - time.monotonic())
+        return 0.0 if len(waits) == 1 else None
+
+    with pytest.raises(ConfigError, match=r"bb2\.toml: the rudder is not seen to move"):
+        delays.time_orders(load_vessel("bb2"), 0.25, lambda _: None, look)
+
+    begins, _, answers = waits
+    assert begins == pytest.approx(answers, abs=1.0)
+
+
+@pytest.mark.parametrize("orders", [10, 12, 40])
+def test_orders_come_at_instants_spread_evenly_over_a_tick(orders: int) -> None:
+    phases = sorted(delays.phase(number) for number in range(orders))
+
+    gaps = [after - before for before, after in itertools.pairwise([*phases, 1.0 + phases[0]])]
+    assert max(gaps) < 2.0 / orders
+    assert phases[orders // 2] == pytest.approx(0.5, abs=1.0 / orders)
+
+
+def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
+    page = delays.order_lines(OrderDelays(0.5, (0.04, 0.06, 0.21)))
+
+    assert page[1] == "  3 orders: median 60 ms (at most 270: half a step and 20 ms), most 210 ms"
+    assert [line.split() for line in page[2:]] == [
+        ["0", "ms", "1", "#"], ["50", "ms", "1", "#"], ["100", "ms", "0"], ["150", "ms", "0"],
+        ["200", "ms", "1", "#"],
+    ]  # fmt: skip
+
+
+@pytest.mark.alone
+@pytest.mark.clock
+@pytest.mark.process
+@pytest.mark.long
+def test_the_bench_steers_a_session_by_a_page_s_own_line() -> None:
+    tree = json.loads(said("--latency", "--seconds", "3", "--json"))["latency"]
+
+    assert 1 <= len(tree["delays_s"]) <= 12
+    assert min(tree["delays_s"]) > 0.0
+    assert tree["step_s"] == 0.5
+
+
+# Starting
 
 
 @pytest.mark.process
-def test_the_command_prints_the_page(
-    figures: BenchFigures, monkeypatch: pytest.MonkeyPatch
+def test_where_nothing_is_compiled_a_run_compiles_nothing_and_leaves_nothing_behind(
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(bench_module, "bench_boat", lambda *_: figures)
+    words = (*delays.TRAINER_COMMAND, *delays.RUN_WORDS, "--verbose")
 
-    result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1"])
+    assert "interpreted" not in delays.finish(*words, NUMBA_CACHE_DIR=str(tmp_path))
+    assert not list(tmp_path.iterdir())
 
-    assert result.output == render(figures) + "\n"
+
+@pytest.mark.alone
+@pytest.mark.clock
+@pytest.mark.process
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
+def test_the_console_is_timed_until_it_shows_figures() -> None:
+    assert 0.0 < delays.time_to_screen() < 60.0
 
 
 @pytest.mark.process
-def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
-    figures: BenchFigures,
-) -> None:
-    troubled = figures.troubled
-
-    assert len(CASUALTY_KINDS) == 6
-    assert troubled.times_the_calm == troubled.troubled.least_ns / troubled.calm.least_ns
-    assert "tanks at work and six casualties" in render(figures)
+def test_a_process_that_fails_is_not_timed_and_says_why() -> None:
+    with pytest.raises(ConfigError, match="no figure in a benchmark: too shallow"):
+        delays.time_to_end(sys.executable, "-c", "raise SystemExit('too shallow')")
 
 
 @pytest.mark.process
-def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: BenchFigures) -> None:
-    latency = figures.latency
-
-    assert latency.orders > 1
-    assert latency.tick_s == 0.05
-    assert 0 < latency.reply.p50_ns <= latency.reply.p99_ns <= latency.reply.max_ns
-    assert latency.ticks_to_effect_most == 1
-    assert f"{latency.orders} orders; from order to effect: 1 tick at most" in render(figures)
+def test_a_session_that_ends_before_it_serves_says_why() -> None:
+    with (
+        pytest.raises(ConfigError, match=r'the session of the bench failed: .*no vessel "bb3"'),
+        delays.serving("pages at", "--vessel", "bb3"),
+    ):
+        pass
 
 
-def test_an_order_that_acts_late_is_seen_to(make_boat: Callable[..., Boat]) -> None:
-    boat = make_boat()
-    boat.start(5.0, 60.0, 0.0)
-    boat.state.rudder_by_hand, boat.state.ordered_r = 1.0, -0.2
-    states = [boat.snapshot()[0]]
-    for ordered in (-0.2, -0.2, 0.2, 0.2):  # the rudder is on its way at first
-        boat.state.ordered_r = ordered
-        boat.tick()
-        states.append(boat.snapshot()[0])
+def test_starts_are_told_beside_numba_s() -> None:
+    page = delays.start_lines(StartTimes({"import numba": 0.3, "trainer --help": 0.15}))
 
-    assert [effect(states[given:]) for given in (0, 1, 2)] == [3, 2, 1]
-
-
-@pytest.mark.process
-def test_a_boat_without_a_rudder_has_no_effect_to_tell(figures: BenchFigures) -> None:
-    steered = replace(figures.latency, ticks_to_effect_most=0)
-
-    assert "none: this boat has no rudder" in render(replace(figures, latency=steered))
+    assert page[-1].split() == ["trainer", "--help", "150", "ms", "0.50", "times", "numba"]
 
 
 # The parts, each by its option
@@ -335,32 +295,45 @@ class Figure:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let every part be measured at once."""
-    for name in SECTIONS:
-        part = Section(lambda _, name=name: Figure(name), lambda f: ["", f"PART {f.name}"])  # type: ignore[misc]
-        monkeypatch.setitem(SECTIONS, name, part)
-    monkeypatch.setattr(bench_module, "bench_boat", lambda *_: Figure("whole"))
-    monkeypatch.setattr(bench_module, "render", lambda _: "STANDARD")
+    for module, name, lines in (
+        (ticks, "time_duty", "lines"),
+        (delays, "time_page", "order_lines"),
+        (delays, "time_starts", "start_lines"),
+    ):
+        monkeypatch.setattr(module, name, lambda *_, name=name: Figure(name))
+        monkeypatch.setattr(module, lines, lambda figure: [f"PART {figure.name}"])
 
 
 def said(*words: str) -> str:
     """Return what the command prints."""
     result = CliRunner().invoke(main.cli, ["bench", *words])
     assert result.exit_code == 0, result.output
-    return result.output
+    return result.stdout
 
 
 @pytest.mark.usefixtures("quick")
-def test_every_part_has_an_option_and_is_printed_by_itself() -> None:
-    for name in SECTIONS:
-        option = f"--{name.replace('_', '-')}"
-        assert said(option) == f"PART {name}\n"
-        assert json.loads(said(option, "--json")) == {name: {"name": name}}
+@pytest.mark.parametrize(
+    ("option", "name"), [("latency", "time_page"), ("starting", "time_starts")]
+)
+def test_every_part_has_an_option_and_is_printed_by_itself(option: str, name: str) -> None:
+    assert said(f"--{option}") == f"PART {name}\n"
+    assert json.loads(said(f"--{option}", "--json")) == {option: {"name": name}}
 
 
 @pytest.mark.usefixtures("quick")
 def test_all_is_the_standard_figures_and_every_part() -> None:
-    tree = json.loads(said("--all", "--json"))
+    assert json.loads(said("--all", "--json")).keys() == {"standard", "latency", "starting"}
+    assert said("--all") == "PART time_duty\n\nPART time_page\n\nPART time_starts\n"
 
-    assert tree.keys() == {"standard", *SECTIONS}
-    assert said("--all").startswith("STANDARD\n\nPART ")
-    assert said("--all").count("PART ") == len(SECTIONS)
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("option", ["--latency", "--all"])
+def test_what_a_page_needs_is_asked_for_before_anything_is_measured(
+    option: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _: None)
+    result = CliRunner().invoke(main.cli, ["bench", option])
+
+    assert isinstance(result.exception, ConfigError)
+    assert "needs websockets: pip install 'submarine-trainer[web]'" in str(result.exception)
+    assert "PART" not in result.output

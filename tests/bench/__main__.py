@@ -8,8 +8,7 @@ import click
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # packages of tests/ go by their own names
 
-from bench.sections import CLASS_BOATS, SECTIONS, BenchRequest, parts_against
-from trainer.analysis.bench.sections import measure_sections
+from bench.sections import CLASS_BOATS, SECTIONS, BenchRequest, measure_sections, parts_against
 from trainer.cli.main import run_command
 from trainer.cli.options import VESSEL_HELP, VESSEL_NAME
 from trainer.config.boat.vessel import load_vessel
@@ -20,9 +19,20 @@ from trainer.config.boat.vessel import load_vessel
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
-    help="Of real time, for each loop of --beside-c, and for --web and --class. [default: 10; 60 "
-    "for --web and --class]",
+    help="Of real time, for each loop of --on-time and --beside-c, for orders, and for --web and "
+    "--class. [default: 10; 60 for --web and --class]",
 )
+@click.option(
+    "--minutes",
+    type=click.FloatRange(0.05, 1440.0),
+    default=0.25,
+    show_default=True,
+    help="Of --on-time, for a session among all that could hold it up.",
+)
+@click.option("--ways", is_flag=True, help="Only the tick in three ways, and with six casualties.")
+@click.option("--session", is_flag=True, help="Only a session's tick, and orders over TCP.")
+@click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
+@click.option("--helm", is_flag=True, help="Only orders from serial line to instrument.")
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
 @click.option("--beside-c", is_flag=True, help="Only how late ticks begin, beside a loop in C.")
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
@@ -47,7 +57,13 @@ from trainer.config.boat.vessel import load_vessel
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(
-    *, vessel: str, seconds: int | None, against: str | None, as_json: bool, **parts: int | None
+    *,
+    vessel: str,
+    seconds: int | None,
+    minutes: float,
+    against: str | None,
+    as_json: bool,
+    **parts: int | None,
 ) -> None:
     """Compare the trainer with other programs, with the machine of 1969, and with itself.
 
@@ -61,7 +77,9 @@ def bench(
     chosen = [name for name, wanted in parts.items() if wanted] or list(SECTIONS)
     sections = SECTIONS | ({"parts": parts_against(against)} if against else {})
     boats = parts["class"] or CLASS_BOATS
-    wanted = BenchRequest(load_vessel(vessel), seconds or 10, attended=seconds or 60, boats=boats)
+    wanted = BenchRequest(
+        load_vessel(vessel), seconds or 10, minutes, attended=seconds or 60, boats=boats
+    )
     figures, pages = measure_sections(sections, chosen, wanted)
     click.echo(json.dumps(figures, indent=1) if as_json else "\n\n".join(pages))
 

@@ -20,8 +20,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.bench.end_to_end import START_TIMEOUT_S, TRAINER_COMMAND
-from trainer.analysis.bench.on_time import END_TIMEOUT_S, load_line, machine_load
+from bench.helm import START_TIMEOUT_S
+from bench.on_time import END_TIMEOUT_S
+from trainer.analysis.bench.delays import TRAINER_COMMAND
+from trainer.analysis.bench.ticks import load_line
 from trainer.config.files import ConfigError
 from trainer.io import client
 from trainer.io.orders.sentences import order_sentence, parse_sentence
@@ -64,7 +66,7 @@ class ClassUse:
 
     seconds: float
     stations: int  # at each boat
-    load_processes: float | None  # before it
+    load: str  # of the machine before it
     orders: int
     answer_median: float  # [ms]
     answer_p95: float
@@ -112,7 +114,7 @@ def time_class(boats: int, seconds: float) -> ClassUse:
     """Return what so many boats use in ``seconds`` [s]; ConfigError if they cannot."""
     if not PROCESS_FILE.exists():
         raise NoProcessFiguresError("a class: this system does not tell what processes use")
-    load = machine_load()
+    load = load_line()
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         said = Path(name) / "said"
         words = ("class", CLASS_EXERCISE, "--boats", str(boats), "--web", "127.0.0.1:0")
@@ -155,7 +157,7 @@ def listens(address: str) -> bool:
     return True
 
 
-async def sail(sockets: list[str], seconds: float, owner: int, load: float | None) -> ClassUse:
+async def sail(sockets: list[str], seconds: float, owner: int, load: str) -> ClassUse:
     """Attach the stations, let all boats run, give orders; return the figures."""
     stations = [await attach(address, role) for address in sockets for role in STATION_CHANNELS]
     hearing = [asyncio.create_task(station.hear()) for station in stations]
@@ -186,7 +188,7 @@ async def sail(sockets: list[str], seconds: float, owner: int, load: float | Non
     return ClassUse(
         seconds=lasted,
         stations=count,
-        load_processes=load,
+        load=load,
         orders=len(answers),
         answer_median=1e3 * statistics.median(answers),
         answer_p95=1e3 * statistics.quantiles(answers, n=20)[-1],
@@ -275,7 +277,7 @@ def lines(figures: ClassUse) -> list[str]:
     return [
         "",
         f"A CLASS ({length}, {figures.stations} stations at each)",
-        f"  {load_line(figures.load_processes)}",
+        f"  {figures.load}",
         f"  {figures.orders} orders answered: {answers}",
         f"  the class itself: {figures.class_mb:.0f} MB, {figures.class_processor:.2f} % of a core",
         "  boat   ticks  missed  session MB  judge MB  % of a core",

@@ -13,7 +13,8 @@ from typing import Final
 
 from c_twin.compiler import compiler
 
-from trainer.analysis.bench.on_time import LOOP_STEP_S, busy_processors, measure_loop, row
+from bench.on_time import LOOP_STEP_S, busy_processors, measure_loop
+from trainer.analysis.bench.ticks import row
 from trainer.session.time.ledger import Spread
 
 CONTROL: Final = Path(__file__).with_name("control.c")
@@ -49,12 +50,10 @@ def time_beside_c(seconds: float) -> BesideC:
 
 def lines(figures: BesideC) -> list[str]:
     """Return the figures as lines of a page."""
-    head = "".join(f"{name:>11}" for name in ("median", "99 %", "99.9 %", "most"))
     return [
         "",
         f"THE CLOCK BESIDE C (loops of {1.0 / LOOP_STEP_S:.0f} Hz for {figures.seconds:g} s)",
-        f"  {'lateness [us]':<34}{head}",
-        row(f"the session's, {figures.busy_processes} busy processes", figures.lateness),
-        row("the same in C, then", figures.lateness_in_c),
+        row(f"late, beside {figures.busy_processes} busy processes", figures.lateness, 32),
+        row("the same in C, then", figures.lateness_in_c, 32),
         f"  99 % is {figures.times_the_c:.2f} times that of C",
     ]

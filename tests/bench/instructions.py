@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.bench.tick import CASUALTY_KINDS
+from helpers.loops import CASUALTY_KINDS
+
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import insert_casualty

@@ -13,9 +13,9 @@ from typing import Final, NamedTuple
 
 from helpers import tab
 from helpers.emulated import EMULATORS, fly_exported_hour, needed_programs
+from helpers.loops import in_a_loop
 
 from bench.standard_hour import fly_hour, standard_boat
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.machine_code import way_name
 from trainer.debrief.page.boat_page import boat_for_page
 

@@ -11,17 +11,11 @@ from importlib.util import find_spec
 from typing import Final
 
 import numpy as np
+from helpers.loops import in_a_loop
 
 import trainer
-from trainer.analysis.bench.tick import (
-    STANDARD_METHOD,
-    BatchCost,
-    Voyage,
-    in_a_loop,
-    ready_boat,
-    time_batches,
-    trouble_of,
-)
+from bench.batches import BatchCost, Voyage, time_batches
+from trainer.analysis.bench.ticks import STANDARD_METHOD, ready_boat, trouble_of
 from trainer.boat.helm import obey_order
 from trainer.config.boat.vessel import VesselFile
 from trainer.config.world.sea import load_sea

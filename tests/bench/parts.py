@@ -18,16 +18,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from helpers.loops import in_a_loop
 from helpers.places import tests_environment
 
-from trainer.analysis.bench.tick import (
-    SEA_NAME,
-    STANDARD_METHOD,
-    Voyage,
-    in_a_loop,
-    ready_boat,
-    time_batches,
-)
+from bench.batches import SEA_NAME, Voyage, time_batches
+from trainer.analysis.bench.ticks import STANDARD_METHOD, ready_boat
 from trainer.boat.boat import Boat
 from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError

@@ -13,13 +13,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.analysis.bench.tick import (
-    STANDARD_METHOD,
-    BatchCost,
-    Voyage,
-    ready_boat,
-    time_batches,
-)
+from bench.batches import BatchCost, Voyage, time_batches
+from trainer.analysis.bench.ticks import STANDARD_METHOD, ready_boat
 from trainer.boat.boat import Boat
 from trainer.config.boat.vessel import VesselFile
 from trainer.core.kernel import Numbers

@@ -1,7 +1,8 @@
 """The comparisons of the bench, by the options that ask for each alone."""
 
 import contextlib
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Final
 
@@ -12,21 +13,24 @@ from bench import (
     class_boats,
     control,
     footprint,
+    helm,
     identify,
     instructions,
     machines,
     numbers,
+    on_time,
     parts,
     peers,
+    session_ticks,
     waits,
     wasm,
+    ways,
     web,
 )
 from bench import standard_hour as whole
 from bench.standard_hour import SameBits, fly_hour
-from trainer.analysis.bench import sections
-from trainer.analysis.bench.sections import Section
 from trainer.boat.export.targets import NoCompilerError
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
 
 CLASS_BOATS: Final = 8  # where nobody says how many
@@ -34,9 +38,20 @@ SAMPLES: Final = 2000  # of the records that are fitted
 
 
 @dataclass(frozen=True)
-class BenchRequest(sections.BenchRequest):
+class Section:
+    """One part: how it is measured, and its figures as lines of a page."""
+
+    measure: Callable[[Any], Any]  # of a request
+    lines: Callable[[Any], list[str]]
+
+
+@dataclass(frozen=True)
+class BenchRequest:
     """The subject of a measurement, and its length."""
 
+    file: VesselFile
+    seconds: float  # [s] of real time for each part that runs in it
+    minutes: float = 0.25  # [min] of a session in a crowd
     attended: float = 60.0  # [s] of a session with pages, and of a class
     boats: int = 8  # of a class
 
@@ -76,7 +91,28 @@ def parts_against(commit: str) -> Section:
     return Section(lambda wanted: parts.time_parts(wanted.file, commit), parts.lines)
 
 
+def measure_sections(
+    sections: Mapping[str, Section], names: Iterable[str], wanted: BenchRequest
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the figures of parts as a tree by name, and their pages."""
+    figures, pages = {}, []
+    for name in names:
+        measured = sections[name].measure(wanted)
+        figures[name] = asdict(measured)
+        pages.append("\n".join(sections[name].lines(measured)).strip())
+    return figures, pages
+
+
 SECTIONS: Final = {
+    "ways": Section(lambda wanted: ways.time_ways(wanted.file), ways.lines),
+    "session": Section(
+        lambda wanted: session_ticks.time_session(wanted.file, wanted.seconds), session_ticks.lines
+    ),
+    "on_time": Section(
+        lambda wanted: on_time.time_ticks(wanted.file, wanted.seconds, wanted.minutes),
+        on_time.lines,
+    ),
+    "helm": Section(lambda wanted: helm.time_helm(wanted.file, wanted.seconds), helm.lines),
     "against_c": or_left_out(
         NoCompilerError,
         Section(lambda wanted: comparison.against_c(wanted.file), comparison.lines),

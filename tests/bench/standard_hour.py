@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Final
 
 import click
+from helpers.loops import in_a_loop
 
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method, Records
 from trainer.boat.boat import Boat
 from trainer.boat.due_orders import obey_all, orders_due
@@ -73,7 +73,7 @@ HOUR_ORDERS: Final = """
 
 TickRunner = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
 CHILD_PROGRAM: Final = """
-from trainer.analysis.bench.tick import in_a_loop
+from helpers.loops import in_a_loop
 from bench.standard_hour import digest, fly_standard_hour
 print(digest(fly_standard_hour(in_a_loop, {last})))
 """

@@ -54,7 +54,7 @@ def test_each_boat_gets_both_orders_however_short_the_time(
 
 def test_the_page_has_a_row_for_each_boat() -> None:
     boats = (BoatUse(0, 120, 48.2, 46.9, 1.31), BoatUse(2, 119, 49.0, 47.0, 1.4))
-    page = lines(ClassUse(60.0, 3, 0.5, 500, 1.25, 9.94, 33.4, 0.2, boats))
+    page = lines(ClassUse(60.0, 3, "load", 500, 1.25, 9.94, 33.4, 0.2, boats))
 
     assert page[1] == "A CLASS (2 boats for 60 s, 3 stations at each)"
     assert page[3] == "  500 orders answered: median 1.2 ms, 95 % in 9.9 ms"

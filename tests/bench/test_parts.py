@@ -15,14 +15,16 @@ from helpers.typed import type_command
 from bench import control, footprint, peers, sections, wasm
 from bench import parts as parts_module
 from bench.__main__ import bench
-from bench.sections import OmittedSection, or_left_out
+from bench.batches import BatchCost
+from bench.sections import OmittedSection, Section, or_left_out
 from bench.standard_hour import levels_here
 from bench.web import NoBrowserError
-from trainer.analysis.bench.sections import Section
-from trainer.analysis.bench.tick import BatchCost
 from trainer.cli.main import run_command
 from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError
+from trainer.core.scheme import SCHEME
+from trainer.core.state import STATE
+from trainer.core.vessel import COMPACT, VESSEL
 from trainer.session.time.pacer import SPIN_TIME_NS
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
@@ -204,3 +206,8 @@ def test_any_other_trouble_of_a_part_is_not_taken_for_what_the_machine_lacks() -
     assert measured(lacks) == OmittedSection("none")
     with pytest.raises(ValueError, match="another"):
         measured(fails)
+
+
+def test_the_state_is_under_4_kib_and_records_are_whole_words() -> None:
+    assert STATE.itemsize < 4096
+    assert all(each.itemsize % 2 == 0 for each in (STATE, VESSEL, COMPACT, SCHEME))

@@ -6,6 +6,7 @@ from collections import Counter
 import pytest
 from c_twin.compiler import RECORDS, SAME_BITS, build, header
 from helpers.lanes import sample_cases
+from helpers.loops import in_a_loop
 
 from bench.standard_hour import (
     digest,
@@ -19,7 +20,6 @@ from bench.standard_hour import (
     standard_boat,
     ways,
 )
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.boat.export.targets import NoCompilerError
 from trainer.boat.machine_code import way_name

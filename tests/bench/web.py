@@ -7,7 +7,6 @@ orders over the page's own line and counts pictures.
 
 import asyncio
 import contextlib
-import re
 import signal
 import tempfile
 import threading
@@ -19,18 +18,10 @@ from itertools import cycle, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
+from bench.on_time import END_TIMEOUT_S, count_missed
 from trainer import __version__
-from trainer.analysis.bench.end_to_end import begin_session
-from trainer.analysis.bench.on_time import (
-    END_TIMEOUT_S,
-    account_entry,
-    count_missed,
-    head,
-    lateness_of,
-    load_line,
-    machine_load,
-    row,
-)
+from trainer.analysis.bench.delays import PAGES_ADDRESS, serving
+from trainer.analysis.bench.ticks import load_line, read_ticks, row
 from trainer.config.boat.vessel import VesselFile
 from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
@@ -56,7 +47,6 @@ ROLE_CHANNELS: Final = {  # who they are, and what each wants to see
     "instructor": ("motion", "orders", "time"),
 }
 SHORT_RUN_S: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
-PAGES_ADDRESS: Final = re.compile(r"pages at (http://\S+)/")
 FIRST_PICTURE: Final = """() => new Promise((done) => {
   const look = () => {
     const there = document.querySelector("#state")?.dataset.state === "running";
@@ -149,13 +139,13 @@ class WebFigures:
     looking: PageDelay
     alone: WebTicks
     attended: WebTicks
-    machine_load: float | None
+    load: str  # of the machine before
 
 
 def time_pages(file: VesselFile, seconds: float) -> WebFigures:
     """Return the figures of sessions of ``seconds`` [s] each; NoBrowserError, ConfigError."""
     browser = able_browser()
-    load = machine_load()
+    load = load_line()
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
         with sailing(file, folder, "alone") as session:
@@ -196,33 +186,20 @@ def sailing(file: VesselFile, folder: Path, name: str, *words: str) -> Iterator[
     recording = folder / f"{name}.trainer"
     words += ("--vessel", str(file.path), "--record", str(recording))
     words += ("--listen", "none", "--socket", str(folder / f"{name}.sock"))
-    with begin_session(words) as process:
-        session = WebSession(process, recording)
-        try:
-            texts, begun = [], "pages at" if "--web" in words else "listening at"
-            for text in process.stderr or ():
-                texts.append(text)
-                if begun in text:
-                    break
-            else:
-                failure = "".join(texts).strip()
-                raise ConfigError(f"the session of the bench failed: {failure}")
-            served = PAGES_ADDRESS.search(texts[-1])
-            session.url = served[1] if served else ""
-            yield session
-            process.send_signal(signal.SIGTERM)
-            session.account, error_text = process.communicate(timeout=END_TIMEOUT_S)
-        finally:
-            process.kill()
+    begun = "pages at" if "--web" in words else "listening at"
+    with serving(begun, *words) as (process, said):
+        session = WebSession(process, recording, "".join(PAGES_ADDRESS.findall(said)))
+        yield session
+        process.send_signal(signal.SIGTERM)
+        session.account, error_text = process.communicate(timeout=END_TIMEOUT_S)
     if process.returncode:
         raise ConfigError(f"the session of the bench failed: {error_text.strip()}")
 
 
 def ticks_of(session: WebSession, stations: int) -> WebTicks:
     """Return the ticks of a session that is over."""
-    lateness, ticks = lateness_of(session.recording)
-    missed = count_missed(account_entry(session.account, "on time"))
-    return WebTicks(stations, ticks, missed, lateness)
+    ticks = read_ticks(session.recording, session.account)
+    return WebTicks(stations, ticks.ticks, count_missed(ticks), ticks.lateness)
 
 
 @contextlib.contextmanager
@@ -326,9 +303,8 @@ def lines(figures: WebFigures) -> list[str]:
         f"  order to answer  {answer}, {seen.orders} orders",
         f"  order to pixel   {pixel}: its answer is painted",
         f"  pictures         {seen.pictures:.1f} a second (20); {script}",
-        head("lateness of ticks [us]", 26),
-        row("  alone", alone.lateness, 26),
-        row(f"  {attended.stations} stations", attended.lateness, 26),
+        row("late alone", alone.lateness, 20),
+        row(f"late, {attended.stations} stations", attended.lateness, 20),
         f"  deadlines missed: {missed} with stations (0)",
-        f"  {load_line(figures.machine_load)}",
+        f"  {figures.load}",
     ]

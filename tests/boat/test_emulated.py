@@ -15,9 +15,9 @@ from helpers.emulated import (
     needed_programs,
 )
 from helpers.installation import installed, run_program
+from helpers.loops import in_a_loop
 from helpers.places import ROOT
 
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.export.library import OBJECT_FILE, write_core
 from trainer.boat.machine_code import SHIPPED_FOLDER
 from trainer.boat.platforms import CPU_TARGETS

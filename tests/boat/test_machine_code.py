@@ -22,10 +22,10 @@ from bench.standard_hour import digest, fly_standard_hour
 from helpers import places
 from helpers.boats import make_boat, start_boat, take_ticks
 from helpers.installation import run_program
+from helpers.loops import in_a_loop
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat import entries, machine_code, platforms
 from trainer.boat.export import objects
 from trainer.boat.export.fmu import SOURCE_FOLDER

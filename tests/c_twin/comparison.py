@@ -12,18 +12,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from bench.batches import SEA_NAME, Voyage, time_repetitions
 from bench.standard_hour import TickRunner
+from helpers.loops import in_a_loop
 from helpers.places import tests_environment
 
 from c_twin.compiler import BUILDS, build, version
-from trainer.analysis.bench.tick import (
-    SEA_NAME,
-    STANDARD_METHOD,
-    Voyage,
-    in_a_loop,
-    ready_boat,
-    time_repetitions,
-)
+from trainer.analysis.bench.ticks import STANDARD_METHOD, ready_boat
 from trainer.boat.boat import Boat
 from trainer.config.boat.vessel import VesselFile, load_vessel
 from trainer.config.files import ConfigError

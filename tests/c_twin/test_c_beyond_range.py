@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from bench.standard_hour import TickRunner
 from helpers.lanes import sample_cases
+from helpers.loops import in_a_loop
 
 from c_twin.compiler import SAME_BITS, build
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import clear_casualty, insert_casualty

@@ -66,7 +66,6 @@ SHORTER = (
     (" --token WORD", ""),
     ("dev learn first-depth-change --seed 1", "dev learn first-depth-change --generations 1"),
     ("--generations 20", "--generations 1"),
-    ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("bench --all", "bench --starting"),  # minutes of measuring
     (r"(trainer boat estimate (?!new).*)", r"\1 --draws 2"),
     ("trainer dev bench", "trainer dev bench --seconds 1"),

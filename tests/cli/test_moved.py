@@ -13,6 +13,7 @@ from trainer.cli.moved import MOVED_COMMANDS
 LINES = {
     "soak": "soak is gone: from a checkout, python -m tests.soak",
     "soak --faults=10": "soak --faults is gone: from a checkout, python -m tests.faults",
+    "dev bench --web": "bench --web is gone: from a checkout, python -m tests.bench --web",
     "run --headless --core=b.so": "run --core is gone: link its library into your own program, "
     "see docs/exported-core.md",
 }

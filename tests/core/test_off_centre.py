@@ -10,8 +10,8 @@ from bench.standard_hour import digest
 from c_twin.compiler import SAME_BITS, build
 from helpers.boats import start_boat, take_ticks
 from helpers.lanes import sample_cases
+from helpers.loops import in_a_loop
 
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.boat.vessel import read_vessel

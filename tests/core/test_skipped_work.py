@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 import pytest
 from helpers.boats import make_boat
+from helpers.loops import in_a_loop
 
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.boat import Boat
 from trainer.config.world.sea import load_sea
 from trainer.core.ballast.ballast import balance, flow_through_holes, is_quiet

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import places
 from helpers.boats import make_boat, start_bb2, take_ticks
 from helpers.installation import run_program
-from helpers.places import environment
 
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
@@ -123,7 +123,7 @@ from trainer.boat.boat import Boat
 from trainer.core.update import update
 from trainer.boat.casualties import insert_casualty
 from trainer.boat.assemble import Method
-from trainer.analysis.bench.tick import CASUALTY_KINDS
+from helpers.loops import CASUALTY_KINDS
 from trainer.config.world.sea import load_sea
 from trainer.config.boat.vessel import load_vessel
 
@@ -169,7 +169,7 @@ def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     ran = run_program(
         [sys.executable, "-c", COUNT_ALLOCATIONS],
         cwd=tmp_path,
-        env=environment(NUMBA_NRT_STATS="1", NUMBA_DISABLE_JIT="0"),
+        env=places.tests_environment(NUMBA_NRT_STATS="1", NUMBA_DISABLE_JIT="0"),
     )
     counts = [line.split() for line in ran.stdout.splitlines()]
 

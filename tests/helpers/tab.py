@@ -11,8 +11,8 @@ from typing import Any, Final
 from bench.standard_hour import digest, fly_standard_hour
 
 from helpers.installation import installed
+from helpers.loops import in_a_loop
 from helpers.places import ROOT
-from trainer.analysis.bench.tick import in_a_loop
 from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED_PATH
 from trainer.debrief.page.boat_page import state_changes

@@ -7,7 +7,10 @@ not that there is none.
 from collections.abc import Sequence
 from typing import Final
 
-BENCH_COMPARISONS: Final = ("--against-c", "--footprint", "--peers", "--identify")
+BENCH_COMPARISONS: Final = (
+    *("--against-c", "--footprint", "--peers", "--identify"),
+    *("--same-bits", "--numbers", "--web", "--class", "--on-time"),
+)
 # By the command and its removed option, "" for the whole command: what to type now. An option comes
 # before its whole command, because the first match is taken.
 MOVED_COMMANDS: Final = {
@@ -27,6 +30,7 @@ MOVED_COMMANDS: Final = {
 
 def name_successor(words: Sequence[str]) -> str:
     """Return what to type instead of a removed command, "" for any other."""
+    words = words[1:] if words[:1] == ["dev"] else words
     options = {word.partition("=")[0] for word in words[1:]}
     for (command, option), now in MOVED_COMMANDS.items():
         if words[:1] == [command] and (not option or option in options):

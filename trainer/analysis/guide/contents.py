@@ -7,7 +7,7 @@ guide waits for.
 Transport delays are those from order to control, to motion, to a screen. Orders are given anywhere
 within a tick and act on the next one, so ticks are counted, and no clock is needed: delays in
 seconds follow from the step. A screen adds its time from picture to picture; ``trainer dev bench
---latency`` measures on a machine.
+--latency`` measures an order's way to a page.
 
 ``trainer boat guide --baseline`` compares with an earlier guide of the same boat, so that a change
 of the boat or of the program shows in each number that it moved.

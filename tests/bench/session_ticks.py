@@ -1,8 +1,8 @@
 """The cost of a whole session's tick, and the delay of an order over TCP.
 
-Parts of ``trainer dev bench``. The boat alone takes a small part of a tick; what attends to it
-(recording, subscribers, columns) is the rest. Orders fall anywhere within a tick, as those of
-people do; an order acts on the next tick, so that half a tick is the least mean delay.
+``python -m tests.bench --session`` measures it. The boat alone takes a small part of a tick; what
+attends to it (recording, subscribers, columns) is the rest. Orders fall anywhere within a tick, as
+those of people do; an order acts on the next tick, so half a tick is the least mean delay.
 """
 
 import contextlib
@@ -20,9 +20,11 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.bench.tick import BatchCost, Voyage, time_batches, trouble_of
+from bench.batches import BatchCost, Voyage, time_batches
+from trainer.analysis.bench.ticks import STANDARD_METHOD, ready_boat, row, trouble_of
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
+from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
 from trainer.core.state import STATE
 from trainer.io.line import JoinedLine, Outbox, writer
@@ -172,7 +174,7 @@ class Callers:
         return [Station(line, Access(), sending, log) for line in self.hub.newcomers()]
 
 
-def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Latency:
+def time_orders(boat: Boat, seconds: float) -> Latency:
     """Return the delays of a helmsman's orders in ``seconds`` [s], beside attended stations.
 
     The helmsman is a thread of this process, so that the figures contain its cost. ConfigError if
@@ -186,7 +188,6 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
         helmsman = stack.enter_context(ThreadPoolExecutor(1))
         stack.callback(hub.close, LAST_LINES_TIMEOUT_S)
         session.attendance.reception = Callers(hub, session)
-        session.progress = progress
         steered = helmsman.submit(send_rudder_orders, hub.listen(LOCAL_HOST, 0), period, replies)
         run_to(session, round(seconds / period))
         hub.close(LAST_LINES_TIMEOUT_S)
@@ -232,3 +233,42 @@ def effect(states: list[np.void]) -> int:
         if after["ordered_r"] != was and wanted * (after["delta_r"] - before["delta_r"]) > 0.0:
             return ticks
     return len(states)
+
+
+@dataclass(frozen=True)
+class SessionFigures:
+    """What a session adds to the boat, and how soon it answers by TCP."""
+
+    attended: SessionTickCost
+    latency: Latency
+
+
+def time_session(file: VesselFile, seconds: float) -> SessionFigures:
+    """Return the figures; the boat is steered for ``seconds`` [s]."""
+
+    def ready() -> Boat:
+        return ready_boat(file, STANDARD_METHOD, file.run.step_s)
+
+    return SessionFigures(time_attended(ready), time_orders(ready(), seconds))
+
+
+def lines(figures: SessionFigures) -> list[str]:
+    """Return the figures as lines of a page."""
+    attended, latency = figures.attended, figures.latency
+    most, ratio = latency.ticks_to_effect_most, attended.times_the_bare
+    period = f"{1e3 * latency.tick_s:g} ms"
+    effect = f"{most} tick{'s' * (most != 1)} at most" if most else "none: this boat has no rudder"
+    names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
+    costs = (attended.boat, attended.bare, attended.recorded, attended.subscribed, attended.csv_row)
+    return [
+        "",
+        "TICK OF A SESSION, HOT ([ns], by batches; modified lagged adams2)",
+        "        " + "".join(f"{name:>14}" for name in names),
+        "  median" + "".join(f"{cost.median_ns:>14.0f}" for cost in costs),
+        "  least " + "".join(f"{cost.least_ns:>14.0f}" for cost in costs),
+        f"  (recorded, with five subscribers at 10 Hz: {ratio:.2f} times the bare one)",
+        "",
+        f"ORDERS OVER TCP (five subscribers, time x{TIME_SPEED:g}: a tick each {period})",
+        row("reply", latency.reply),
+        f"    {latency.orders} orders; from order to effect: {effect}",
+    ]

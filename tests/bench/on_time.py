@@ -1,6 +1,6 @@
 """The lateness of ticks: bare loops of the clock, and a session in a crowd.
 
-``trainer dev bench --on-time`` measures it. A loop of 100 Hz is timed in a process of its own:
+``python -m tests.bench --on-time`` measures it. A loop of 100 Hz is timed in a process of its own:
 alone, beside a busy thread of the same process, and beside busy processes, with and without a
 real-time priority.
 
@@ -22,19 +22,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.analysis.bench.end_to_end import begin_session, line, on_terminal
+from helpers.places import tests_environment
+
+from bench.terminal import line, on_terminal
+from trainer.analysis.bench.delays import serving
+from trainer.analysis.bench.ticks import PacedTicks, read_ticks, row
 from trainer.config.boat.vessel import VesselFile
 from trainer.config.files import ConfigError
 from trainer.io.paths import LISTENING_TEXT
-from trainer.io.recording.recording import Recording
-from trainer.session.time.ledger import Histogram, Spread
+from trainer.session.time.ledger import Spread
 
+NAME_WIDTH: Final = 26
 BUSY_COMMAND: Final = (sys.executable, "-c", "while True: pass")
 END_TIMEOUT_S: Final = 60.0  # [s] for a process to end, beyond the time it was given
 SUBSCRIBE_LINES: Final = ("subscribe gauges at 50 hz", "subscribe steering at 50 hz")
-MISSED_TICK_COUNTS: Final = ("overruns", "slipped", "gaps")  # in the account of a run
+MISSED_TICK_COUNTS: Final = ("overruns", "slipped", "gaps")  # of a run
 LOOP_STEP_S: Final = 0.01  # [s]
-METRONOME_COMMAND: Final = (sys.executable, "-m", "trainer.analysis.bench.metronome")
+METRONOME_COMMAND: Final = (sys.executable, "-m", "bench.metronome")
 
 
 @dataclass(frozen=True)
@@ -49,23 +53,12 @@ class CrowdLateness:
     lateness: Spread
 
 
-def machine_load() -> float | None:
-    """Return how many processes wanted a processor in the last minute, None if nobody knows."""
-    return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-
-
-def load_line(load: float | None) -> str:
-    """Return a ``machine_load`` before a bench as a line of its page."""
-    told = "unknown" if load is None else f"{load:.2f} processes"
-    return f"load of the machine in the minute before: {told}"
-
-
 @contextlib.contextmanager
 def busy_processors(count: int) -> Iterator[None]:
     """Keep ``count`` processors busy inside the block."""
     with contextlib.ExitStack() as stack:
         for _ in range(count):
-            process = stack.enter_context(subprocess.Popen(BUSY_COMMAND))  # noqa: S603  our own
+            process = stack.enter_context(subprocess.Popen(BUSY_COMMAND))
             stack.callback(process.kill)
         yield
 
@@ -86,26 +79,19 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> CrowdLateness:
         words += ["--rrd", str(folder / "run.rrd")] if rerun else []
         for wish in SUBSCRIBE_LINES:
             hung.say(wish)  # and nothing that it brings is ever read
-        with begin_session(words) as session:
-            try:
-                for written in session.stderr or ():  # until stations can join, or it is over
-                    if LISTENING_TEXT in written:
-                        break
-                with open_console(folder / "s"):
-                    account, complaint = session.communicate(timeout=seconds + END_TIMEOUT_S)
-            finally:
-                session.kill()
+        with serving(LISTENING_TEXT, *words) as (session, _), open_console(folder / "s"):
+            summary, complaint = session.communicate(timeout=seconds + END_TIMEOUT_S)
         if session.returncode:
             raise ConfigError(f"the session among the crowd failed: {complaint.strip()}")
-        lateness, ticks = lateness_of(folder / "run.trainer")
+        ticks = read_ticks(folder / "run.trainer", summary)
     among = (f"{count} busy processes", "a console", "a hung serial line")
     return CrowdLateness(
         among=(*among, "a Rerun file") if rerun else among,
-        granted=account_entry(account, "the clock"),
+        granted=ticks.granted,
         step_s=file.run.step_s,
-        ticks=ticks,
-        missed=count_missed(account_entry(account, "on time")),
-        lateness=lateness,
+        ticks=ticks.ticks,
+        missed=count_missed(ticks),
+        lateness=ticks.lateness,
     )
 
 
@@ -128,26 +114,9 @@ def open_console(socket: Path) -> Iterator[None]:
             looker.join()
 
 
-def lateness_of(recording: Path) -> tuple[Spread, int]:
-    """Return how late the ticks of a recorded run began, and how many there were."""
-    histogram, ticks = Histogram(), 0
-    with contextlib.closing(Recording.look(recording)) as run:
-        for _, lateness, _ in run.ledger(run.branch):
-            histogram.add(lateness)
-            ticks += 1
-    return histogram.spread(), ticks
-
-
-def account_entry(account: str, name: str) -> str:
-    """Return what an account says under a name, "" if it says nothing."""
-    entries = [text for text in account.splitlines() if text.startswith(name)]
-    return entries[0].removeprefix(name).strip() if entries else ""
-
-
-def count_missed(entry: str) -> int:
-    """Return how many deadlines an account says were missed."""
-    parts = (part.split() for part in entry.split(","))
-    return sum(int(part[1]) for part in parts if part and part[0] in MISSED_TICK_COUNTS)
+def count_missed(ticks: PacedTicks) -> int:
+    """Return how many deadlines a run missed."""
+    return sum(ticks.counts[name] for name in MISSED_TICK_COUNTS)
 
 
 @dataclass(frozen=True)
@@ -191,7 +160,9 @@ def time_ticks(file: VesselFile, seconds: float, minutes: float) -> TickPunctual
 def measure_loop(seconds: float, *words: str) -> LoopLateness:
     """Return the lateness of a loop in a process of its own."""
     command = [*METRONOME_COMMAND, str(seconds), str(LOOP_STEP_S), *words]
-    ran = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603
+    ran = subprocess.run(
+        command, env=tests_environment(), capture_output=True, text=True, check=True
+    )
     answer: dict[str, Any] = json.loads(ran.stdout)
     return LoopLateness(answer.pop("granted"), Spread(**answer))
 
@@ -200,29 +171,17 @@ def lines(figures: TickPunctuality) -> list[str]:
     """Return the figures as lines of a page."""
     crowd, busy = figures.crowd, f"beside {figures.busy_processes} busy processes"
     rows = [
-        row("alone", figures.alone.lateness),
-        row("beside a busy thread", figures.beside_thread.lateness),
-        row(busy, figures.beside_processes.lateness),
-        row(f"  {figures.realtime.granted.split(',')[0]}", figures.realtime.lateness),
+        row("alone", figures.alone.lateness, NAME_WIDTH),
+        row("beside a busy thread", figures.beside_thread.lateness, NAME_WIDTH),
+        row(busy, figures.beside_processes.lateness, NAME_WIDTH),
+        row(f" {figures.realtime.granted.split(',')[0]}", figures.realtime.lateness, NAME_WIDTH),
     ]
     return [
         "",
-        f"ON TIME (a loop of {1.0 / LOOP_STEP_S:.0f} Hz for {figures.seconds:g} s each)",
-        head("lateness [us]"),
+        f"ON TIME (late by; a loop of {1.0 / LOOP_STEP_S:.0f} Hz for {figures.seconds:g} s each)",
         *rows,
         f"  a session of {crowd.ticks} ticks, {crowd.step_s:g} s apart, among",
         f"  {', '.join(crowd.among)}:",
-        row(f"  {crowd.missed} deadlines missed", crowd.lateness),
+        row(f" {crowd.missed} deadlines missed", crowd.lateness, NAME_WIDTH),
         f"    {crowd.granted}",
     ]
-
-
-def head(name: str, width: int = 34) -> str:
-    """Return the heading of rows of percentiles."""
-    return f"  {name:<{width}}{'median':>11}{'99 %':>11}{'99.9 %':>11}{'most':>11}"
-
-
-def row(name: str, spread: Spread, width: int = 34) -> str:
-    """Return a row of percentiles [us]."""
-    times = (spread.p50_ns, spread.p99_ns, spread.p999_ns, spread.max_ns)
-    return f"  {name:<{width}}" + "".join(f"{time / 1e3:11.1f}" for time in times)
