@@ -134,6 +134,12 @@ SCRIPTS: Final[Mapping[str, Script]] = {
     "seen, and killed": lone(
         f"{BUSES}|ack 1|ack silent 2|who|who|who|who|who", ending=Ending.KILLED, seconds=4
     ),
+    "seen, and killed at the start": lone(
+        f"{BUSES}|ack 1|snapshot A|reset|who|who|who|who",
+        ending=Ending.KILLED,
+        seconds=4,
+        later=(newcomer("restore A|who", 0.3),),
+    ),
     "seen, and back": lone(
         f"{BUSES}|snapshot A|restore A|step 2|ack 1|ack silent 2|who|restore A|step 10|"
         "backtrack 1 s|who|branch 2|who"
@@ -395,6 +401,12 @@ PLANTED: Final = tuple(
                 "extend(notes)",
                 'extend(n for n in notes if n.step.value != "seen")',
                 "seen, and killed",
+            ),
+            (
+                f"{SESSION}.run:fly_session",
+                "session.event_log.recall_alerts()",
+                "boat.ticks and session.event_log.recall_alerts()",
+                "seen, and killed at the start",
             ),
             (
                 f"{LOG}._follow_alerts",

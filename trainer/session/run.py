@@ -289,7 +289,7 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         session.attendance.until_left = options.until_left
         if boat.ticks:
             session.event_log.news.extend(recalled_past(history))
-            session.event_log.recall_alerts()
+        session.event_log.recall_alerts()  # at tick 0 too: snapshots may lead back to them
         if not INTERPRETED:
             judge = session.conduct.terms.debriefing
             session.evaluation.begin(
