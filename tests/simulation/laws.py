@@ -192,6 +192,7 @@ class Witness:
             kept = {promise for promise, _ in self.docket.promises}
             self.alerts.begin(self.session, lambda deed: ack_promise(deed) in kept)
             self._check_plans()
+            self.ahead = Ahead.of(self.session)  # it may be killed before it hears of anything
 
         def hear_order(dispatch: Dispatch, asked: Request) -> None:
             with self._beside(asked):
