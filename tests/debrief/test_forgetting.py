@@ -4,6 +4,7 @@ import csv
 import html
 import io
 import json
+import os
 import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -148,6 +149,24 @@ def test_what_is_no_name_is_refused_and_nothing_is_touched(folder: Path, name: s
         forget(folder, name)
 
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def test_a_folder_that_cannot_be_looked_through_is_told(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scan = os.scandir
+
+    def scandir(path: str) -> "os._ScandirIterator[str]":
+        if Path(path).name == "boat-2":
+            raise PermissionError(13, "Permission denied", str(path))
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", scandir)
+
+    told = forget(folder, NAME, code=1)
+
+    assert f"{folder / 'boat-2'}: the name may be in it: Permission denied" in told
+    assert "drill.trainer: the name is removed" in told
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)

@@ -5,6 +5,7 @@ the disk, before it is cleaned and after. What is the trainer's own is cleaned, 
 where a name still stands is told.
 """
 
+import glob
 import html
 import json
 import os
@@ -256,16 +257,25 @@ def _doubtful(files: Sequence[Path], cleaned: Collection[Path]) -> Iterator[Path
                 yield from [path] if _head(path).startswith(PACKED_HEADS) else ()
 
 
-def files_of(sources: Sequence[Path]) -> Iterator[Path]:
-    """Yield all files of folders, and recordings with what lies beside them; ConfigError."""
+def files_of(sources: Sequence[Path], left: list[str]) -> Iterator[Path]:
+    """Yield all files of folders, and recordings with what lies beside them; ConfigError.
+
+    A folder that cannot be looked through is added to ``left``.
+    """
+
+    def tell(wrong: OSError) -> None:
+        left.append(f"{wrong.filename}: the name may be in it: {wrong.strerror}")
+
     for source in searched(sources):
         if not source.exists():
             raise ConfigError(f"{source}: there is no such file or folder")
-        found = source.rglob("*") if source.is_dir() else source.parent.iterdir()
-        for path in found:
-            beside = path.suffix != RECORDING_SUFFIX and path.name.startswith(source.stem)
-            if path.is_file() and (source.is_dir() or path == source or beside):
-                yield path
+        if source.is_dir():
+            walked = os.walk(source, onerror=tell)
+            found = [Path(folder, name) for folder, _, names in walked for name in names]
+        else:
+            beside = source.parent.glob(f"{glob.escape(source.stem)}*")
+            found = [path for path in beside if path == source or path.suffix != RECORDING_SUFFIX]
+        yield from (path for path in found if path.is_file())
 
 
 def print_forgotten(sources: Sequence[Path], name: str) -> int:
@@ -275,7 +285,8 @@ def print_forgotten(sources: Sequence[Path], name: str) -> int:
     """
     if not re.search(r"\w", name):
         raise ConfigError(f"--forget {quote(name)}: say whose name; this is none")
-    files, left, found = list(files_of(sources)), list[str](), False
+    left, found = list[str](), False
+    files = list(files_of(sources, left))
     for line in forget_trainee(name, files, left):
         click.echo(line)
         found = True
