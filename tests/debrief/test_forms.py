@@ -160,6 +160,6 @@ def test_a_name_is_forgotten_in_forms_too(tmp_path: Path) -> None:
     path = record(tmp_path / "drill.trainer", EXERCISE, {}, "helm")
     form = filled(tmp_path, "E. Green", "peer", 10, remark="said E. Green, beside him")
     write_forms(path, with_forms((), [form], plan_run(RunOptions(exercise=EXERCISE))))
-    assert list(forget_trainee("e. green", files_of([path]), []))
+    assert list(forget_trainee("e. green", files_of([path], []), []))
     (kept,) = read_forms(path)
     assert (kept.by, kept.remark) == ("(name removed)", "said (name removed), beside him")

@@ -370,7 +370,7 @@ def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
     list_recording(kept)
     before = read_dossier(kept, None).trajectory
     left: list[str] = []
-    told = list(forget_trainee(ANN.upper(), files_of([kept]), left))
+    told = list(forget_trainee(ANN.upper(), files_of([kept], left), left))
 
     assert [Path(line.split(":")[0]).name for line in told] == [
         *("steady.trainer", "steady.changes.toml", "steady.html"),
