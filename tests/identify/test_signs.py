@@ -1,14 +1,17 @@
 """Signs that a record itself contradicts: found, named with their cure, and not found falsely."""
 
+import re
 import warnings
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from helpers import boat_trials
 from helpers.bb2_trials import estimated_bb2, four_trials
-from helpers.boat_trials import estimated_boat, made_trial, write_csv
+from helpers.boat_trials import estimated_boat, made_trial, swing_controls, write_csv
 
 from trainer.config.files import ConfigError
 from trainer.identify.boat import fit, search
@@ -25,6 +28,8 @@ from trainer.identify.boat.trial import (
 )
 from trainer.identify.fitting.minimise import SearchOptions
 from trainer.identify.record.signs import SignTest, explain_signs
+from trainer.identify.record.sources import Column
+from trainer.units import DEGREE
 
 RATE = CHANNEL_NAMES.index("r")
 TURNED = {  # what is turned in a file, and the option that turns it back
@@ -50,13 +55,13 @@ def file(prior: Prior, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def turned(file: Path, folder: Path, head: str) -> Path:
-    """Return a copy of a file, a column of the other sign."""
+def scaled(file: Path, folder: Path, head: str, factor: float) -> Path:
+    """Return a copy of a file, a column times a factor."""
     lines = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
     at = lines[0].index(head)
     for row in lines[1:]:
-        row[at] = f"{-float(row[at]):.5f}"
-    path = folder / "turned.csv"
+        row[at] = f"{factor * float(row[at]):.7f}"
+    path = folder / "scaled.csv"
     path.write_text("\n".join(map(",".join, lines)) + "\n", encoding="utf-8")
     return path
 
@@ -65,7 +70,7 @@ def turned(file: Path, folder: Path, head: str) -> Path:
 def test_the_option_that_a_wrong_sign_names_reads_the_record_right(
     prior: Prior, file: Path, tmp_path: Path, head: str
 ) -> None:
-    plain, path = read_trial(file, prior.vessel), turned(file, tmp_path, head)
+    plain, path = read_trial(file, prior.vessel), scaled(file, tmp_path, head, -1.0)
     with pytest.raises(ConfigError) as wrong:
         read_trial(path, prior.vessel)
     assert f"--columns {TURNED[head]}" in str(wrong.value)
@@ -79,8 +84,66 @@ def test_the_option_that_a_wrong_sign_names_reads_the_record_right(
     assert read.inputs == pytest.approx(plain.inputs, abs=1e-9)
 
 
+def test_a_rudder_of_radians_called_degrees_is_refused_and_read_as_radians(
+    prior: Prior, file: Path, tmp_path: Path
+) -> None:
+    plain, path = read_trial(file, prior.vessel), scaled(file, tmp_path, "rudder [deg]", DEGREE)
+    with pytest.raises(ConfigError, match="--columns rudder=rudder:rad; --anyway"):
+        read_trial(path, prior.vessel)
+    read = read_trial(path, prior.vessel, instruments_of(["rudder=rudder:rad"], []))
+    assert read.inputs == pytest.approx(plain.inputs, abs=1e-6)
+    told = read_trial(path, prior.vessel, instruments_of([], [], anyway=True)).told
+    assert any("taken as it is: she turns as by a rudder of radians" in one for one in told)
+
+
+def test_a_rudder_at_rest_is_not_taken_for_radians(
+    prior: Prior, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def rest(*numbers: Any) -> np.ndarray:
+        return np.asarray(swing_controls(*numbers) * (np.arange(4) != INPUT_FIELDS.index("rudder")))
+
+    monkeypatch.setattr(boat_trials, "swing_controls", rest)
+    columns = {"rudder": Column("rudder", "deg")}
+    for seed in range(20):
+        made = made_trial(prior.vessel, prior.draw(seed), seed=seed)
+        inputs = made.inputs.copy()
+        inputs[:, 0] = 0.01 * DEGREE * np.random.default_rng(seed).standard_normal(len(inputs))
+        read = replace(made, inputs=inputs)
+        if not [*trial_problems(read, prior.vessel)]:
+            assert "radians" not in wrong_signs(read, prior.vessel, columns)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("head", "factor", "option"),
+    [
+        ("roll [deg]", -1.0, "roll=roll:deg*-1"),
+        ("bow planes [deg]", -1.0, "bow='bow planes':deg*-1"),
+        ("stern planes [deg]", DEGREE, "stern='stern planes':rad"),
+    ],
+)
+def test_a_fit_tells_what_no_channel_does(
+    prior: Prior, file: Path, tmp_path: Path, head: str, factor: float, option: str
+) -> None:
+    path = scaled(file, tmp_path, head, factor)
+    found = search.fit_trials(prior, [read_trial(path, prior.vessel)])
+    found = replace(found, turned=search.find_turned(found))
+    with pytest.raises(ConfigError, match=re.escape(f"scaled.csv: say --columns {option}: ")):
+        fit.check_controls(found)
+    read = read_trial(path, prior.vessel, instruments_of([option.replace("'", "")], []))
+    plain = read_trial(file, prior.vessel)
+    assert read.inputs == pytest.approx(plain.inputs, abs=1e-6)
+    assert read.readings == pytest.approx(plain.readings, abs=1e-6, nan_ok=True)
+
+
+@pytest.mark.long
+def test_a_fit_turns_nothing_of_a_record_that_is_right(prior: Prior, file: Path) -> None:
+    found = search.fit_trials(prior, [read_trial(file, prior.vessel)])
+    assert search.find_turned(found) == ""
+
+
 def test_anyway_reads_a_wrong_sign_and_says_so(prior: Prior, file: Path, tmp_path: Path) -> None:
-    path = turned(file, tmp_path, "rudder [deg]")
+    path = scaled(file, tmp_path, "rudder [deg]", -1.0)
     read = read_trial(path, prior.vessel, instruments_of([], [], anyway=True))
     assert any("taken as it is: positive rudder turns her to starboard" in one for one in read.told)
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -410,3 +411,15 @@ def test_a_unit_that_nobody_says_is_asked_for(tmp_path: Path) -> None:
     (tmp_path / "trial.csv").write_text(text(columns).replace("rot", "rot [kn]", 1))
     with pytest.raises(ConfigError, match=r'the file says "kn": say in the study'):
         study(tmp_path, columns, {**UNITS, "yaw_rate": ""})
+
+
+@pytest.mark.parametrize("channel", ["heading", "yaw_rate", "sway", "speed"])
+def test_a_channel_read_in_every_third_row_is_examined_without_a_warning(
+    tmp_path: Path, channel: str
+) -> None:
+    columns = trial()
+    columns[channel][np.arange(400) % 3 > 0] = math.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        told = observed(tmp_path, columns).findings
+    assert any("266 of 400 values are missing" in str(one) for one in told)

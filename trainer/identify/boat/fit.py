@@ -1,7 +1,7 @@
 """A fit from its files to its report, for command and Python face."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from trainer.config.files import ConfigError
@@ -9,7 +9,7 @@ from trainer.identify.boat.figures import BAND_DRAWS
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import BoatFit, report_fit, turned_controls
-from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, FitResult, find_delay, fit_trials
+from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, FitResult, find_flaws, fit_trials
 from trainer.identify.boat.sheet import html_page
 from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
 from trainer.identify.fitting.minimise import Progress, SearchOptions, ignore_news
@@ -63,14 +63,14 @@ def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
     if found.found.doubt == STOPPED_TEXT:
         return found
     try:
-        return replace(found, delay=find_delay(found, progress))
+        return find_flaws(found, progress)
     except KeyboardInterrupt:
         return found
 
 
 def check_controls(found: FitResult) -> None:
-    """Check the signs of control coefficients; ConfigError with those that no boat has."""
-    if turned := turned_controls(found):
+    """Check signs that only a fit tells; ConfigError with those that no boat has."""
+    if turned := found.turned or turned_controls(found):
         raise ConfigError(f"{turned}; nothing is written; --anyway writes it")
 
 

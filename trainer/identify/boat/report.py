@@ -282,7 +282,7 @@ def _warnings(
             f"the search did not settle ({fit.found.doubt}): all bands are doubled; fit fewer "
             "records, or give a longer one"
         )
-    if turned := turned_controls(fit):
+    if turned := fit.turned or turned_controls(fit):
         yield turned
     if fit.conflict > MAX_CONFLICT:
         yield (

@@ -26,6 +26,7 @@ from trainer.identify.fitting.minimise import (
     SearchResult,
     ignore_news,
 )
+from trainer.units import DEGREE
 
 MOST_STEPS: Final = 60
 USUAL_SEARCH: Final = SearchOptions(MOST_STEPS)
@@ -46,6 +47,12 @@ UNGATED_STEPS: Final = 3  # before a boat follows its records, no reading can be
 WILD_DEVIATIONS: Final = 5.0  # standard deviations of an innovation
 MAX_DELAYS: Final = 4  # [readings] by which surfaces are tried late or early
 CLEAR_FALL: Final = 10.0  # [-] of the value, to tell that they are
+OTHER_READINGS: Final = (  # that only a fit tells
+    *((names, -1.0) for names in (("roll",), ("roll", "roll_rate"), ("roll_rate",))),
+    *((names, -1.0) for names in (("bow",), ("pitch_rate",))),
+    *((names, 1.0 / DEGREE) for names in (("stern",), ("bow",), ("stern", "bow"))),
+)
+OTHER_STEPS: Final = 10  # of a fit with these
 SMALL_MOVE: Final = 0.5  # [-] posterior standard deviations: near the end, and it moves each step
 UNSETTLED_FACTOR: Final = 2.0  # of the bands of a search that did not settle
 
@@ -62,6 +69,7 @@ class FitResult:
     noise: Noise
     passes: tuple[FilterResult, ...]  # by record, at the end
     delay: float = 0.0  # [s] by which surfaces seem to be logged late
+    turned: str = ""  # which signs or units the records contradict, and the option that mends it
 
     @property
     def learned(self) -> Numbers:
@@ -280,6 +288,11 @@ def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
     return search.noise
 
 
+def find_flaws(fit: FitResult, progress: Progress = ignore_news) -> FitResult:
+    """Return a fit with what its records read otherwise, or late."""
+    return replace(fit, turned=find_turned(fit, progress), delay=find_delay(fit, progress))
+
+
 def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:
     """Return how late [s] surfaces are logged; below 0 early, 0 if neither.
 
@@ -298,6 +311,36 @@ def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:
         if found:
             return found * way
     return 0.0
+
+
+def find_turned(fit: FitResult, progress: Progress = ignore_news) -> str:
+    """Return which signs or radians of OTHER_READINGS records contradict; "" for none.
+
+    A boat is fitted to the records read so, from the prior on. No single channel tells how she
+    heels in turns, or her bow planes pitch her: all together do.
+    """
+    found = {}
+    for names, factor in OTHER_READINGS:
+        told = [one for one in fit.trials if {(name, factor) for name in names} <= {*one.cures}]
+        # a search that was caught is worse than many: of a sign it says nothing
+        if told and (fit.found.converged or factor > 0.0):
+            trials = [one.scaled(names, factor) if one in told else one for one in fit.trials]
+            cures = " and ".join(told[0].cures[name, factor] for name in names)
+            found[_cost_anew(fit, trials, progress)] = f"{told[0].source}: {cures}"
+    least, best = min(found, default=math.inf), fit.found.cost - CLEAR_FALL
+    # the records as they are have the same second try
+    if not least < best or not least < _cost_anew(fit, fit.trials, progress) - CLEAR_FALL:
+        return ""
+    return f"{found[least]}: so a boat is likelier"
+
+
+def _cost_anew(fit: FitResult, trials: Sequence[Trial], progress: Progress) -> float:
+    """Return the value of records after a few steps from the prior on, with the noise found."""
+    search = _Search(fit.prior, trials, SearchOptions(OTHER_STEPS, progress))
+    search.noise = fit.noise
+    if math.isfinite(search.value(search.z, search.noise)):
+        search.run()
+    return search.cost
 
 
 def _cost_with(fit: FitResult, delay: float, progress: Progress) -> float:

@@ -9,7 +9,7 @@ more than its own reading is off, and a fit takes such a rudder for weak.
 import hashlib
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
@@ -27,6 +27,7 @@ from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import FIN_CHANNELS, Record
 from trainer.identify.record.signs import (
     FLOWN_PLANES_RAD,
+    MAX_GAIN,
     Channel,
     Course,
     explain_signs,
@@ -64,6 +65,7 @@ USUAL_ERRORS: Final = {  # [SI] standard deviation of a reading
     "r": 0.02 * DEGREE,
     "ground_speed": 0.05,
 }
+MOST_AS_RAD: Final = 0.5 * math.pi * DEGREE  # [rad] degrees that may be radians
 COLUMNS_OPTION: Final = "--columns"
 NEEDED_FIELDS: Final = ("rudder", "stern", "heading", "pitch", "depth")
 INTERVAL_RANGE_S: Final = (0.05, 2.0)  # [s]
@@ -115,6 +117,13 @@ class Trial:
     columns: tuple[str, ...]  # which column was taken for what, in words
     told: tuple[str, ...]
     biases: Mapping[str, float] = field(default_factory=dict)  # of Instruments
+    cures: Mapping[tuple[str, float], str] = field(default_factory=dict)  # by field and factor
+
+    def scaled(self, names: Sequence[str], factor: float) -> "Trial":
+        """Return the trial with a factor on fields of its record."""
+        read = [RECORD_FIELDS[name] for name in CHANNEL_NAMES]
+        ways = [np.where(np.isin(one, names), factor, 1.0) for one in (read, INPUT_FIELDS)]
+        return replace(self, readings=self.readings * ways[0], inputs=self.inputs * ways[1])
 
     def hastened(self, seconds: float) -> "Trial":
         """Return the trial with inputs that stand earlier; the last one stands to the end."""
@@ -172,9 +181,20 @@ def read_trial(
         if instruments.anyway:
             trial = replace(trial, told=(*trial.told, f"taken as it is: {signs}"))
         else:
-            found.append(f"{signs}; --anyway takes the signs as they are")
+            found.append(f"{signs}; --anyway takes it as it is")
     raise_problems([f"{record.source}: {text}" for text in found])
-    return without_unflown(trial)
+    trial = without_unflown(trial)
+    return replace(trial, cures={} if path.suffix == RECORDING_SUFFIX else _cures(trial, columns))
+
+
+def _cures(trial: Trial, columns: Mapping[str, Column]) -> dict[tuple[str, float], str]:
+    """Return options that read channels otherwise: turned, or in radians called degrees."""
+    largest = {name: float(np.abs(one.values).max()) for name, one in channels_of(trial).items()}
+    cures = {(name, -1.0): _turned(name, columns) for name, most in largest.items() if most > 0.0}
+    for name in ("stern", "bow"):
+        if (one := columns.get(name)) and one.unit == "deg" and 0.0 < largest[name] < MOST_AS_RAD:
+            cures[name, 1.0 / DEGREE] = _said(name, one, "rad")
+    return cures
 
 
 def _columns(path: Path, said: Mapping[str, Column]) -> dict[str, Column]:
@@ -404,6 +424,9 @@ def wrong_signs(trial: Trial, vessel: FittedVessel, columns: Mapping[str, Column
     """Return which signs the record itself contradicts, and the nearest cures; "" if none."""
     limit = vessel.file.surfaces.rudder_limit_deg * DEGREE
     tests = [*judge_signs(channels_of(trial), Course(vessel.length, vessel.speed, limit))]
+    rudder = columns.get("rudder")
+    if max((one.gain for one in tests), default=0.0) > MAX_GAIN and rudder and rudder.unit == "deg":
+        return f"she turns as by a rudder of radians: {_said('rudder', rudder, 'rad')}"
     faults = [one.evidence for one in tests if one.found < 0.0]
     if not faults:
         return ""
@@ -420,8 +443,12 @@ def _turned(channel: str, columns: Mapping[str, Column]) -> str:
     scale = -1.0 if one.scale is None else -one.scale
     east = " (*-1+90 of one from east)" if channel == "heading" and one.unit == "deg" else ""
     offset = f"{-one.offset:+g}" if one.offset else ""
-    words = f"say {COLUMNS_OPTION} {channel}={shlex.quote(one.name)}:{one.unit}*{scale:g}{offset}"
-    return f"{words}{east}"
+    return f"{_said(channel, one, one.unit)}*{scale:g}{offset}{east}"
+
+
+def _said(channel: str, one: Column, unit: str) -> str:
+    """Return the option that says where a channel is, and its unit."""
+    return f"say {COLUMNS_OPTION} {channel}={shlex.quote(one.name)}:{unit}"
 
 
 def without_unflown(trial: Trial) -> Trial:

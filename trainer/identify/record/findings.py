@@ -216,14 +216,15 @@ def _strange_rate(record: Record) -> Iterator[Finding]:
     rate, heading = record.column("yaw_rate"), unwrap_angle(record.column("heading"))
     steps = np.diff(record.t, append=record.t[-1])
     known = np.isfinite(rate) & np.isfinite(heading)
-    if np.count_nonzero(known) < MIN_SAMPLES:
+    third = np.diff(rate, 3)
+    if min(np.count_nonzero(known), np.count_nonzero(np.isfinite(third))) < MIN_SAMPLES:
         return
     summed = np.cumsum(np.nan_to_num(rate) * steps)
     apart = record.t - record.t[0]
     both = (np.polyval(np.polyfit(apart[known], one[known], 1), apart) for one in (summed, heading))
     by_rate, turned = (one - line for one, line in zip((summed, heading), both, strict=True))
     # what white errors of the rate, as their third differences show them, add up to
-    rough = float(np.nanstd(np.diff(rate, 3))) / math.sqrt(20.0)
+    rough = float(np.nanstd(third)) / math.sqrt(20.0)
     wander = rough * record.interval * math.sqrt(len(rate))
     if float(np.std(turned[known])) < SURE_STANDARD_ERRORS * wander:
         return
@@ -390,11 +391,13 @@ def _spikes(record: Record) -> Iterator[Finding]:
     """Yield readings that stand out from both neighbours: outliers."""
     for channel in (*MOTION_CHANNELS, *POSITION_CHANNELS):
         values = getattr(record, channel)
-        if values is None or len(values) < MIN_SAMPLES:
+        if values is None:
             continue
         values = unwrap_angle(values) if channel in ("heading", "longitude") else values
         steps = np.abs(np.diff(values))
         off = values[1:-1] - 0.5 * (values[2:] + values[:-2])
+        if np.count_nonzero(np.isfinite(off)) < MIN_SAMPLES:  # too few with both neighbours
+            continue
         least = np.nanmin(steps, where=steps > 0.0, initial=np.inf)  # of a rounded reading
         limit = SPIKE_SCATTERS * max(1.5 * float(np.nanmedian(np.abs(off))), float(least))
         # a lone reading takes half of its error to either side, a ship that turns does not

@@ -3,7 +3,8 @@
 Turning against rudder, pitching against planes, climb against pitch, a yaw rate against the
 heading. Each is regressed on first differences or means over a share of the time in which the boat
 goes her own length: second differences of readings are noise. Each channel has its own readings.
-Signs of roll, bow planes and rates of roll and pitch no test tells of all boats: they are assumed.
+How far she turns tells a rudder in radians. Signs of roll, bow planes and rates of roll and pitch
+no such test tells of all boats: the fit itself does (``boat/search``).
 """
 
 import itertools
@@ -23,6 +24,7 @@ FLOWN_PLANES_RAD: Final = math.radians(1.5)  # [rad] rms: less only keeps a dept
 TURNING_WINDOWS: Final = (0.15, 0.3, 0.6)  # [L/U] half of a mean; wider ones turn signs
 PITCHING_WINDOWS: Final = (0.1, 0.2, 0.4)  # [L/U] likewise
 TURN_LENGTHS, CLIMB_LENGTHS = 6.0, 2.0  # [L/U] of a steady turn, and of a climb
+MAX_GAIN: Final = 8.0  # [U2/L2] of turning by rudder: drawn boats have 0.1 to 5
 MIN_TURN_RAD: Final = math.radians(6.0)  # [rad] that heading and rate are compared over
 MIN_STEADY_RAD: Final = math.radians(2.0)  # [rad] by which a rudder's mean moves
 MAX_PITCH_RAD: Final = 1.5  # [rad]
@@ -45,6 +47,7 @@ class SignTest(NamedTuple):
     channels: tuple[str, ...]  # turning one of them turns it
     found: float
     unit: str = "standard errors"
+    gain: float = 0.0  # [U2/L2] of turning by rudder
 
     @property
     def evidence(self) -> str:
@@ -66,9 +69,10 @@ def judge_signs(channels: Mapping[str, Channel], boat: Course) -> Iterator[SignT
     pace = boat.speed if ahead is None else max(float(np.median(np.abs(ahead.values))), 0.05)
     span = boat.length / pace
     have = channels.keys()
-    if {"heading", "rudder"} <= have and (found := _turning(channels, boat, span)):
-        unit = "standard errors" if abs(found) > 1.0 else "correlation"
-        yield SignTest("positive rudder turns her to starboard", ("rudder", "heading"), found, unit)
+    if {"heading", "rudder"} <= have and any(told := _turning(channels, boat, span)):
+        unit = "standard errors" if abs(told[0]) > 1.0 else "correlation"
+        fault = "positive rudder turns her to starboard"
+        yield SignTest(fault, ("rudder", "heading"), told[0], unit, told[1])
     if {"heading", "yaw_rate"} <= have and (found := _rate_by_heading(channels)):
         fault = "the yaw rate goes against the heading"
         yield SignTest(fault, ("yaw_rate", "heading"), found, "correlation")
@@ -115,57 +119,64 @@ def _mean(values: Numbers, half: int) -> Numbers:
     return np.convolve(values, np.full(2 * half + 1, 1.0 / (2 * half + 1)), "valid")
 
 
-def _errors(columns: Sequence[Numbers], values: Numbers, index: int) -> float:
-    """Return a regression's coefficient in standard errors, with its sign; 0 where it has none.
+def _errors(columns: Sequence[Numbers], values: Numbers, index: int) -> tuple[float, float, float]:
+    """Return a regression's coefficient in standard errors, 0 of none, as it is, its correlation.
 
     Errors go together: by their correlation with the one before they count as fewer.
     """
     regressors = np.column_stack(columns)
-    regressors = regressors / np.maximum(np.abs(regressors).max(axis=0), 1e-300)
+    sizes = np.maximum(np.abs(regressors).max(axis=0), 1e-300)
+    regressors = regressors / sizes
     solution, *_ = np.linalg.lstsq(regressors, values, rcond=None)
     left = values - regressors @ solution
     spread = float(left[1:].std() * left[:-1].std())
     pairs = float(np.mean((left[1:] - left[1:].mean()) * (left[:-1] - left[:-1].mean())))
     lag = min(max(pairs / spread, 0.0), 0.99) if spread > 0.0 else 0.0
     free = max(len(values) * (1.0 - lag) / (1.0 + lag) - regressors.shape[1], 1.0)
-    variance = float(left @ left) / free * np.linalg.pinv(regressors.T @ regressors)[index, index]
-    return float(solution[index]) / math.sqrt(variance) if variance > 0.0 else 0.0
+    square = float(left @ left * np.linalg.pinv(regressors.T @ regressors)[index, index])
+    variance, together = square / free, math.hypot(solution[index], math.sqrt(square))
+    sure = float(solution[index]) / math.sqrt(variance) if variance > 0.0 else 0.0
+    return sure, float(solution[index] / sizes[index]), abs(solution[index]) / (together or 1.0)
 
 
-def _turning(channels: Mapping[str, Channel], boat: Course, span: float) -> float:
-    """Return how surely a positive rudder turns to port; 0 where nothing tells.
+def _turning(channels: Mapping[str, Channel], boat: Course, span: float) -> tuple[float, float]:
+    """Return how surely a positive rudder turns to port, and how much [U2/L2]; 0 where unsure.
 
     r = G (integral of rudder) - heading / T + drift, all as means; else by a steady turn.
     """
     t, (heading, rudder) = _laid(channels["heading"], channels["rudder"])
     most = float(np.quantile(np.abs(channels["rudder"].values), 0.995))
-    if len(t) < MIN_READINGS or most < max(STEERED_SHARE * boat.rudder_limit, 1e-9):
-        return 0.0
+    if len(t) < MIN_READINGS or most < 1e-9:
+        return 0.0, 0.0
+    flown = most >= STEERED_SHARE * boat.rudder_limit
     step, run = t[1] - t[0], _integral(t, rudder - rudder.mean())
-    if found := -_power(t, heading, [run, heading - heading[0]], TURNING_WINDOWS, span):
-        return found
+    found, gain = _power(t, heading, [run, heading - heading[0]], TURNING_WINDOWS, span)
+    if found and (flown or gain > MAX_GAIN):
+        return -found, gain
     lag, run = max(2, round(TURN_LENGTHS * span / step)), _integral(t, rudder)
-    if len(t) <= 6 * lag or np.std(rudder) <= MIN_STEADY_RAD:
-        return 0.0
+    if not flown or len(t) <= 6 * lag or np.std(rudder) <= MIN_STEADY_RAD:
+        return 0.0, 0.0
     together = float(np.corrcoef(heading[lag:] - heading[:-lag], run[lag:] - run[:-lag])[0, 1])
-    return -together if abs(together) > SURE_CORRELATION else 0.0
+    return (-together if abs(together) > SURE_CORRELATION else 0.0), 0.0
 
 
 def _power(
     t: Numbers, angle: Numbers, columns: Sequence[Numbers], shares: Sequence[float], span: float
-) -> float:
+) -> tuple[float, float]:
     """Return how surely an angle's rate rises with the first column [standard errors]; 0: unsure.
 
-    All are means over the same rows, so that these leave no lag; the surest means count.
+    And how much [U2/L2], where hardly anything else moves her; else 0. All are
+    means over the same rows, so that these leave no lag; the surest means count.
     """
-    step, found = t[1] - t[0], [0.0]
+    step, found = t[1] - t[0], [(0.0, 0.0, 0.0)]
     for half in sorted({max(1, round(share * span / step)) for share in shares}):
         if len(t) >= 12 * half + MIN_READINGS:
             rate = (angle[2 * half :] - angle[: -2 * half]) / (2 * half * step)
             means = [_mean(one, half) for one in columns if np.ptp(one) > 0.0]
             found.append(_errors([*means, t[half:-half] - t[0], np.ones(len(rate))], rate, 0))
-    best = max(found, key=abs)
-    return best if abs(best) > SURE_ERRORS else 0.0
+    sure, power, together = max(found, key=lambda one: abs(one[0]))
+    gain = abs(power) * span**2 if together > SURE_CORRELATION else 0.0
+    return sure if abs(sure) > SURE_ERRORS else 0.0, gain
 
 
 def _rate_by_heading(channels: Mapping[str, Channel]) -> float:
@@ -205,7 +216,7 @@ def _climb(channels: Mapping[str, Channel], ahead: Channel, span: float) -> floa
         columns.append(_integral(t, _turn_squares(channels, t, span)))
     columns = [one for one in columns if np.ptp(one) > 0.0]
     lag = min(max(2, round(CLIMB_LENGTHS * span / step)), len(t) // 6)
-    found = _errors([one[lag:] - one[:-lag] for one in columns], depth[lag:] - depth[:-lag], 0)
+    found, *_ = _errors([one[lag:] - one[:-lag] for one in columns], depth[lag:] - depth[:-lag], 0)
     return found if abs(found) > SURE_CLIMB else 0.0
 
 
@@ -231,4 +242,4 @@ def _pitching(channels: Mapping[str, Channel], ahead: Channel, span: float) -> f
     columns += [pitch, depth - depth[0] + _integral(t, dived)]
     if "heading" in channels:
         columns.append(_integral(t, _turn_squares(channels, t, span)))
-    return -_power(t, pitch, columns, PITCHING_WINDOWS, span)
+    return -_power(t, pitch, columns, PITCHING_WINDOWS, span)[0]
