@@ -466,3 +466,18 @@ def test_a_depth_is_kept_astern_or_that_it_is_not_is_said(
     else:
         assert left < 5.5
     assert refused != (vessel == "bb2" and share == 0.5) or vessel == "sdv-mk9"
+
+
+@pytest.mark.parametrize("words", ["bell astern full", "astern full", "turns -8", "rpm -56"])
+def test_each_wording_of_full_astern_says_that_no_depth_is_kept(words: str) -> None:
+    boat = start_boat(10.0 * KNOT)
+    assert answer_of(boat, words).endswith("; astern no depth is kept")
+    fly(boat, 2400.0)
+    assert abs(boat.state.z - 60.0) > 30.0
+
+
+def test_an_astern_bell_that_keeps_the_depth_says_nothing_of_it() -> None:
+    boat = start_boat(10.0 * KNOT)
+    assert answer_of(boat, "bell astern 2/3").endswith("turns for -5 kn")
+    fly(boat, 2400.0)
+    assert abs(boat.state.z - 60.0) < 1.0

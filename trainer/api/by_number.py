@@ -4,7 +4,6 @@ One call obeys a row of numbers, advances, and reads a row of the state, in mach
 (``core.entry.steer``). What an order by number writes is what its words write, to the bit.
 """
 
-import math
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any, Final
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from trainer.boat.boat import STATE_OFFSETS, Boat
-from trainer.boat.depths import collapse_of
+from trainer.boat.depths import collapse_of, crush_depth
 from trainer.boat.effects import NumberedOrder, numbered_orders
 from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.boat.world.bottom import TICK_OFFSET
@@ -60,8 +59,7 @@ class BoatByNumber:
         self.orders, self.reads, self.ticks = tuple(orders), tuple(reads), ticks
         self.low = np.array([order.low for order in chosen])
         self.high = np.array([order.high for order in chosen])
-        self._boat, hull = boat, boat.file.hull
-        self._deep = (hull.collapse_depth_m or math.inf) - hull.length  # above it no hull collapses
+        self._boat, self._crush_depth = boat, crush_depth(boat.file.hull)
         self._values = np.zeros((1, len(chosen)))
         self._out = np.zeros((1, 1 + rows * len(reads)))
         self._shape, self._row = self.low.shape, self._values[0]
@@ -91,7 +89,7 @@ class BoatByNumber:
                 "another thread is at this boat: one call at a time; give each thread its own boat"
             )
         try:
-            if self._boat.plain[Z_OFFSET] > self._deep and (lost := collapse_of(self._boat)):
+            if lost := self._collapse():
                 raise ConfigError(f"this boat cannot go on: {lost}; go back to a snapshot")
             self._row[...] = values
             world = self._boat.world
@@ -102,11 +100,15 @@ class BoatByNumber:
             )
             if resting:
                 raise ConfigError(self._reason())
-            if self._boat.plain[Z_OFFSET] > self._deep and (lost := collapse_of(self._boat)):
+            if lost := self._collapse():
                 raise ConfigError(f"lost at {self._boat.time:g} s: {lost}")
             return self._copy()
         finally:
             self._release()
+
+    def _collapse(self) -> str:
+        """Return that the hull has collapsed, "" while it holds."""
+        return collapse_of(self._boat) if self._boat.plain[Z_OFFSET] >= self._crush_depth else ""
 
     def _row_of(self, values: ArrayLike) -> Numbers:
         """Return values as a row of the orders; ConfigError if they are none."""

@@ -39,7 +39,7 @@ STATE_OFFSETS = {name: field[1] // 8 for name, field in (STATE.fields or {}).ite
 TICK_OFFSET = STATE_OFFSETS["tick"]
 # How long an order is flown to see whether it can be kept: estimates
 FORESEEN_S: Final = 600.0  # [s]
-ASTERN_LENGTHS, ASTERN_S = 50.0, 1800.0  # [-] of the boat, [s]
+ASTERN_LENGTHS, ASTERN_S = 120.0, 1800.0  # [-] of the boat, [s]
 FLAT_WORDS: Final = ", after the battery went flat"  # of a loss
 
 

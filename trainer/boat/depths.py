@@ -195,6 +195,11 @@ def hull_depth(boat: Boat) -> float:
     return float(lowest_depth(boat.plain[Z], boat.plain[THETA], boat.file.hull.length))
 
 
+def crush_depth(hull: Hull) -> float:
+    """Return the depth [m] of the origin above which nothing of a hull is crushed."""
+    return (hull.collapse_depth_m or math.inf) - hull.length
+
+
 def collapse_of(boat: Boat) -> str:
     """Return that the hull has collapsed, and where, "" while it holds.
 

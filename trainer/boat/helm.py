@@ -228,7 +228,9 @@ def _revolutions(boat: Boat, order: Order) -> Reply:
     effect.write(boat, order.value)
     said = "" if order.name == "turns" else f"{order.text}: "
     answer = f"{said}turns for {boat.state.ordered_u_c / KNOT:.3g} kn"
-    return answer + "; astern no depth is kept" * (order.value < 0.0 and _loses_depth(boat))
+    if boat.state.ordered_u_c < 0.0 and _loses_depth(boat):
+        return f"{answer}; astern no depth is kept"
+    return answer
 
 
 def _loses_depth(boat: Boat) -> bool:

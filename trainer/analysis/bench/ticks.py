@@ -37,7 +37,7 @@ from trainer.session.time.ledger import Histogram, Spread
 from trainer.units import KNOT
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
-COUNT: Final = re.compile(r"([a-z][a-z ]*) ([0-9]+)")  # in the summary of a run
+NAMED_COUNT: Final = re.compile(r"([a-z][a-z ]*) ([0-9]+)")  # in the summary of a run
 STANDARD_METHOD: Final = ("modified", "lagged", "adams2")
 BATCH_COUNT: Final = 21  # batches: an odd number has a median of its own
 BATCH_TICKS: Final = 50_000  # [ticks] of some 10 ms; the clock resolves far better
@@ -128,7 +128,7 @@ def read_ticks(recording: Path, summary: str) -> PacedTicks:
             work.add(work_ns)
             lateness.add(late_ns)
             ticks += 1
-    counts = {name: int(count) for name, count in COUNT.findall(entry(summary, "on time"))}
+    counts = {name: int(count) for name, count in NAMED_COUNT.findall(entry(summary, "on time"))}
     granted, spreads = entry(summary, "the clock"), (work.spread(), lateness.spread())
     return PacedTicks(ticks, duty_cycle(summary), *spreads, counts, granted)
 

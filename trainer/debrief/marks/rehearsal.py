@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import InstrumentReadings
 from trainer.boat.crew_orders import ordered_fact
-from trainer.boat.depths import collapse_of, is_crushed
+from trainer.boat.depths import collapse_of, crush_depth, is_crushed
 from trainer.boat.due_orders import entries_due
 from trainer.boat.flown_ticks import count_before
 from trainer.boat.helm import obey_order
@@ -179,9 +179,7 @@ class Flight:
         ends = contacts is not None and contacts.encounters.collision == "end"
         self.contacts = contacts if ends else None  # those whose touch ends the flight
         self.hull = OwnHull.of(boat)
-        pressure_hull = boat.file.hull
-        # [m] of its origin: no end of the hull is crushed above
-        self.crush_depth = (pressure_hull.collapse_depth_m or math.inf) - pressure_hull.length
+        self.crush_depth = crush_depth(boat.file.hull)
         self.given: list[RecordedOrder] = []  # in this tick so far
 
     def give_scheduled(self, entries: Sequence[int]) -> None:
