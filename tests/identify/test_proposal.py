@@ -108,7 +108,7 @@ def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
     helm[7] = np.nan
     path = write(tmp_path / "a.csv", {"t": T, "rudder": helm, "heading": HEADING})
     (told,) = write_proposal(path, tmp_path / "a.toml", None, None).remarks
-    assert "row 9: rudder: the rudder must be known at each row" in told
+    assert "row 10: rudder: has no reading for 4 s, one each 2 s else: taken straight" in told
 
 
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:

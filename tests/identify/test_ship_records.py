@@ -168,8 +168,16 @@ BAD: dict[str, tuple[Callable[[Columns], Columns], str]] = {
     "revolutions per minute": (times("n", 60.0), r"row 2: the propeller advances J = .*rpm"),
     "degrees": (times("r", 180.0 / math.pi), "degrees"),
     "a time that repeats": (repeated, r"row 9: t = 12 s is repeated"),
-    "an input that is missing": (gap, r"row 6: revolutions: an input must be known"),
 }
+
+
+def test_a_gap_of_an_input_is_gone_straight_across_and_told(
+    columns: Columns, tmp_path: Path
+) -> None:
+    path = write_columns(gap(columns), tmp_path / "gap.csv")
+    record = load_trial(path, SHIP)
+    assert np.isfinite(record.column("revolutions")).all()
+    assert any("n: has no reading for 4 s, one each 2 s else" in str(f) for f in record.findings)
 
 
 @pytest.mark.parametrize("name", BAD)

@@ -129,19 +129,35 @@ def test_velocities_are_those_of_geodesics(latitude: float) -> None:
     assert north[4] == pytest.approx(5.0 * math.cos(math.radians(60.0)), rel=1e-5)
 
 
-def test_a_track_without_heading_or_beside_a_sway_is_refused(tmp_path: Path) -> None:
+def test_a_track_that_gives_no_sway_is_refused_where_the_model_needs_it_else_told(
+    tmp_path: Path,
+) -> None:
     run = sailed()
     write(tmp_path, run, plain)
     path = tmp_path / "study.toml"
     text = path.read_text()
     heading = '[[columns]]\nchannel = "heading"\ncolumn = "gyro"\nunit = "deg"\n'
-    path.write_text(text.replace(heading, ""))
-    with pytest.raises(ConfigError, match="no heading was recorded"):
-        observe_record(load_study(path))
-    more = '\n[[columns]]\nchannel = "sway"\ncolumn = "helm"\nunit = "kn"\n'
-    path.write_text(text + more)
-    with pytest.raises(ConfigError, match="has both helm and a track: take one"):
-        observe_record(load_study(path))
+    sway = '\n[[columns]]\nchannel = "sway"\ncolumn = "helm"\nunit = "kn"\n'
+    model = '[ship]\nlength_m = 100\nspeed_kn = 12\n[model]\nkind = "2"\noutputs = ["sway"]\n'
+    for study, wrong in (
+        (text.replace(heading, ""), "no heading was recorded"),
+        (text + sway, "has both helm and a track: take one"),
+    ):
+        path.write_text(study)
+        told = list(map(str, observe_record(load_study(path)).findings))
+        assert any(f"lat: no sway is made of this track: {wrong}" in one for one in told), told
+        path.write_text(study + model)
+        with pytest.raises(ConfigError, match=wrong):
+            observe_record(load_study(path))
+
+
+def test_a_track_read_in_each_fifth_row_gives_the_sway_of_its_fixes(tmp_path: Path) -> None:
+    t, helm, heading, places, sway = sailed()
+    held = np.arange(COUNT) // 4 * 4
+    record = write(tmp_path, (t, helm, heading, places[held], sway), plain)
+    fixes = np.flatnonzero(np.isfinite(record.sway))
+    assert (np.diff(fixes) == 4).all()
+    assert record.sway[fixes] == pytest.approx(sway[fixes], abs=2e-2)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.analysis.estimate.uncertainty import deviates
 from trainer.config.files import ConfigError, raise_problems
@@ -36,11 +37,10 @@ from trainer.identify.record.signs import (
 from trainer.identify.record.sources import (
     BOAT_COLUMNS,
     Column,
-    check_times,
     check_unit,
     own_columns,
+    own_readings,
     read_record,
-    without_jumps,
 )
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.past.header import open_whole_recording, plan_of
@@ -73,6 +73,7 @@ MAX_INTERVAL_LENGTHS: Final = 0.25  # [L/U] readings that are rarer tell the wro
 MAX_COARSE_LENGTHS: Final = 1.2  # [L/U] the same where a user takes that risk
 THINNED_LENGTHS: Final = 0.07  # [L/U] from tick to tick of a recording that is exact
 STEP_TOLERANCE: Final = 0.02  # [-] of the interval
+MOST_PARTS: Final = 10  # of the usual interval, where readings lie between
 MIN_READINGS: Final = 100
 MIN_MOVE_RAD: Final = math.radians(2.0)  # [rad] some surface must move by this
 SLOWEST_M_S: Final = 0.3  # [m/s] slower, the ahead row does not hold
@@ -157,9 +158,7 @@ def read_trial(
 ) -> Trial:
     """Return a record of a boat. ConfigError with all that forbids its use."""
     columns = _columns(path, instruments.columns)
-    record = _without_repeats(read_record(path, columns))
-    check_times(record)
-    record = unwrap_heading(without_jumps(record))
+    record = unwrap_heading(own_readings(_without_repeats(read_record(path, columns))))
     record = join_fins(record)
     problems = [f"{record.source}: {text}" for text in _lacking(record)]
     raise_problems(problems)
@@ -313,17 +312,8 @@ def read_by_instruments(trial: Trial, before: int = 0) -> Trial:
 
 
 def lay_out(record: Record, vessel: FittedVessel) -> Trial:
-    """Return a record on even times; ConfigError where its steps are uneven."""
-    interval = record.interval
-    steps = np.diff(record.t) / interval
-    uneven = np.abs(steps - np.maximum(np.round(steps), 1.0)) > STEP_TOLERANCE
-    if uneven.any():
-        index = int(np.argmax(uneven))
-        raise ConfigError(
-            f"{record.source}: row {record.row(index + 1)}: {steps[index] * interval:.4g} s after "
-            f"the row before, and {interval:.4g} s elsewhere: needs even times, within 2 %"
-        )
-    at = np.append(0, np.cumsum(np.round(steps).astype(int)))
+    """Return a record on even times; ConfigError where these would move readings too far."""
+    at, interval, moved = _even_rows(record, vessel)
     readings, told = (
         np.full((at[-1] + 1, len(CHANNEL_NAMES)), np.nan),
         list(map(str, record.findings)),
@@ -331,8 +321,10 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
     for i, name in enumerate(CHANNEL_NAMES):
         values = getattr(record, RECORD_FIELDS[name])
         if values is not None:
-            readings[at, i] = values
-    if at[-1] + 1 > len(record.t):
+            known = np.isfinite(values)
+            readings[at[known], i] = values[known]
+    told += [moved] if moved else []
+    if not moved and at[-1] + 1 > len(record.t):
         told.append(f"{at[-1] + 1 - len(record.t)} rows are lacking: gaps, left empty")
     command = record.command_speed
     if command is None:
@@ -344,12 +336,39 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
     return Trial(record.source, "", interval, parts, readings, given, (), tuple(told))
 
 
+def _even_rows(record: Record, vessel: FittedVessel) -> tuple[NDArray[np.int64], float, str]:
+    """Return the row of each sample on even times, their interval [s], and what to tell of them.
+
+    Where the record's own times are uneven, the coarsest are taken on which no reading moves by
+    more than 2 % of the time in which the boat goes her length.
+    """
+    interval = record.interval
+    steps = np.diff(record.t) / interval
+    uneven = np.abs(steps - np.maximum(np.round(steps), 1.0)) > STEP_TOLERANCE
+    if not uneven.any():
+        return np.append(0, np.cumsum(np.round(steps).astype(int))), interval, ""
+    known = [np.isfinite(values) for values in record.values.values()]
+    own = min(float(np.median(np.diff(record.t[one]))) for one in known if one.sum() > 1)
+    since, room = record.t - record.t[0], STEP_TOLERANCE * vessel.length / vessel.speed
+    for parts in range(1, MOST_PARTS + 1):
+        even = own / parts
+        at = np.round(since / even).astype(int)
+        off = float(np.abs(since - at * even).max())
+        if off <= room:
+            return at, even, f"laid on even times of {even:.3g} s: moved by at most {off:.2g} s"
+    index = int(np.argmax(uneven))
+    raise ConfigError(
+        f"{record.source}: row {record.row(index + 1)}: {steps[index] * interval:.4g} s after "
+        f"the row before, and {interval:.4g} s elsewhere: needs even times, within {room:.2g} s"
+    )
+
+
 def steps_between(interval: float, vessel: FittedVessel) -> int:
     """Return how many steps of Runge and Kutta a boat needs in an interval [s]."""
     return max(1, round(STEPS_PER_INTERVAL * interval * vessel.pace))
 
 
-def _filled(at: Numbers, values: Numbers | None) -> Numbers:
+def _filled(at: NDArray[np.int64], values: Numbers | None) -> Numbers:
     """Return an input at all times, straight between its readings; zero where there is none."""
     if values is None:
         return np.zeros(at[-1] + 1)

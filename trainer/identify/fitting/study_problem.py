@@ -30,6 +30,7 @@ from trainer.identify.model.models import MODELS, OUTPUT_UNITS, Model, Plant, Sh
 from trainer.identify.model.nomoto import SteeringModel, find_steering, rate_coefficients
 from trainer.identify.model.own_systems import NOISE_MATRICES, model_of
 from trainer.identify.record.measurements import Record, check_count, samples_of
+from trainer.identify.record.readings import at_readings
 from trainer.identify.record.study import Study, speed_of, studies_of
 from trainer.identify.record.study_records import ModelTable, ParameterRow
 
@@ -161,9 +162,10 @@ def first_order(record: Record, channel: str) -> tuple[float, float]:
 
     A yaw rate that was not read is derived from the heading.
     """
-    values = record.column("turning" if channel == "yaw_rate" else channel)
-    rudder, step = record.mean_ahead(record.column("rudder")), record.interval
-    usual = np.abs(np.diff(record.t) - step) < 0.01 * step
+    read = at_readings(record)
+    values = read.column("turning" if channel == "yaw_rate" else channel)
+    rudder, step = read.mean_ahead(read.column("rudder")), read.interval
+    usual = np.abs(np.diff(read.t) - step) < (0.01 if read is record else 0.5) * step
     good = usual & ~np.isnan(values[1:]) & ~np.isnan(values[:-1])
     if np.count_nonzero(good) < 4:
         raise ConfigError(f"{record.source}: {channel} has too few neighbouring values to start")
@@ -185,7 +187,7 @@ def _disturb(plant: Plant, record: Record, values: Numbers, known: Mapping[str, 
     noise = plant.blocks(values[None]).noise[0]
     index = 0 if model.name in ("nomoto1", "2") else 1
     seen = record.sway if model.name == "2" else record.yaw_rate
-    seen = record.column("turning")[:-1] if seen is None else seen
+    seen = at_readings(record).column("turning")[:-1] if seen is None else seen
     motion = float(np.nanstd(seen)) or 1e-6  # the usual size of it, SI
     variance = (DISTURBANCE_SHARE * motion) ** 2
     values[indices] = variance / max(noise[index, index], 1e-300) / (5.0 * record.interval)

@@ -15,6 +15,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+from trainer.identify.record.readings import RARE_ROWS, rows_between
 
 DEFAULT_LAGS: Final = 10  # samples; as MAX_LAGS that of the report's program (MI 8.4, NOL)
 MAX_LAGS: Final = 50  # samples
@@ -65,7 +66,10 @@ def examine_residuals(
     ``fitted`` is the number of noise parameters, which the whiteness test takes off its degrees of
     freedom. ConfigError if there are too few residuals for the lags.
     """
-    count = int(np.count_nonzero(~np.isnan(left)))
+    known = ~np.isnan(left)
+    count = int(np.count_nonzero(known))
+    if rows_between(left) >= RARE_ROWS:  # neighbours are readings, not rows
+        left, rudder, known = left[known], rudder[known], known[known]
     if not 1 <= lags <= MAX_LAGS or count < 2 * lags + 2:
         raise ConfigError(f"residuals of {output}: {count} are too few for {lags} lags")
     centred = left - np.nanmean(left)
@@ -74,7 +78,7 @@ def examine_residuals(
     input_own = correlation(rudder - rudder.mean(), lags)
     # correlated residuals and rudder scatter more (MI 8.4); 0.1, as estimates may sum below zero
     widening = math.sqrt(max(1.0 + 2.0 * float(autocorrelation[1:] @ input_own[1:]), 0.1))
-    positive, known = left > 0.0, ~np.isnan(left)
+    positive = left > 0.0
     both = known[1:] & known[:-1]  # neighbours, which may differ in sign
     pairs = int(np.sum(both))
     after, before = cross[lags:], cross[:lags]

@@ -8,7 +8,7 @@ guess at a foreign file; ``track`` gives sway velocity. All modules are open.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "columns", "findings", "measurements", "proposal", "signs", "sources", "study",
+    "columns", "findings", "measurements", "proposal", "readings", "signs", "sources", "study",
     "study_records", "track",
 ]
 # fmt: on

@@ -18,7 +18,7 @@ from trainer.config.files import ConfigError, nearest
 from trainer.config.tables import CsvTable, part_heading
 from trainer.config.units import spell_unit
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
+from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS, unwrap_angle
 from trainer.identify.record.sources import (
     MAX_INTERVAL_S,
     USUAL_CODES,
@@ -28,7 +28,7 @@ from trainer.identify.record.sources import (
     load_record,
     units_of,
 )
-from trainer.identify.record.track import derivative, unwrap_angle
+from trainer.identify.record.track import derivative
 
 Words = Mapping[str, tuple[str, ...]]
 NOTHING_TOLD: Final[Mapping[str, Column]] = MappingProxyType({})  # of columns by channel

@@ -21,13 +21,22 @@ from trainer.identify.record.measurements import (
     POSITION_CHANNELS,
     Finding,
     Record,
+    unwrap_angle,
+)
+from trainer.identify.record.readings import (
+    ANGLE_CHANNELS,
+    GAP_READINGS,
+    RARE_ROWS,
+    at_readings,
+    fill_inputs,
+    find_gaps,
+    jumps_at_readings,
+    rows_between,
 )
 from trainer.identify.record.sources import MAX_INTERVAL_S
 from trainer.identify.record.study_records import Ship
-from trainer.identify.record.track import unwrap_angle
 from trainer.units import KNOT
 
-GAP_INTERVALS: Final = 1.5  # [-] of the usual interval: a longer one is a gap
 FROZEN_S, FROZEN_ROWS = 55.0, 5  # a heading that stands so long under helm is told
 STILL_RUDDER_RAD: Final = math.radians(0.01)  # [rad] deviation of a rudder that does not move
 MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
@@ -53,9 +62,6 @@ ORDERED_NAME: Final = re.compile(  # of an ordered angle, which is a step
     r"(?:^|[\W_])(?:order|orders|ordered|command|commanded|cmd|c|demand|demanded|desired|set|"
     r"setpoint|target|soll)(?:$|[\W_])"
 )
-MOVING_SHARE: Final = 0.1  # [-] of its largest change: a rudder that changes more is moving
-MAX_UNDER_WAY_SHARE: Final = 0.1  # [-] of its moves that a jumping rudder shows under way
-MIN_MOVES: Final = 3  # of a rudder, to tell whether it jumps from reading to reading
 PATH_TEXTS: Final = {  # of INPUT_PATHS
     "straight": "straight from reading to reading",
     "step": "held until the next reading",
@@ -69,12 +75,14 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
 
     If the ``ship`` is known, sizes are judged by its length and speed.
     """
-    problems = [*_time_problems(record), *_rudder_problems(record), *_unit_problems(record)]
+    read = at_readings(record)
+    problems = [*_time_problems(record), *_rudder_problems(record), *_unit_problems(read)]
     raise_problems([f"{record.source}: {problem}" for problem in problems])
-    findings = [*record.findings, *_intervals(record), *_missing_outputs(record), *_jumps(record)]
-    findings += [*_wrong_sign(record), *_find_feedback(record), *_constant_outputs(record)]
-    findings += _frozen(record)
-    return [*findings, *_spikes(record), *_swing(record), *(_sizes(record, ship) if ship else ())]
+    findings = [*record.findings, *(_intervals(record) if read is record else ())]
+    findings += [*_missing_outputs(record), *_jumps(read)]
+    findings += [*_wrong_sign(read), *_find_feedback(read), *_constant_outputs(record)]
+    findings += _frozen(read)
+    return [*findings, *_spikes(record), *_swing(read), *(_sizes(read, ship) if ship else ())]
 
 
 def choose_path(record: Record, inputs: Sequence[str], said: str | None) -> tuple[str, str]:
@@ -98,23 +106,11 @@ def _guess_path(record: Record, inputs: Sequence[str]) -> tuple[str, str]:
     names = [record.name(name) for name in inputs]
     if all(ORDERED_NAME.search(name.casefold()) for name in names):
         return "step", "its name is that of an order"
-    if any(_jumps_at_readings(record.column(name)) for name in inputs):
+    if any(jumps_at_readings(record.column(name)) for name in inputs):
         if _evidence_of_steps(record, inputs) > -SURE_EVIDENCE:
             return "step", "no reading shows it under way"
         return "straight", "the motion follows that best"
     return "straight", "as a measured angle goes"
-
-
-def _jumps_at_readings(values: Numbers) -> bool:
-    """Return whether nearly all of several moves are done, nearly wholly, between two readings."""
-    change = np.diff(values)
-    size = np.abs(change)
-    least = MOVING_SHARE * float(np.max(size))
-    pair = np.sort(np.stack([size[1:], size[:-1]]), axis=0)
-    under_way = (change[1:] * change[:-1] > 0.0) & (pair[0] > np.maximum(least, pair[1] / 4.0))
-    moves = np.count_nonzero(size > least)
-    few = np.count_nonzero(under_way) <= MAX_UNDER_WAY_SHARE * moves
-    return bool(moves >= MIN_MOVES and few)
 
 
 def _evidence_of_steps(record: Record, inputs: Sequence[str]) -> float:
@@ -126,12 +122,13 @@ def _evidence_of_steps(record: Record, inputs: Sequence[str]) -> float:
     motions += [one for one in (record.yaw_rate, record.sway) if one is not None]
     if record.heading is not None:
         motions.append(np.diff(unwrap_angle(record.heading), prepend=math.nan))
+    wholes = {path: fill_inputs(record, inputs, path) for path in INPUT_PATHS}
     evidence = 0.0
     for motion in motions:
         squares, count = {}, 0
         for path in INPUT_PATHS:
-            along = replace(record, between_readings=path)
-            acting = np.column_stack([along.mean_ahead(record.column(name)) for name in inputs])
+            along = replace(wholes[path], between_readings=path)
+            acting = np.column_stack([along.mean_ahead(along.column(name)) for name in inputs])
             rows = np.column_stack([motion[1:-1], motion[:-2], acting[1:-1], acting[:-2]])
             rows = np.column_stack([rows, np.ones(len(rows)), motion[2:]])
             rows = rows[np.isfinite(rows).all(axis=1)]
@@ -149,10 +146,8 @@ def examine_columns(record: Record) -> list[Finding]:
     problems, findings = [], [*record.findings, *_intervals(record)]
     for name, values in record.plain.items():
         missing = _missing(record, name, values)
-        count, acts = int(np.count_nonzero(np.isnan(values))), name in record.driving
-        if missing and (count == len(values) or acts):
-            what = "an input must be known at each row; it is empty" if acts else "has no value"
-            problems.append(f"{record.source}: {replace(missing, text=what)}")
+        if missing and np.isnan(values).all():
+            problems.append(f"{record.source}: {replace(missing, text='has no value')}")
         elif missing:
             findings.append(missing)
         elif np.ptp(values) == 0.0:
@@ -162,8 +157,13 @@ def examine_columns(record: Record) -> list[Finding]:
 
 
 def _missing(record: Record, name: str, values: Numbers) -> Finding | None:
-    """Return how many values of a column are missing; None if none is."""
+    """Return how many values of a column are missing; None if none is.
+
+    A cell of each second row or a rarer one is as often as it was read: then its gaps are told.
+    """
     missing = np.isnan(values)
+    if rows_between(values) >= RARE_ROWS and (known := np.flatnonzero(~missing)).size:
+        return next(find_gaps(record, name, known), None)
     text = f"{np.count_nonzero(missing)} of {len(values)} values are missing, the first here"
     return record.finding(name, text, np.argmax(missing)) if missing.any() else None
 
@@ -185,11 +185,7 @@ def _time_problems(record: Record) -> Iterator[Finding]:
 def _rudder_problems(record: Record) -> Iterator[Finding]:
     """Yield why the rudder cannot be an input."""
     rudder = record.column("rudder")
-    missing = np.isnan(rudder)
-    if missing.any():
-        text = "the rudder must be known at each row; it is empty"
-        yield record.finding("rudder", text, np.argmax(missing))
-    elif float(np.std(rudder)) < STILL_RUDDER_RAD:
+    if float(np.std(rudder)) < STILL_RUDDER_RAD:
         held = math.degrees(float(np.mean(rudder)))
         text = f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
         yield record.finding("rudder", text)
@@ -254,7 +250,7 @@ def _gain(y: Numbers, x: Numbers) -> float | None:
 def _intervals(record: Record) -> Iterator[Finding]:
     """Yield the gaps in time, and that the interval varies."""
     step, usual = np.diff(record.t), record.interval
-    gaps = np.flatnonzero(step > GAP_INTERVALS * usual)
+    gaps = np.flatnonzero(step > GAP_READINGS * usual)
     if gaps.size:
         first = int(gaps[0])
         more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
@@ -312,6 +308,7 @@ def positive_turns(record: Record) -> float | None:
 
     It is below 0 if it turns to port, and None if the record is too short or does not say.
     """
+    record = at_readings(record)
     rate, rudder = record.turning, record.column("rudder")
     if rate is None:
         return None
@@ -393,7 +390,11 @@ def _spikes(record: Record) -> Iterator[Finding]:
         values = getattr(record, channel)
         if values is None:
             continue
-        values = unwrap_angle(values) if channel in ("heading", "longitude") else values
+        own = record
+        if rows_between(values) >= RARE_ROWS:
+            own = record.part(np.isfinite(values))
+            values = own.values[channel]
+        values = unwrap_angle(values) if channel in ANGLE_CHANNELS else values
         steps = np.abs(np.diff(values))
         off = values[1:-1] - 0.5 * (values[2:] + values[:-2])
         if np.count_nonzero(np.isfinite(off)) < MIN_SAMPLES:  # too few with both neighbours
@@ -408,7 +409,7 @@ def _spikes(record: Record) -> Iterator[Finding]:
             more = f"; {rows.size - 1} more" if rows.size > 1 else ""
             text = f"stands out from its neighbours by {times:.0f} times the usual scatter{more}: "
             remedy = "an outlier? [model] reject = 1e-6 leaves such out"
-            yield record.finding(channel, text + remedy, rows[0])
+            yield own.finding(channel, text + remedy, rows[0])
 
 
 def _swing(record: Record) -> Iterator[Finding]:

@@ -114,6 +114,19 @@ class Record:
         return tuple(name for name in CHANNEL_UNITS if getattr(self, name) is not None)
 
     @property
+    def values(self) -> dict[str, Numbers]:
+        """Return all columns by channel, those of a user's own system too."""
+        pairs = ((item.name, getattr(self, item.name)) for item in fields(self))
+        columns = {name: one for name, one in pairs if isinstance(one, np.ndarray)}
+        return {**{k: v for k, v in columns.items() if k not in ("t", "rows")}, **self.plain}
+
+    def with_values(self, columns: Mapping[str, Numbers]) -> "Record":
+        """Return the record with other numbers in its columns."""
+        plain = {name: columns[name] for name in self.plain}
+        named: dict[str, Any] = {k: v for k, v in columns.items() if k not in plain}
+        return replace(self, plain=plain, **named)
+
+    @property
     def interval(self) -> float:
         """Return the usual time [s] from sample to sample."""
         return float(np.median(np.diff(self.t)))
@@ -149,13 +162,8 @@ class Record:
 
     def part(self, indices: Any) -> "Record":
         """Return the samples at ``indices``, a slice or a mask."""
-        columns = {
-            item.name: value[indices]
-            for item in fields(self)
-            if isinstance(value := getattr(self, item.name), np.ndarray)
-        }
-        plain = {name: values[indices] for name, values in self.plain.items()}
-        return replace(self, plain=plain, **columns)
+        columns = {name: values[indices] for name, values in self.values.items()}
+        return replace(self, t=self.t[indices], rows=self.rows[indices]).with_values(columns)
 
     def between(self, begin: float, end: float, least: int = 2) -> "Record":
         """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than ``least``."""
@@ -189,6 +197,13 @@ class Record:
         """Return the mean of an input (n,) from each sample to the next."""
         begin, slope = lines_between(self.t, acting[:, None], self.between_readings)
         return np.asarray(begin + 0.5 * slope * np.diff(self.t, append=self.t[-1])[:, None])[:, 0]
+
+
+def unwrap_angle(angle: Numbers) -> Numbers:
+    """Return an angle [rad] that does not jump by whole turns; NaN stays."""
+    unwrapped_angle, known = angle.copy(), ~np.isnan(angle)
+    unwrapped_angle[known] = np.unwrap(unwrapped_angle[known])
+    return unwrapped_angle
 
 
 def lines_between(t: Numbers, inputs: Numbers, between_readings: str) -> tuple[Numbers, Numbers]:

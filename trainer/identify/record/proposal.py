@@ -20,8 +20,9 @@ from trainer.identify.record.columns import (
 )
 from trainer.identify.record.findings import examine_record, positive_turns
 from trainer.identify.record.measurements import Record
+from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import USUAL_SENSORS, Column, load_record, own_columns
-from trainer.identify.record.track import Drift, with_sway
+from trainer.identify.record.track import Drift, no_sway, with_sway
 from trainer.io.paths import RECORDING_SUFFIX
 
 OUTPUTS_TEXT: Final = "heading, yaw rate, sway or a track"
@@ -85,9 +86,13 @@ def write_proposal(
         raise ConfigError(f"{data}: a recording's columns are known; leave --column out")
     guess = GuessedColumns(own_columns(), frozenset()) if is_recording else _guessed(data, told)
     columns = guess.columns
-    record, sign = turn_rudder(load_record(data, columns))
+    record = fill_inputs(load_record(data, columns), ("rudder",), "straight")
+    record, sign = turn_rudder(record)
     try:
         record = with_sway(record, Drift(0.0, 0.0, 0.0))
+    except ConfigError as wrong:
+        record = replace(record, findings=(*record.findings, no_sway(record, wrong)))
+    try:
         remarks = tuple(map(str, examine_record(record)))
     except ConfigError as wrong:
         remarks = tuple(str(wrong).splitlines())

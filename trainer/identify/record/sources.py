@@ -34,6 +34,7 @@ from trainer.identify.record.measurements import (
     Finding,
     Record,
 )
+from trainer.identify.record.readings import keep_readings
 from trainer.io.outputs import replacing
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.session.past.header import open_whole_recording
@@ -246,13 +247,21 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
-    record = read_record(path, columns)
+    return own_readings(read_record(path, columns))
+
+
+def own_readings(record: Record) -> Record:
+    """Return a record of readings alone: no repeats, no heading that stands for none.
+
+    ConfigError if its times do not rise. An exact recording is read in each row.
+    """
     check_times(record)
-    return without_jumps(record)
+    exact = Path(record.source).suffix == RECORDING_SUFFIX
+    return without_jumps(record if exact else keep_readings(record))
 
 
 def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
-    """Return a record as ``load_record`` does, its times and its heading as they stand."""
+    """Return a record as its rows stand, its times and its heading too."""
     read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
     rows, taken, remarks = read(path, columns)
     if len(rows) < 2:
@@ -451,9 +460,8 @@ def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Re
     }
     rows = np.arange(len(taken["t"]))
     record = Record(source="frame", t=taken["t"], rows=rows, names=names, **values_by_channel)
-    check_times(record)
     for channel, values in values_by_channel.items():
         unit = columns[channel].unit or next(iter(units_of(channel)))
         if fault := find_impossible(channel, values, unit):
             raise ConfigError(f"frame: {names[channel]}[{fault[0]}]: {fault[1]} make it NaN")
-    return without_jumps(record)
+    return own_readings(record)

@@ -28,7 +28,8 @@ from trainer.identify.record.findings import (
     examine_record,
     unwrap_heading,
 )
-from trainer.identify.record.measurements import Record
+from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import (
     USUAL_SENSORS,
     Column,
@@ -51,7 +52,7 @@ from trainer.identify.record.study_records import (
     StudyHeading,
     Track,
 )
-from trainer.identify.record.track import Drift, with_sway
+from trainer.identify.record.track import Drift, no_sway, with_sway
 from trainer.io.paths import RECORDING_SUFFIX
 from trainer.units import KNOT
 
@@ -269,13 +270,24 @@ def observe_record(study: Study, loaded: Record | None = None) -> Record:
         record = replace(record, rudder=-record.rudder)
     if study.system is not None:
         record = replace(record, driving=study.system.inputs)
+        record, path, told = _with_path(record, study, study.system.inputs)
         findings = examine_columns(record)
     else:
         track = study.track or Track()
         current = KNOT * track.current_east_kn, KNOT * track.current_north_kn
-        record = with_sway(record, Drift(*current, track.antenna_m))
+        try:
+            record = with_sway(record, Drift(*current, track.antenna_m))
+        except ConfigError as wrong:
+            if "sway" in (
+                *(study.model.outputs if study.model else ()),
+                study.armax and study.armax.output,
+            ):
+                raise
+            record = replace(record, findings=(*record.findings, no_sway(record, wrong)))
+        record, path, told = _with_path(record, study, ("rudder",))
         findings = examine_record(record, study.ship)
-    record = _thinned(replace(unwrap_heading(record), findings=tuple(findings)), study)
+    record = replace(unwrap_heading(record), findings=(*findings, *told))
+    record = replace(record.every(int(study.heading.every)), between_readings=path)
     if study.sensors is not None:
         record = read_by(record, study.sensors)
     return _cut(record, study)
@@ -290,21 +302,21 @@ def _cut(record: Record, study: Study) -> Record:
     )
 
 
-def _thinned(record: Record, study: Study) -> Record:
-    """Return the record thinned, with the way of its inputs from reading to reading, and told."""
-    inputs = ("rudder",) if study.system is None else study.system.inputs
+def _with_path(
+    record: Record, study: Study, inputs: Sequence[str]
+) -> tuple[Record, str, tuple[Finding, ...]]:
+    """Return the record with its inputs known in each row, their way in the fit, what tells it."""
     if not inputs:
-        return record.every(int(study.heading.every))
+        return record, record.between_readings, ()
     path, why = choose_path(_cut(record, study), inputs, study.heading.between_readings)
-    record = replace(record, between_readings=path).every(int(study.heading.every))
+    record = replace(fill_inputs(record, inputs, path), between_readings=path)
     if study.heading.every > 1:
-        why = f"the mean of {study.heading.every:g} readings"
+        path, why = "step", f"the mean of {study.heading.every:g} readings"
     stepwise = "ARMAX models" if study.model is None and study.armax is not None else ""
     stepwise = "matrices of one step" if study.system and study.system.discrete else stepwise
     if stepwise:
-        record, why = replace(record, between_readings="step"), f"{stepwise} know no other"
-    finding = record.finding(inputs[0], f"taken as {PATH_TEXTS[record.between_readings]}, {why}")
-    return replace(record, findings=(*record.findings, finding))
+        path, why = "step", f"{stepwise} know no other"
+    return record, path, (record.finding(inputs[0], f"taken as {PATH_TEXTS[path]}, {why}"),)
 
 
 def studies_of(study: Study) -> tuple[Study, ...]:

@@ -11,11 +11,18 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.config.tables import EVEN_STEP_TOLERANCE
 from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import Finding, Record
+from trainer.identify.record.measurements import (
+    POSITION_CHANNELS,
+    Finding,
+    Record,
+    unwrap_angle,
+)
+from trainer.identify.record.readings import at_readings
 
 EQUATOR_RADIUS_M: Final = 6_378_137.0  # [m] of WGS 84
 EARTH_FLATTENING: Final = 1.0 / 298.257223563  # [-] likewise
@@ -100,11 +107,17 @@ def ground_velocity(
     return east, meridian * derivative(latitude, interval)
 
 
-def unwrap_angle(angle: Numbers) -> Numbers:
-    """Return an angle [rad] that does not jump by whole turns; NaN stays."""
-    unwrapped_angle, known = angle.copy(), ~np.isnan(angle)
-    unwrapped_angle[known] = np.unwrap(unwrapped_angle[known])
-    return unwrapped_angle
+def _in_rows(record: Record, rows: NDArray[np.int64], values: Numbers) -> Numbers:
+    """Return a column of the record that has values in some rows."""
+    column = np.full(len(record.t), np.nan)
+    column[rows] = values
+    return column
+
+
+def no_sway(record: Record, why: ConfigError) -> Finding:
+    """Return that no sway is made of a record's track, and why."""
+    text = str(why).removeprefix(f"{record.source}: ")
+    return record.finding("latitude", f"no sway is made of this track: {text}")
 
 
 def with_sway(record: Record, drift: Drift) -> Record:
@@ -117,12 +130,18 @@ def with_sway(record: Record, drift: Drift) -> Record:
         return record
     if record.sway is not None:
         raise ConfigError(f"{record.source}: has both {record.name('sway')} and a track: take one")
-    interval = even_interval(record.t, record.source)
-    heading = unwrap_angle(record.column("heading"))
-    east, north = ground_velocity(record.latitude, record.longitude, interval)
-    yaw_rate = record.yaw_rate
-    rate = derivative(heading, interval) if yaw_rate is None else yaw_rate
+    record.column("heading")
+    fixes = at_readings(record, POSITION_CHANNELS)
+    interval = even_interval(fixes.t, record.source)
+    heading = unwrap_angle(fixes.column("heading"))
+    latitude, longitude = map(fixes.column, POSITION_CHANNELS)
+    east, north = ground_velocity(latitude, longitude, interval)
+    rate = derivative(heading, interval) if fixes.yaw_rate is None else fixes.yaw_rate
     _, sway = through_water(east, north, heading, rate, drift)
+    if len(sway) < len(record.t):
+        at = np.searchsorted(record.t, fixes.t)
+        sway, rate = (_in_rows(record, at, values) for values in (sway, rate))
+    yaw_rate = record.yaw_rate
     track = f"{record.name('latitude')} and {record.name('longitude')}"
     over = "" if drift.east or drift.north else ", over the ground"
     finding = Finding(track, 0, f"sway is that of this track{over}")
@@ -130,5 +149,9 @@ def with_sway(record: Record, drift: Drift) -> Record:
     if yaw_rate is None:
         names["yaw_rate"] = f"yaw rate of {record.name('heading')}"
     return replace(
-        record, sway=sway, yaw_rate=rate, names=names, findings=(*record.findings, finding)
+        record,
+        sway=sway,
+        yaw_rate=rate if yaw_rate is None else yaw_rate,
+        names=names,
+        findings=(*record.findings, finding),
     )

@@ -14,6 +14,7 @@ from trainer.config.tables import CsvTable, read_table
 from trainer.identify.record.columns import NOTHING_TOLD, SHIP_WORDS, GuessedColumns, guess_columns
 from trainer.identify.record.findings import examine_record
 from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
+from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import (
     SHIP_COLUMNS,
     Column,
@@ -73,7 +74,7 @@ def write_ship_file(
     record = load_record(data, columns.columns)
     sign = ""
     if record.rudder is not None:
-        record, sign = turn_rudder(record)
+        record, sign = turn_rudder(fill_inputs(record, ("rudder",), "straight"))
     lacking = _lacking(columns.columns)
     lines = []
     if "t" not in columns.columns:

@@ -32,6 +32,7 @@ from trainer.identify.record.measurements import (
     Finding,
     Record,
 )
+from trainer.identify.record.readings import at_readings, fill_inputs
 from trainer.identify.record.sources import (
     SHIP_COLUMNS,
     Column,
@@ -42,7 +43,7 @@ from trainer.identify.record.sources import (
 from trainer.identify.record.track import resolve_along
 from trainer.io.paths import RECORDING_SUFFIX
 
-INPUT_CHANNELS: Final = (  # readings that a record may not lack in any row
+INPUT_CHANNELS: Final = (  # beside the rudder, known in each row
     "revolutions",
     *("wind_speed", "wind_from", "wind_ahead", "wind_starboard"),
 )
@@ -125,11 +126,10 @@ def trial_of(record: Record, ship: ShipFile, every: int = 1) -> Record:
     _check_needed(record, ship)
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
-    findings = examine_record(record)
+    record, path, told = _with_path(record, ship, every)
+    findings = [*examine_record(record), told]
     record = unwrap_heading(record)
-    _check_sign(record)
-    path, told = _rudder_path(record, ship, every)
-    findings.append(told)
+    _check_sign(at_readings(record))
     if ship.sensors is not None:
         record = _read_by(record, ship.sensors)
     if record.wind_speed is not None and record.wind_from is not None:
@@ -140,11 +140,6 @@ def trial_of(record: Record, ship: ShipFile, every: int = 1) -> Record:
         remarks = _check_roll(record, ship, ship.roll.gm_m, every)
         findings += [Finding(Path(record.source).name, 0, text) for text in remarks]
     _check_propeller(record, ship)
-    for channel in INPUT_CHANNELS:
-        values = getattr(record, channel)
-        if values is not None and np.isnan(values).any():
-            row = record.row(int(np.argmax(np.isnan(values))))
-            raise ConfigError(f"{record.source}: row {row}: {channel}: an input must be known")
     record = _averaged(record, every)
     if len(record.t) < MIN_TRIAL_SAMPLES:
         raise ConfigError(
@@ -166,12 +161,13 @@ def _averaged(record: Record, every: int) -> Record:
     return replace(record.part(indices), **means)
 
 
-def _rudder_path(record: Record, ship: ShipFile, every: int) -> tuple[str, Finding]:
-    """Return how the rudder goes from reading to reading, one of INPUT_PATHS, and what tells it."""
+def _with_path(record: Record, ship: ShipFile, every: int) -> tuple[Record, str, Finding]:
+    """Return the record with its inputs known in each row, the rudder's way, and what tells it."""
     path, why = choose_path(record, ("rudder",), ship.records.between_readings)
+    record = fill_inputs(fill_inputs(record, INPUT_CHANNELS, "straight"), ("rudder",), path)
     if every > 1:  # between two means it goes evenly
         path, why = "straight", f"each the mean of {every} rows"
-    return path, record.finding("rudder", f"taken as {PATH_TEXTS[path]}, {why}")
+    return record, path, record.finding("rudder", f"taken as {PATH_TEXTS[path]}, {why}")
 
 
 def _columns(path: Path, ship: ShipFile) -> dict[str, Column]:
