@@ -1,38 +1,13 @@
 """Tables that documents have from code are those that the code makes now."""
 
 import pytest
-from helpers.document_tables import MAKERS
-from helpers.key_tables import TABLES
+from helpers.made_pages import MADE, SHOWN, words_by_hand
 from helpers.places import ROOT
 
 from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 
-MADE = {"document_tables": MAKERS, "key_tables": TABLES}  # by the module of helpers
-SHOWN = {  # by page
-    ("document_tables", "channels.md"): ["channels"],
-    ("document_tables", "keys.md"): ["keys"],
-    ("document_tables", "nmea-sentences.md"): ["nmea"],
-    ("document_tables", "orders.md"): [
-        *("orders", "order-numbers", "order-spellings", "order-phrases", "order-lines"),
-        "order-refusals",
-    ],
-    ("document_tables", "station-tables.md"): ["order-words", "roles", "events", "alerts"],
-    ("document_tables", "validation.md"): ["people"],
-    ("key_tables", "ballast-keys.md"): ["ballast"],
-    ("key_tables", "casualty-tables.md"): ["casualties", "casualty-kinds", "casualty-quantities"],
-    ("key_tables", "check-cases.md"): ["check-cases"],
-    ("key_tables", "exercise-keys.md"): ["exercises", "world"],
-    ("key_tables", "hull-keys.md"): ["own-hull"],
-    ("key_tables", "identification-keys.md"): [
-        *("decca", "derivatives", "identification", "nomoto", "nonlinear-ships", "systems"),
-    ],
-    ("key_tables", "measures.md"): ["measures"],
-    ("key_tables", "plant-keys.md"): ["plant"],
-    ("key_tables", "seas.md"): ["seas"],
-    ("key_tables", "sweep-keys.md"): ["sweeps"],
-    ("key_tables", "vessel-keys.md"): ["documentary", "laws", "vessel-files"],
-}
+WORDS_BY_HAND = 70_000  # that a maintainer reads and keeps true
 
 
 @pytest.mark.parametrize(
@@ -60,3 +35,7 @@ def test_the_page_of_orders_says_how_long_a_line_may_be() -> None:
         f"A line in has at most {MAX_LINE_LETTERS} characters, a line out {MAX_ANSWER_LETTERS}."
         in text
     )
+
+
+def test_the_documents_have_no_more_words_by_hand_than_can_be_kept_true() -> None:
+    assert sum(words_by_hand().values()) <= WORDS_BY_HAND, "python -m helpers.made_pages"

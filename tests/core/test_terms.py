@@ -3,7 +3,8 @@
 import re
 from pathlib import Path
 
-from helpers.tables_1969 import TERMS_OF_TABLES, table_of
+from helpers.document_tables import term_row
+from helpers.tables_1969 import TERMS_OF_TABLES
 
 from trainer.core.terms import (
     BASIC_DROPS,
@@ -13,32 +14,16 @@ from trainer.core.terms import (
     LENGTH_POWERS,
     TERM_TABLE,
     THRUST_KEYS,
-    Term,
 )
 
 PAGE = Path(__file__).parents[2] / "docs" / "coefficients.md"
 FACTOR = re.compile(r"([uvwpqr]dot|eta|uc|d[rsb]|[uvwpqrV])(?:\^(\d))?")
 
 
-def row(term: Term) -> str:
-    """Return a term's row of the page."""
-    key, equation, power, multiplies, mnemonic = term
-    kept = (
-        "yes"
-        if key in COMPACT_TERMS or key in THRUST_KEYS
-        else "a hull may"
-        if key in EXTRA_TERMS
-        else ""
-    )
-    multiplied = multiplies.replace("|", "\\|")
-    cells = (equation, f"`{key}`", power, multiplied, mnemonic, table_of(mnemonic), kept)
-    return f"| {' | '.join(map(str, cells))} |"
-
-
 def test_the_page_has_every_term() -> None:
     found = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if "`" in line]
     rows = [line for line in found if line.startswith("| ") and line[3] == " "]
-    assert rows == [row(term) for term in TERM_TABLE]
+    assert rows == [term_row(term) for term in TERM_TABLE]
 
 
 def test_the_sets_are_of_the_table() -> None:

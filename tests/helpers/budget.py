@@ -12,6 +12,7 @@ from typing import Final
 import click
 
 from helpers.exit_codes import commands
+from helpers.made_pages import words_by_hand
 from helpers.places import ROOT
 from trainer.cli.main import cli
 
@@ -19,6 +20,7 @@ RELEASE: Final = "0.3.0"
 RELEASED: Final = {
     "lines of trainer/": 128_012,
     "words of docs/": 126_338,
+    "words by hand": 90_048,
     "commands": 55,
     "options": 489,
 }
@@ -35,6 +37,7 @@ def measure() -> Mapping[str, int]:
         "words of docs/": sum(
             len(path.read_text(encoding="utf-8").split()) for path in (ROOT / "docs").glob("*.md")
         ),
+        "words by hand": sum(words_by_hand().values()),
         "commands": len(found),
         "options": sum(isinstance(given, click.Option) for each in found for given in each.params),
     }

@@ -12,9 +12,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from helpers.places import ROOT
+from helpers.tables_1969 import table_of
 from trainer.config.exercise.baseline import kept_baseline
 from trainer.config.files import path_named, shipped_names
 from trainer.console.keys import KEYS
+from trainer.core.terms import COMPACT_TERMS, EXTRA_TERMS, TERM_TABLE, THRUST_KEYS, Term
 from trainer.io.orders import sentences
 from trainer.io.orders.help import limits_and_units, synonyms, usage
 from trainer.io.orders.phrases import PHRASES, meaning
@@ -263,6 +265,21 @@ def people_table() -> str:
     return table_lines(heads, rows)
 
 
+def term_row(term: Term) -> str:
+    """Return a coefficient's row of docs/coefficients.md."""
+    key, equation, power, multiplies, mnemonic = term
+    kept = (
+        "yes"
+        if key in COMPACT_TERMS or key in THRUST_KEYS
+        else "a hull may"
+        if key in EXTRA_TERMS
+        else ""
+    )
+    multiplied = multiplies.replace("|", "\\|")
+    cells = (equation, f"`{key}`", power, multiplied, mnemonic, table_of(mnemonic), kept)
+    return f"| {' | '.join(map(str, cells))} |"
+
+
 MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "orders": form_table,  # docs/orders.md, as the next ones
     "order-numbers": number_table,
@@ -277,6 +294,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "events": event_table,
     "alerts": alert_table,
     "channels": channel_tables,  # docs/channels.md
+    "coefficients": lambda: "".join(f"{term_row(term)}\n" for term in TERM_TABLE),
     "keys": key_tables,  # docs/keys.md
     "nmea": sentence_table,  # docs/nmea-sentences.md
     "people": people_table,  # docs/validation.md
