@@ -8,6 +8,12 @@ from trainer.io.orders.grammar import MAX_LINE_LETTERS
 from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
 
 WORDS_BY_HAND = 70_000  # that a maintainer reads and keeps true
+JOBS = {  # by the page that a job is done with, how many words it may have
+    "engineer.md": 3_000,
+    "identification.md": 1_500,
+    "instructor.md": 900,
+    "teachers.md": 900,
+}
 
 
 @pytest.mark.parametrize(
@@ -39,3 +45,8 @@ def test_the_page_of_orders_says_how_long_a_line_may_be() -> None:
 
 def test_the_documents_have_no_more_words_by_hand_than_can_be_kept_true() -> None:
     assert sum(words_by_hand().values()) <= WORDS_BY_HAND, "python -m helpers.made_pages"
+
+
+@pytest.mark.parametrize("page", JOBS)
+def test_a_job_is_done_with_a_page_that_is_short(page: str) -> None:
+    assert words_by_hand()[page] <= JOBS[page]

@@ -293,6 +293,7 @@ MAKERS: Final[Mapping[str, Callable[[], str]]] = {
     "roles": role_table,
     "events": event_table,
     "alerts": alert_table,
+    "facts": lambda: table_lines(("fact", "its subject"), [*sentences.FACTS.items()]),
     "channels": channel_tables,  # docs/channels.md
     "coefficients": lambda: "".join(f"{term_row(term)}\n" for term in TERM_TABLE),
     "keys": key_tables,  # docs/keys.md

@@ -25,7 +25,9 @@ SHOWN: Final = {  # by page
         *("orders", "order-numbers", "order-spellings", "order-phrases", "order-lines"),
         "order-refusals",
     ],
-    ("document_tables", "station-tables.md"): ["order-words", "roles", "events", "alerts"],
+    ("document_tables", "station-tables.md"): [
+        *("order-words", "roles", "events", "alerts", "facts"),
+    ],
     ("document_tables", "validation.md"): ["people"],
     ("key_tables", "ballast-keys.md"): ["ballast"],
     ("key_tables", "casualty-tables.md"): ["casualties", "casualty-kinds", "casualty-quantities"],
