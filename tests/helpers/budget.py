@@ -2,8 +2,8 @@
 
     python -m helpers.budget        in tests/
 
-``.ci/run`` prints it. They are a direction, and no test reads them; rooms have limits of their own
-(tests/test_rooms.py).
+``.ci/run`` prints it. They are a direction, and no test reads them but the words by hand
+(tests/test_document_tables.py); rooms have limits of their own (tests/test_rooms.py).
 """
 
 from collections.abc import Mapping
