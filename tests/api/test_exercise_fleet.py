@@ -7,16 +7,13 @@ import pytest
 
 import trainer
 from trainer.api.exercise_fleet import SIGHT_NAMES, drill_of, start_of
-from trainer.authoring.exercise_page import check_exercise
 from trainer.boat.due_orders import entries_due
 from trainer.boat.effects import Effect, numbered_orders
-from trainer.config.exercise.score_rules import SCORE_MEASURES
 from trainer.config.files import shipped_names
 from trainer.core.kernel import Numbers
 from trainer.debrief.marks.judgement import judge_run
 from trainer.debrief.marks.rehearsal import ByReference, Flight
 from trainer.debrief.ticks.judge import nobody_aboard
-from trainer.debrief.ticks.tallies import MEASURE_NAMES
 from trainer.units import KNOT
 
 LIKENESS = 1e-9  # [%]
@@ -187,23 +184,3 @@ def test_every_shipped_exercise_is_flown_or_refused_as_the_page_says() -> None:
         flown.append(name)
 
     assert tuple(flown) == FLOWN
-
-
-DEBRIEFED_MEASURES = {  # which the judge by ticks does not know yet
-    *("alert-response", "beyond-limits", "reserve-air", "broaches"),
-    *("beyond-test-depth", "time-beyond-test-depth"),
-}
-
-
-def test_the_measures_that_no_tick_can_judge_are_those_that_are_told() -> None:
-    assert set(SCORE_MEASURES) - set(MEASURE_NAMES) == DEBRIEFED_MEASURES
-    assert set(MEASURE_NAMES) <= set(SCORE_MEASURES)
-
-
-def test_a_check_says_why_numbers_cannot_fly_an_exercise_that_a_fleet_refuses() -> None:
-    told = [line for line in check_exercise("stern-plane-jam") if line.startswith("numbers")]
-    with pytest.raises(trainer.TrainerError) as refused:
-        drill_of("stern-plane-jam")
-
-    assert str(refused.value).partition(": ")[2] in told[0]
-    assert not [line for line in check_exercise(FLOWN[0]) if line.startswith("numbers")]

@@ -37,7 +37,7 @@ print(repr(float(sail_controls(boat.numbers(boat.values), record, state)[-1, STA
 """
 CAP = """
 import numpy as np
-from trainer.debrief.ticks.tallies import HARD, TALLY, TALLY_RULE, cap_of
+from trainer.debrief.marks.tallies import HARD, TALLY, TALLY_RULE, cap_of
 
 rules, tallies = np.zeros(1, TALLY_RULE), np.ones(1, TALLY)
 rules["measure"] = HARD
@@ -88,7 +88,7 @@ def copied(tmp_path: Path) -> Path:
         (STEP_MOTION, "identify/boat/motion.py", "rate[STATE.Z] = ", "rate[STATE.Z] = 123.0 + "),
         (
             CAP,
-            "debrief/marks/judgement.py",
+            "debrief/marks/mark_numbers.py",
             "LOST_CAP, HARD_CAP = 25.0, 0.0",
             "LOST_CAP, HARD_CAP = 25.0, 7.0",
         ),

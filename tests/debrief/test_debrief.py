@@ -23,13 +23,13 @@ from helpers import node
 from helpers.contrast import contrast
 from helpers.givers import journalled
 from helpers.sessions import begin_run, session_over
+from helpers.whole_passage import broach_rows
 from playwright.sync_api import Browser, expect
 
 from trainer.boat.limits import LimitMonitor
 from trainer.config.boat.vessel import load_vessel
 from trainer.config.exercise.score_rules import SCORE_MEASURES
 from trainer.config.files import ConfigError, shipped_path
-from trainer.debrief.marks.measures import broach_rows
 from trainer.debrief.page.charts import charts_of, ground_of, unwrap_ordered_courses
 from trainer.debrief.page.data import DebriefData, debrief_figures, gather_debrief
 from trainer.debrief.page.page import (

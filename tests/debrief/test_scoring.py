@@ -9,19 +9,18 @@ import pytest
 from helpers.boats import make_boat
 from helpers.givers import journalled
 from helpers.nursery import Done, run_trainer
-from helpers.passages import BB2, alert, trajectory
+from helpers.passages import BB2, alert, take_measure, trajectory
 
 from trainer.boat.calls import Rank
 from trainer.config.exercise.exercise import ExerciseLimits, load_exercise, parse_exercise
 from trainer.config.exercise.score_rules import ALERT_RANKS, ScoreRule
 from trainer.config.files import ConfigError, shipped_names
-from trainer.debrief.marks import measures
+from trainer.debrief.marks import tallied_record
 from trainer.debrief.marks.reference import alerts_until
 from trainer.debrief.marks.scoring import (
     formula_of,
     marks_of,
     score_rules,
-    take_measure,
     unit_of,
 )
 from trainer.debrief.passage.ships_met import Detection, LookOut
@@ -337,7 +336,7 @@ def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> Non
 def test_each_ship_earns_its_own_part_of_the_marks(monkeypatch: pytest.MonkeyPatch) -> None:
     def value(*marked: int | None, false: tuple[int, ...] = ()) -> float | None:
         ships = tuple(Detection(str(i), 0, 0, each) for i, each in enumerate(marked))
-        monkeypatch.setattr(measures, "look_out", lambda _: LookOut(ships, false))
+        monkeypatch.setattr(tallied_record, "look_out", lambda _: LookOut(ships, false))
         return taken(trajectory(), measure="time-to-detect", full=10, zero=100)[0]
 
     assert value(20, 40, 60) == pytest.approx((10 + 20 + 30) / 3)

@@ -4,9 +4,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import whole_passage
 
 from trainer.api.boat import plan_boat
 from trainer.boat.boat import Boat
@@ -14,8 +16,11 @@ from trainer.boat.due_orders import entries_due
 from trainer.boat.reference_crew import ReferenceCrew
 from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
+from trainer.config.exercise.exercise import parse_exercise
+from trainer.config.exercise.score_rules import SCORE_MEASURES, ScoreRule
 from trainer.config.files import shipped_names
 from trainer.core.kernel import Numbers
+from trainer.debrief.marks import gates, judgement
 from trainer.debrief.marks.judgement import judge_run
 from trainer.debrief.marks.rehearsal import (
     ByReference,
@@ -24,6 +29,7 @@ from trainer.debrief.marks.rehearsal import (
     last_tick,
     stretches,
 )
+from trainer.debrief.marks.tallied_record import tally_record
 from trainer.debrief.passage.groundings import groundings
 from trainer.debrief.passage.trajectory import Trajectory
 from trainer.debrief.ticks.ground import GroundWatch, ground_reads
@@ -116,9 +122,12 @@ def rows_of(judge: TickJudge, flown: Trajectory) -> Numbers:
     return np.array([columns[name] for name in judge.reads]).T.copy()
 
 
-def compared(name: str, flown: Trajectory, ends: list[int]) -> Iterator[tuple[int, float, float]]:
-    """Yield each end with the judge's total and the debrief's."""
+def compared(
+    name: str, flown: Trajectory, ends: list[int], also: tuple[ScoreRule, ...] = ()
+) -> Iterator[tuple[int, float, float]]:
+    """Yield each end with the judge's total and the debrief's, with rules beside the plan's."""
     plan, nobody = planned(name), nobody_in(name)
+    plan = replace(plan, scores=(*plan.scores, *also))
     judge = TickJudge(plan)
     rows, heard, begun = rows_of(judge, flown), heard_in(flown), 0
     yield 0, judge.begin(0, rows[0], nobody), judged(cut(flown, 0), plan, nobody)
@@ -212,12 +221,65 @@ def test_groundings_tick_by_tick_are_those_of_the_record(name: str, seed: int) -
     assert len(ours) > 1
 
 
+@cache
+def every_rule() -> tuple[ScoreRule, ...]:
+    """Return rules of all measures: of the whole record, windows and a condition."""
+    rules: tuple[ScoreRule, ...] = ()
+    head = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
+    head += '[[casualties]]\nname = "stern-hard-over"\nat_s = 60\n[[scores]]\n'
+    for name, measure in SCORE_MEASURES.items():
+        keys = {"quantity": "'depth'", "target": "65", "band": "4", "casualty": "'stern-hard-over'"}
+        quantity = f"'{measure.quantities[0]}'" if measure.quantities else keys["quantity"]
+        given = {key: keys[key] for key in measure.needs} | {"full": "5", "zero": "90"}
+        for key in {"quantity", "target"} & {*measure.may}:
+            given[key] = quantity if key == "quantity" else keys[key]
+        windows: tuple[dict[str, str], ...] = (
+            {},
+            {"from_s": "70", "to_s": "260"},
+            {"when": "'speed > 4'"},
+            {"since": "'stern-hard-over'", "from_s": "5", "to_s": "200"},
+        )
+        for number, window in enumerate(windows[: 1 if name == "response" else 4]):
+            rule = {"name": f"'{name} {number}'", "measure": f"'{name}'", **given, **window}
+            lines = "".join(f"{key} = {value}\n" for key, value in rule.items())
+            rules += parse_exercise(head + lines, Path("drill.toml")).scores
+    return rules
+
+
+def assert_judged_as_a_whole(flown: Trajectory, plan: Plan) -> None:
+    """Check each value, its moment, and what caps the marks by the other way of counting."""
+    rules = (*plan.scores, *every_rule())
+    record = tally_record(flown, rules, plan)
+    for rule in rules:
+        ours, theirs = record.measurement(rule), whole_passage.take_measure(flown, rule)
+        assert replace(ours, value=None) == replace(theirs, value=None), rule.score.name
+        assert (ours.value or 0.0) == pytest.approx(theirs.value or 0.0, LIKENESS, LIKENESS), rule
+        assert (ours.value is None) == (theirs.value is None)
+    limits, lost = whole_passage.told_of_caps(flown, plan)
+    assert dict(gates._broken(record)) == pytest.approx(limits)  # noqa: SLF001
+    words = judgement._turned_over, judgement._ended  # noqa: SLF001
+    turned, ended = (word(record) for word in words)
+    assert [turned, *judgement._losses(record), ended] == lost  # noqa: SLF001
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"), [("bottoming", 9), ("crossing-traffic", 16), ("stern-plane-jam", 3)]
+)
+def test_each_of_all_measures_is_judged_tick_by_tick(name: str, seed: int) -> None:
+    flown = flight_of(name, seed)
+    assert_judged_as_a_whole(flown, planned(name))
+    for rule in every_rule():
+        for end, ours, theirs in compared(name, flown, ends_of(flown, 3, seed), (rule,)):
+            assert ours == pytest.approx(theirs, abs=LIKENESS), (rule.score.name, end)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_twenty_flights_have_the_debrief_s_marks_all_along(name: str) -> None:
     totals = set()
     for seed in range(20):
         flown = flight_of(name, seed)
+        assert_judged_as_a_whole(flown, planned(name))
         for end, ours, theirs in compared(name, flown, ends_of(flown, 8, seed)):
             assert ours == pytest.approx(theirs, abs=LIKENESS), (seed, end)
             totals.add(round(ours, 3))

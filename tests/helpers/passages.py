@@ -7,7 +7,10 @@ import numpy as np
 from helpers.boats import make_boat
 from trainer.boat.calls import Rank
 from trainer.config.exercise.exercise import ExerciseLimits
+from trainer.config.exercise.score_rules import ScoreRule
 from trainer.core.casualties import CODES
+from trainer.debrief.marks.measures import Measurement
+from trainer.debrief.marks.scoring import score_rules
 from trainer.debrief.passage.trajectory import CASUALTY_SLOTS, PASSAGE_COLUMNS, Trajectory
 from trainer.session.stations.alerts import Alert, Instant
 
@@ -38,3 +41,8 @@ def alert(raised: int, seen: int | None = None, by: str = "", rank: Rank = Rank.
     """Return an alert by the ticks of 0.5 s at which it came and was acknowledged."""
     when = None if seen is None else Instant(1, seen, 0.5 * seen)
     return Alert(1, "", "depth", rank, "too deep", Instant(1, raised, 0.5 * raised), when, by)
+
+
+def take_measure(flown: Trajectory, rule: ScoreRule) -> Measurement:
+    """Return the measure of a rule in a passage."""
+    return score_rules(flown, (rule,)).scores[0].attained

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.boats import make_boat, start_boat, take_ticks
 from helpers.sessions import frame_of, start_plan
+from helpers.whole_passage import rows_beyond
 
 from trainer.api.boat import Boat as Ship
 from trainer.boat.boat import Boat
@@ -21,7 +22,6 @@ from trainer.config.exercise.derived import compile_conditions
 from trainer.config.exercise.exercise import ExerciseLimits, parse_exercise
 from trainer.config.files import ConfigError, Position
 from trainer.config.world.sea import load_sea
-from trainer.debrief.marks.measures import rows_beyond
 from trainer.debrief.marks.rehearsal import Departure, fly, fly_rehearsal
 from trainer.debrief.page.boat_page import boat_of
 from trainer.io.chart import DEFAULT_CHART

@@ -23,9 +23,9 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers, kernel
 from trainer.core.surfaces import SURFACES
 from trainer.debrief.marks.rehearsal import LOOKOUT_GIVER, last_tick
+from trainer.debrief.marks.tally_sheet import refuse_words
 from trainer.debrief.passage.trajectory import CREW_ORDERS
 from trainer.debrief.ticks.judge import TickJudge, nobody_aboard
-from trainer.debrief.ticks.tally_sheet import refuse_words
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import station
 from trainer.io.recording.recording import RecordedOrder

@@ -49,11 +49,12 @@ from trainer.config.files import (
     write_once,
 )
 from trainer.core.digest import core_digest
-from trainer.debrief.marks.judgement import MAX_NOBODY_PERCENT, judge_run, plain_marks
+from trainer.debrief.marks.judgement import judge_run, plain_marks
+from trainer.debrief.marks.mark_numbers import MAX_NOBODY_PERCENT
 from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal
 from trainer.debrief.marks.scoring import Scorecard, formula_of
+from trainer.debrief.marks.tally_sheet import forbids_numbers
 from trainer.debrief.passage.trajectory import missing_quantities
-from trainer.debrief.ticks.tally_sheet import forbids_numbers
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run

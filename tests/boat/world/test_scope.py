@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.boats import make_boat, take_ticks
 from helpers.orders import read_order
+from helpers.passages import take_measure
 from helpers.sessions import frame_of, start_exercise
 from helpers.typed import type_command
 
@@ -39,7 +40,6 @@ from trainer.cli.main import cli
 from trainer.config.boat.vessel import parse_vessel
 from trainer.config.exercise.exercise import ExerciseLimits, parse_exercise
 from trainer.config.world.contacts import SHIP_TYPES
-from trainer.debrief.marks.scoring import take_measure
 from trainer.debrief.page.data import gather_debrief
 from trainer.debrief.passage.ships_met import shown_rows as shown_ticks
 from trainer.debrief.passage.trajectory import PASSAGE_COLUMNS, Trajectory

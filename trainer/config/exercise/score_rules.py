@@ -1,8 +1,8 @@
 """The measures by name, and the tables ``[[scores]]`` that are checked against them.
 
 A measure is one number of a run, such as ``overshoot``; a rule says what is measured, and which
-values earn all marks and none. ``exercise`` reads rules here, and ``debrief/marks/measures`` has
-the function of each measure. The formula stands beside the name, in words, because a crew is shown
+values earn all marks and none. ``exercise`` reads rules here, and ``debrief/marks/tallies`` counts
+each measure tick by tick. The formula stands beside the name, in words, because a crew is shown
 how its marks came about.
 """
 

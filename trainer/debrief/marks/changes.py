@@ -21,7 +21,8 @@ from trainer.config.files import (
     toml_value,
 )
 from trainer.config.schema import Choice, Quantity, Rows, Text, read_record, required, within
-from trainer.debrief.marks.judgement import LOST_CAP, WIDTH_FACTORS, judge_run, total_of
+from trainer.debrief.marks.judgement import WIDTH_FACTORS, judge_run, total_of
+from trainer.debrief.marks.mark_numbers import LOST_CAP
 from trainer.debrief.marks.scoring import Scorecard
 from trainer.debrief.passage.trajectory import Trajectory
 from trainer.io.outputs import renew_whole

@@ -5,30 +5,17 @@ breach leaves. A breach costs by how far and how long a limit was passed, becaus
 is no wreck.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Final, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 from trainer.boat.limits import LIMIT_WORDS
-from trainer.core.kernel import Numbers
-from trainer.debrief.marks.measures import excess_beyond, limits_of
+from trainer.debrief.marks import tallies
+from trainer.debrief.marks.mark_numbers import FULL_BREACH_S, GATE_CAP
+from trainer.debrief.marks.tallied_record import TalliedRecord
 from trainer.debrief.passage.groundings import groundings
-from trainer.debrief.passage.trajectory import RowMask, Trajectory, row_stretches
+from trainer.debrief.passage.trajectory import Trajectory
 from trainer.report.svg import clock
 from trainer.session.past.plan import Plan
-
-GATE_TIME_S: Final = 2.0  # [s] for which a limit must be broken before it costs marks
-GATE_CAP: Final = 50.0  # [%] most that is left where a limit was wholly broken
-FULL_BREACH_S: Final = 30.0  # [s] beyond a limit by FULL_EXCESS of it that break it wholly
-FULL_EXCESS: Final = 0.25  # [-] of the limit; an estimate
-LEAST_EXCESS: Final[Mapping[str, float]] = {  # [unit of the limit] at least, for limits near 0
-    "depth_m": 2.0,
-    "pitch_deg": 2.0,
-    "heel_deg": 2.0,
-    "speed_kn": 0.5,
-    "speed_over_ground_kn": 0.5,
-    "clearance_m": 0.5,
-    "cpa_m": 20.0,
-}
 
 
 class GateBreach(NamedTuple):
@@ -38,36 +25,22 @@ class GateBreach(NamedTuple):
     cap: float  # [%] most that is left
 
 
-def worst_breach(trajectory: Trajectory, plan: Plan) -> GateBreach | None:
+def worst_breach(record: TalliedRecord, plan: Plan) -> GateBreach | None:
     """Return the breach that leaves least, None if no limit was broken."""
-    breaches = (*_broken(trajectory), *_laid_badly(trajectory, plan))
+    breaches = (*_broken(record), *_laid_badly(record.trajectory, plan))
     return min(breaches, key=lambda breach: breach.cap, default=None)
 
 
-def _broken(trajectory: Trajectory) -> Iterator[GateBreach]:
+def _broken(record: TalliedRecord) -> Iterator[GateBreach]:
     """Yield the limits that were broken for GATE_TIME_S.
 
     What is left falls by how far each was passed, and for how long: no second decides it.
     """
-    for name in limits_of(trajectory):
-        excess = excess_beyond(trajectory, name)
-        row = first_for(excess > 0.0, GATE_TIME_S, trajectory)
-        if row is not None:
-            limit = getattr(trajectory.limits, name)
-            width = max(FULL_EXCESS * abs(limit), LEAST_EXCESS[name.rpartition("_")[0]])
-            share = _excess_time(excess, trajectory) / (width * FULL_BREACH_S)
-            text = f"{LIMIT_WORDS[name].format(limit)} at {clock(float(trajectory.seconds[row]))}"
-            yield GateBreach(text, 100.0 - (100.0 - GATE_CAP) * min(share, 1.0))
-
-
-def _excess_time(excess: Numbers, trajectory: Trajectory) -> float:
-    """Return the excess over the time [unit of the limit times s], stretches of GATE_TIME_S on."""
-    step, times = trajectory.boat.method.step, trajectory.seconds
-    return step * sum(
-        float(excess[first:after].sum())
-        for first, after in row_stretches(excess > 0.0)
-        if times[after - 1] - times[first] >= GATE_TIME_S - 1e-9
-    )
+    for name, row, tally in record.caps(tallies.GATE):
+        share = float(row["step"] * tally["sum"] / (row["band"] * FULL_BREACH_S))
+        limit, when = getattr(record.trajectory.limits, name), clock(tally["at"] * row["step"])
+        text = f"{LIMIT_WORDS[name].format(limit)} at {when}"
+        yield GateBreach(text, 100.0 - (100.0 - GATE_CAP) * min(share, 1.0))
 
 
 def _laid_badly(trajectory: Trajectory, plan: Plan) -> Iterator[GateBreach]:
@@ -80,16 +53,3 @@ def _laid_badly(trajectory: Trajectory, plan: Plan) -> Iterator[GateBreach]:
             why = ", ".join(grounding.touch.faults) or "did not come to lie"
             when = clock(float(trajectory.seconds[grounding.row]))
             yield GateBreach(f"laid on the ground badly at {when}: {why}", GATE_CAP)
-
-
-def first_for(holds: RowMask, seconds: float, trajectory: Trajectory) -> int | None:
-    """Return the first row from which something holds for so long. None: it never does."""
-    times = trajectory.seconds
-    return next(
-        (
-            first
-            for first, after in row_stretches(holds)
-            if times[after - 1] - times[first] >= seconds - 1e-9
-        ),
-        None,
-    )

@@ -16,13 +16,28 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import FLAT_WORDS
-from trainer.boat.depths import lowest_depth
-from trainer.config.exercise.derived import Loss
 from trainer.config.exercise.loss_words import word_loss
 from trainer.config.exercise.outcome import Outcome
 from trainer.config.exercise.score_rules import ScoreRule
-from trainer.debrief.marks.gates import first_for, worst_breach
-from trainer.debrief.marks.scoring import RuleScore, Scorecard, Verdict, score_rules
+from trainer.debrief.marks import tallies
+from trainer.debrief.marks.gates import worst_breach
+from trainer.debrief.marks.mark_numbers import (
+    HARD_CAP,
+    KEEPING_SHARE,
+    LOST_CAP,
+    MAX_NOBODY_PERCENT,
+    WEAKEST_SHARE,
+    WHOLE_TASK_PERCENT,
+)
+from trainer.debrief.marks.measures import hull_depth
+from trainer.debrief.marks.scoring import (
+    RuleScore,
+    Scorecard,
+    Verdict,
+    score_record,
+    score_rules,
+)
+from trainer.debrief.marks.tallied_record import TalliedRecord, tally_record
 from trainer.debrief.passage.episodes import hints_told
 from trainer.debrief.passage.groundings import groundings
 from trainer.debrief.passage.ships_met import meet_ships
@@ -31,16 +46,10 @@ from trainer.io.recording.facts import GiverKind
 from trainer.report.svg import clock
 from trainer.session.past.plan import Plan
 
-LOST_CAP, HARD_CAP = 25.0, 0.0  # [%] most that is left
-TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
 WON_PERCENT: Final = 60.0  # [%] marks from which an exercise is won
 DONE_TASK_PERCENT: Final = 50.0  # [%] marks from which a task is carried out
-WHOLE_TASK_PERCENT: Final = 80.0  # [%] marks below which the weakest task takes of the others'
-KEEPING_SHARE: Final = 0.3  # of the total, by how the boat was kept
-WEAKEST_SHARE: Final = 0.4  # of the total, by the weakest task: so none is won without one
 WIDTH_FACTORS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
 FREEING_ORDERS: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
-MAX_NOBODY_PERCENT: Final = 50.0  # [%] with nobody aboard; a task that gives more does not count
 MAX_COSTS_TOLD: Final = 3  # sentences
 MIN_COST_PERCENT: Final = 0.5  # [%] of the marks that is worth one
 
@@ -51,18 +60,19 @@ def judge_run(
     """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
     rules = widen_rules(plan.scores, width)
     hint_marks = plan.hint_marks * len(hints_told(trajectory))
+    record = tally_record(trajectory, rules, plan)
+    card = score_record(record, rules)
     if not plan.judged_by_tasks:
-        card = score_rules(trajectory, rules)
         total = None if card.total is None else max(card.total - hint_marks, 0.0)
         return replace(card, total=total)
-    scores = tuple(_less_nobody(each, nobody) for each in score_rules(trajectory, rules).scores)
+    scores = tuple(_less_nobody(each, nobody) for each in card.scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean((each.rule.weight, each.earned) for each in scores) or 0.0
     keeping_marks = _mean(
         (each.rule.weight, each.marks) for each in scores if each.rule.part == "keeping"
     )
     keeping = 100.0 if keeping_marks is None else keeping_marks
-    verdict = _verdict(trajectory, plan, scores, (tasks, keeping, hint_marks))
+    verdict = _verdict(record, plan, scores, (tasks, keeping, hint_marks))
     none = verdict.void or verdict.free
     return Scorecard(scores, None if none else total_of(verdict), verdict)
 
@@ -124,7 +134,7 @@ def _mean(weighted: Iterable[tuple[float, float | None]]) -> float | None:
 
 
 def _verdict(
-    trajectory: Trajectory,
+    record: TalliedRecord,
     plan: Plan,
     scores: tuple[RuleScore, ...],
     parts: tuple[float, float, float],
@@ -134,11 +144,11 @@ def _verdict(
     ``parts`` are the means of the tasks and of what was kept, and what hints cost.
     A free run comes before all, because it has no marks; a loss comes before what was not reached.
     """
-    turned = _turned_over(trajectory)
+    trajectory, turned = record.trajectory, _turned_over(record)
     hard, aground = _aground(trajectory, plan)
-    lost = turned or hard or aground or next(_losses(trajectory, plan.lost), "")
-    lost = lost or _ended(trajectory, plan) or _collided(trajectory)
-    breach = worst_breach(trajectory, plan)
+    lost = turned or hard or aground or next(_losses(record), "")
+    lost = lost or _ended(record) or _collided(trajectory)
+    breach = worst_breach(record, plan)
     cap = breach.cap if breach else None
     cap = HARD_CAP if hard else LOST_CAP if lost else cap
     counted = [each for each in scores if each.earned is not None]
@@ -188,14 +198,14 @@ def whole_share(each: RuleScore) -> float:
     return min((_own_marks(each) or 0.0) / WHOLE_TASK_PERCENT, 1.0)
 
 
-def _turned_over(trajectory: Trajectory) -> str:
+def _turned_over(record: TalliedRecord) -> str:
     """Return that the boat turned over, and when."""
-    pitch, heel = np.abs(trajectory.columns["theta"]), np.abs(trajectory.columns["phi"])
-    over = np.flatnonzero((pitch > TURNED_PITCH) | (heel > TURNED_HEEL))
-    if not over.size:
+    if not (over := record.caps(tallies.TURNED)):
         return ""
-    row = int(over[0])
-    angles = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
+    trajectory = record.trajectory
+    row = trajectory.row(int(min(tally["at"] for _, _, tally in over)))
+    pitch, heel = (abs(float(trajectory.columns[name][row])) for name in ("theta", "phi"))
+    angles = f"pitch {np.degrees(pitch):.0f} deg, heel {np.degrees(heel):.0f} deg"
     told = f"turned over at {clock(float(trajectory.seconds[row]))}: {angles}"
     return told + _flat_words(trajectory, row)
 
@@ -219,29 +229,20 @@ def _aground(trajectory: Trajectory, plan: Plan) -> tuple[str, str]:
     return hard, aground
 
 
-def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
+def _losses(record: TalliedRecord) -> Iterator[str]:
     """Yield the conditions that lost the exercise, and when."""
-    for loss in losses:
-        holds = np.ones(trajectory.ticks.size, bool)
-        for condition in loss.conditions:
-            holds &= trajectory.holds(condition)
-        row = first_for(holds, loss.seconds, trajectory)
-        if row is not None:
-            told = f"{word_loss(loss.text)} at {clock(float(trajectory.seconds[row]))}"
-            yield told + _flat_words(trajectory, row)
+    for loss, row, tally in record.caps(tallies.LOSS):
+        told = f"{word_loss(loss.text)} at {clock(tally['at'] * row['step'])}"
+        yield told + _flat_words(record.trajectory, record.trajectory.row(int(tally["at"])))
 
 
-def _ended(trajectory: Trajectory, plan: Plan) -> str:
+def _ended(record: TalliedRecord) -> str:
     """Return that the hull has collapsed."""
-    limit = plan.file.hull.collapse_depth_m
-    if limit is None:
-        return ""
-    column = trajectory.columns
-    depths = lowest_depth(column["z"], column["theta"], plan.file.hull.length)
-    if not (depths >= limit).any():
-        return ""
-    flat = _flat_words(trajectory, int((depths >= limit).argmax()))
-    return f"the hull collapsed at {depths.max():.0f} m{flat}"
+    trajectory = record.trajectory
+    for _, _, tally in record.caps(tallies.COLLAPSED):
+        flat = _flat_words(trajectory, trajectory.row(int(tally["at"])))
+        return f"the hull collapsed at {hull_depth(trajectory).max():.0f} m{flat}"
+    return ""
 
 
 def _collided(trajectory: Trajectory) -> str:

@@ -1,15 +1,12 @@
 """Scoring: the rules of an exercise applied to a passage, each with its marks.
 
-A passage is what was flown to the end of a branch of a recording (``trajectory``). Here is chosen
-which of its ticks a rule looks at; ``measures`` gives the value, which becomes marks in proportion
-between the rule's ``full`` and ``zero``. ``judgement`` makes an exercise's total of them.
+A passage is what was flown to the end of a branch of a recording (``trajectory``). The value of a
+rule (``tallied_record``) becomes marks in proportion between the rule's ``full`` and ``zero``.
+``judgement`` makes an exercise's total of them.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
-
-import numpy as np
 
 from trainer.config.exercise.outcome import Outcome
 from trainer.config.exercise.score_rules import (
@@ -17,16 +14,10 @@ from trainer.config.exercise.score_rules import (
     SCORE_MEASURES,
     ScoreRule,
 )
-from trainer.debrief.marks import measures
 from trainer.debrief.marks.measures import Measurement
-from trainer.debrief.passage.episodes import first_spell
-from trainer.debrief.passage.trajectory import RowMask, Trajectory, missing_quantities
+from trainer.debrief.marks.tallied_record import TalliedRecord, tally_record
+from trainer.debrief.passage.trajectory import Trajectory
 
-MEASURE_FUNCTIONS: Final[
-    Mapping[str, Callable[[Trajectory, RowMask, ScoreRule], Measurement]]
-] = {  # by their names
-    name: getattr(measures, name.replace("-", "_")) for name in SCORE_MEASURES
-}
 DEFAULT_SUBJECTS: Final = {
     "activity": "stern and bow planes",
     "reserve-air": "all banks",
@@ -128,47 +119,20 @@ class Scorecard:
 
 def score_rules(trajectory: Trajectory, rules: tuple[ScoreRule, ...]) -> Scorecard:
     """Return the score of each rule, and the mean of all by weight."""
+    return score_record(tally_record(trajectory, rules), rules)
+
+
+def score_record(record: TalliedRecord, rules: tuple[ScoreRule, ...]) -> Scorecard:
+    """Return the same of a record that was tallied by these rules."""
     scores = []
     for rule in rules:
-        attained = take_measure(trajectory, rule)
+        attained = record.measurement(rule)
         marks = marks_of(rule, attained.value) if attained.counts else None
         scores.append(RuleScore(rule, attained, unit_of(rule), formula_of(rule), marks))
     counted = [each for each in scores if each.marks is not None]
     weight = sum(each.rule.weight for each in counted)
     earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
     return Scorecard(tuple(scores), earned / weight if weight else None)
-
-
-def looked_at(trajectory: Trajectory, rule: ScoreRule) -> RowMask | None:
-    """Return the ticks that a rule looks at, whatever its conditions.
-
-    None: the casualty from which they count did not come.
-    """
-    begin, end = rule.score.from_s, rule.score.to_s
-    if rule.since is not None:
-        episode = first_spell(trajectory, rule.since)
-        if episode is None:
-            return None
-        onset = episode.begun * trajectory.boat.method.step
-        begin, end = onset + (begin or 0.0), None if end is None else onset + end
-    return trajectory.between(begin, end)
-
-
-def take_measure(trajectory: Trajectory, rule: ScoreRule) -> Measurement:
-    """Return the measure of a rule in a passage."""
-    if lacking := missing_quantities(trajectory.boat, rule):
-        return Measurement(None, None, f"this boat has no {lacking[0]}", counts=False)
-    rows = looked_at(trajectory, rule)
-    if rows is None:
-        return Measurement(None, None, "it did not happen", counts=False)
-    if not np.any(rows):
-        reason = f"the record ends at {trajectory.seconds[-1]:g} s"
-        return Measurement(None, None, reason, counts=False, beyond_record=True)
-    for condition in rule.conditions:
-        rows &= trajectory.holds(condition)
-    if not np.any(rows):
-        return Measurement(None, None, f"never {rule.score.when}")
-    return MEASURE_FUNCTIONS[rule.score.measure](trajectory, rows, rule)
 
 
 def marks_of(rule: ScoreRule, value: float | None) -> float:

@@ -11,7 +11,8 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 from trainer.debrief.marks.judgement import marks_given
-from trainer.debrief.marks.scoring import RuleScore, Scorecard, looked_at
+from trainer.debrief.marks.scoring import RuleScore, Scorecard
+from trainer.debrief.marks.tallied_record import looked_at
 from trainer.debrief.passage.controls import ORDERED_AXES, moved_axes, moving_axes, working_roles
 from trainer.debrief.passage.episodes import INSTRUCTOR_ROLE, answer_to, changed_orders, first_spell
 from trainer.debrief.passage.trajectory import Trajectory

@@ -279,7 +279,7 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
         Level(
             f"limit {getattr(trajectory.limits, name):g} {unit}", getattr(trajectory.limits, name)
         )
-        for name in limits_of(trajectory)
+        for name in limits_of(trajectory.limits)
         if name.startswith(key)
     )
 

@@ -17,7 +17,7 @@ from trainer.core.digest import same_core
 from trainer.debrief.attainable.changes import MarkChange
 from trainer.debrief.attainable.words import change_words, until_words
 from trainer.debrief.marks.changes import OUTCOME_NAME, WIDTH_NAME, Change
-from trainer.debrief.marks.judgement import KEEPING_SHARE, WEAKEST_SHARE
+from trainer.debrief.marks.mark_numbers import KEEPING_SHARE, WEAKEST_SHARE
 from trainer.debrief.marks.scoring import RuleScore, Scorecard, Verdict
 from trainer.debrief.page.charts import change_name
 from trainer.debrief.page.data import CasualtyAnswer, DebriefData, deviation_of, standard_error_of

@@ -1,4 +1,4 @@
-"""The ground that some boats touch, tick by tick, for ``tick_judge``.
+"""The ground that some boats touch, tick by tick, for ``judge``.
 
 ``groundings`` finds the same in a whole record. A touch is judged by the last numbers off the
 ground, so these are remembered; a boat that was laid down has a while to come to lie.
@@ -21,7 +21,7 @@ from trainer.boat.grounding import (
 from trainer.boat.world.bottom import ground_under
 from trainer.config.world.bottom import Bottom
 from trainer.core.kernel import Numbers
-from trainer.debrief.ticks.tally_sheet import AskedColumns
+from trainer.debrief.marks.tally_sheet import AskedColumns
 
 LYING_NAMES: Final = ("aground", "bottom_load", "u_c")
 

@@ -1,14 +1,15 @@
 """The marks of an exercise at each tick, as of a record ending there.
 
 Whoever learns or plans asks at every step, so that what a flight earns is its mark to rounding. An
-instructor who asks what could still be earned asks ``evaluator``. ``judge_run`` gives the same
-marks of a whole record; here each tick is taken into account once, in machine code (``tallies``).
+instructor who asks what could still be earned asks ``evaluator``. ``judge_run`` takes a whole
+record into account by the same rows (``tallies``); here a boat goes on, and what is told of ships,
+the ground and the crew is found as it comes.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +18,35 @@ from trainer.boat.world.bottom import ground_under
 from trainer.boat.world.contacts import contacts_in
 from trainer.config.exercise.reference_crew import MARK_ORDER, REPORT_ORDER
 from trainer.core.kernel import Numbers
-from trainer.debrief.marks.judgement import plain_marks
-from trainer.debrief.marks.measures import Measurement, measure_detection, measure_report
-from trainer.debrief.marks.rehearsal import fly_rehearsal
+from trainer.debrief.marks import tallies
+from trainer.debrief.marks.judgement import plain_marks, widen_rules
+from trainer.debrief.marks.measures import (
+    MADE_COLUMNS,
+    Measurement,
+    measure_detection,
+    measure_groundings,
+    measure_report,
+)
+from trainer.debrief.marks.rehearsal import fly_rehearsal, last_tick
+from trainer.debrief.marks.tallies import TALLY, take_ticks
+from trainer.debrief.marks.tally_sheet import (
+    LOOK_OUT_MEASURES,
+    begin_tallies,
+    conditions_hold,
+    lay_out,
+    passage_of,
+    refuse_plan,
+)
 from trainer.debrief.passage.episodes import Episode, answer_to
-from trainer.debrief.passage.trajectory import QUANTITY_FUNCTIONS
-from trainer.debrief.ticks import tallies
 from trainer.debrief.ticks.ground import GroundWatch, ground_reads
 from trainer.debrief.ticks.ships import SEA_NAMES, ShipWatch
-from trainer.debrief.ticks.tallies import TALLY, take_ticks
-from trainer.debrief.ticks.tally_sheet import LOOK_OUT_MEASURES, SHOWN_ROWS, lay_out, passage_of
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
 from trainer.session.past.plan import Plan
 
 Mask = NDArray[np.bool_]
+IDLE_FIRST: Final = ("time-to-detect", "alert-response")  # no ship came so far; no watch calls
+SHOWN_MEASURES: Final = ("closest-approach", "exposed", "exposed-raise")
 
 
 class TickJudge:
@@ -41,17 +56,19 @@ class TickJudge:
     its next ticks and gives the total [%] of a record that ends there, 0 where marks are void.
     ``hear`` takes an order that the crew gave: an answer, a periscope's, or a mark of a ship.
 
-    ConfigError naming the rule that numbers tick by tick cannot judge.
+    ConfigError naming why numbers tick by tick cannot judge the plan.
     """
 
     def __init__(self, plan: Plan, count: int = 1, width: str = "qualified") -> None:
+        refuse_plan(plan)
         self.plan, self.width = plan, width
         self._boat = plan.launch_boat()
         boat, bottom = self._boat, ground_under(self._boat)
         contacts = contacts_in(boat)
         near = bool(contacts and contacts.any) or asks_for_ships(plan)
         also = (*ground_reads(boat), *(SEA_NAMES if near else ()))
-        self.sheet = sheet = lay_out(plan, boat, width, also)
+        self.sheet = sheet = lay_out(widen_rules(plan.scores, width), boat, plan.limits, plan, also)
+        sheet.rows["ends"] = np.isin(sheet.rows["measure"], (tallies.COLLAPSED, tallies.STRUCK))
         self.reads = sheet.reads
         self._tallies = np.zeros((count, sheet.rows.size), TALLY)
         self._rings = np.zeros((count, sheet.rings, sheet.window))
@@ -63,6 +80,12 @@ class TickJudge:
         self._last = np.zeros((count, self._columns))  # the tick that was taken last
         self._rows = np.zeros((count, 1, self._columns))
         self._orders: list[list[RecordedOrder]] = [[] for _ in range(count)]
+        # at which ticks the conditions held of a rule whose value is written
+        self._held: dict[int, Mask] = {
+            r: np.zeros((count, last_tick(plan) + 2), bool)
+            for r, row in enumerate(sheet.rows[: len(sheet.rules)])
+            if row["measure"] >= tallies.AGROUND and row["conditions"]
+        }
         answers = np.flatnonzero(sheet.rows["measure"] == tallies.RESPONSE)
         self._answers = [(r, sheet.rules[r]) for r in answers.tolist()]
         self._totals = np.zeros((count, 2))
@@ -73,14 +96,14 @@ class TickJudge:
         ``nobody`` are the marks with nobody aboard at its seed, by the rules' names.
         """
         own = self._tallies[index]
-        own[:] = np.zeros((), TALLY)
+        begin_tallies(own, self._rings[index])
         for r, rule in enumerate(self.sheet.rules):
             own[r]["free"] = nobody.get(rule.score.name, 0.0)
-            own[r]["answered"] = np.nan
-            own[r]["idle"] = rule.score.measure == "time-to-detect"  # no ship came in sight so far
+            own[r]["idle"] = rule.score.measure in IDLE_FIRST
             if rule.score.measure == "aground":
                 own[r]["answered"] = 0.0
-        self._rings[index] = 0.0
+        for held in self._held.values():
+            held[index] = False
         self._orders[index].clear()
         self._last[index, : len(start)] = start
         if self._ground:
@@ -135,14 +158,18 @@ class TickJudge:
         ours[:, 1:, :count] = rows
         if self.sheet.derived:
             self._derive(ours[:, 1:])
-        if self._ships or self._ground:
-            self._look_around(ours, np.arange(len(ours))[going].tolist())
-        sheet, later = self.sheet, (self._tallies, self._rings, self._totals)
-        take_ticks(sheet.rows, sheet.conditions, ours, *later)
+        which = np.arange(len(ours))[going].tolist()
+        seen = self._ships.watch(ours, which) if self._ships else []
+        self._take_ticks(ours)
         self._last[going] = ours[going, -1]
-        if self._answers and self._hear_answers():
-            none = np.ascontiguousarray(ours[:, -1:])  # no tick is taken, only added up
-            take_ticks(sheet.rows, sheet.conditions, none, *later)
+        if any([*self._write_values(ours, which, seen)]):
+            self._take_ticks(np.ascontiguousarray(ours[:, -1:]))  # none is taken, only added up
+
+    def _take_ticks(self, rows: Numbers) -> None:
+        """Take rows [boats, 1 + ticks, columns] into account."""
+        flat = (rows.reshape(-1, self._columns), self._tallies.reshape(-1))
+        rings = self._rings.reshape(-1, self.sheet.window)
+        take_ticks(self.sheet.rows, self.sheet.conditions, *flat, rings, self._totals)
 
     def _derive(self, rows: Numbers) -> None:
         """Write the quantities that are made from several columns."""
@@ -150,27 +177,34 @@ class TickJudge:
         columns = dict(zip(self.reads, flat.T, strict=False))
         passage = passage_of(self._boat, columns, len(flat))
         for i, name in enumerate(self.sheet.derived, start=len(self.reads)):
-            rows[..., i] = QUANTITY_FUNCTIONS[name](passage).reshape(rows.shape[:2])
+            rows[..., i] = MADE_COLUMNS[name](passage).reshape(rows.shape[:2])
 
-    def _look_around(self, rows: Numbers, which: list[int]) -> None:
-        """Write what ground and ships do to the boats ``which``."""
+    def _write_values(self, rows: Numbers, which: list[int], seen: list[int]) -> Iterator[bool]:
+        """Write what is told of the boats ``which``; yield whether that may be news."""
+        for r, held in self._held.items():
+            ticks = np.minimum(rows[which, 1:, 0], held.shape[1] - 1).astype(np.int64)
+            now = conditions_hold(self.sheet, r, rows[which, 1:])
+            held[np.array(which)[:, None], ticks] = now
         if self._ships:
-            for index in self._ships.watch(rows, which):
+            for index in seen:
                 self._judge_look_out(index, self._ships)
+                yield True
         if self._ground:
             for index in self._ground.watch(rows[:, 1:], which):
                 self._judge_groundings(index, self._ground)
+                yield True
+        if self._answers:
+            yield self._hear_answers()
 
     def _judge_look_out(self, index: int, watch: ShipWatch) -> None:
         """Write what a look-out is worth so far."""
         step = self.plan.method.step
         for r in self._rows_of("time-to-detect"):
-            looked_at = partial(is_within, self.sheet.rows[r])
+            looked_at = partial(self._is_looked_at, index, r)
             found = measure_detection(watch.look_out(index), looked_at, self.sheet.rules[r], step)
             self._write_value(index, r, found)
         for r in self._rows_of("time-to-report"):
-            row = self.sheet.rows[r]
-            shown = watch.first_shown(index, row["begin"], row["end"])
+            shown = watch.first_shown(index, partial(self._is_looked_at, index, r))
             self._write_value(index, r, measure_report(shown, watch.reports(index), step))
 
     def _write_value(self, index: int, r: int, found: Measurement) -> None:
@@ -181,14 +215,23 @@ class TickJudge:
         """Write what groundings cost and end so far."""
         faults = ground.faults(index)
         for r in self._rows_of("aground"):
-            inside = [each for each in faults if is_within(self.sheet.rows[r], each.tick)]
-            self._write(index, r, {"answered": len(inside)})
+            looked_at, ticks = partial(self._is_looked_at, index, r), [each.tick for each in faults]
+            self._write_value(index, r, measure_groundings(ticks, looked_at))
         hard = any(each.hard for each in ground.groundings[index])
         over = any(ground.is_over(index, each) for each in faults)
         for r, measure in enumerate(self.sheet.rows["measure"].tolist()):
             if measure >= tallies.HARD:
                 capped = hard if measure == tallies.HARD else bool(faults)
                 self._write(index, r, {"extreme": capped, "held": over})
+
+    def _is_looked_at(self, index: int, r: int, tick: int) -> bool:
+        """Return whether a rule looks at a tick of a boat that was taken."""
+        row, onset, held = self.sheet.rows[r], self._tallies[index, r]["onset"], self._held.get(r)
+        if row["since"] and not onset:
+            return False
+        since = onset - 1.0 if row["since"] else 0.0
+        inside = since + row["begin"] - 1e-6 <= tick <= since + row["end"] + 1e-6
+        return bool(inside and (held is None or held[index, tick]))
 
     def _rows_of(self, measure: str) -> list[int]:
         """Return the rules with a measure."""
@@ -219,18 +262,13 @@ class TickJudge:
         return changed
 
 
-def is_within(row: Any, tick: int) -> bool:
-    """Return whether a tick is in the window of a rule's row."""
-    return bool(row["begin"] - 1e-6 <= tick <= row["end"] + 1e-6)
-
-
 def asks_for_ships(plan: Plan) -> bool:
     """Return whether a rule is about ships or the periscope, also where there are none."""
     measures = {rule.score.measure for rule in plan.scores}
     eyes = [condition.quantity for rule in plan.scores for condition in rule.conditions]
     eyes += [condition.quantity for loss in plan.lost for condition in loss.conditions]
     eyes += [rule.measured.name for rule in plan.scores if rule.measured]
-    asked = bool(measures & {*SHOWN_ROWS, *LOOK_OUT_MEASURES}) or "eye" in eyes
+    asked = bool(measures & {*SHOWN_MEASURES, *LOOK_OUT_MEASURES}) or "eye" in eyes
     return asked or plan.limits.cpa_m_min is not None
 
 

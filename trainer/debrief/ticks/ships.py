@@ -1,4 +1,4 @@
-"""The ships near some boats and what their periscopes show, tick by tick, for ``tick_judge``.
+"""The ships near some boats and what their periscopes show, tick by tick, for ``judge``.
 
 ``ships_met`` finds the same in a whole record. The ships are those of the exercise, the same for
 all boats; each boat has a periscope and marks of its own.
@@ -17,6 +17,7 @@ from trainer.boat.world.hulls import POSE_NAMES, OwnHull
 from trainer.boat.world.scope import OPTICS_SHOWING_M, Mast, Periscope, periscope_of
 from trainer.config.world.world import WorldTables
 from trainer.core.kernel import Numbers
+from trainer.debrief.marks.measures import IsLookedAt
 from trainer.debrief.passage.ships_met import (
     MISSED_LOOKS,
     BearingMark,
@@ -91,10 +92,10 @@ class ShipWatch:
             for each in contact_reports(order for order, _ in self._reports[index])
         ]
 
-    def first_shown(self, index: int, begin: float, end: float) -> int | None:
-        """Return the first tick from ``begin`` to ``end`` at which a boat's head showed."""
-        within = (tick for each in self._shown[index] for tick in each if begin <= tick <= end)
-        return next(within, None)
+    def first_shown(self, index: int, is_looked_at: IsLookedAt) -> int | None:
+        """Return the first tick, of those looked at, at which a head showed."""
+        ticks = (tick for each in self._shown[index] for tick in each)
+        return next(filter(is_looked_at, ticks), None)
 
     def watch(self, rows: Numbers, which: list[int]) -> list[int]:
         """Write what is made of ships; return whose look-out is judged anew.

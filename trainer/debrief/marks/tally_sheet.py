@@ -1,45 +1,56 @@
 """The rules of a plan as rows of numbers, for ``tallies``.
 
-``tick_judge`` has them taken into account by ``tallies``. A row says which columns of the state a
-rule looks at, and what counts there.
+``tallies`` takes ticks into account by them, for ``scoring`` and ``ticks/judge``. A row says which
+columns of the state a rule looks at, and what counts there.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
-from trainer.boat.depths import HULL_REACH
+from trainer.boat.entries import GIVEN_ROWS, GIVEN_SIZE, Entry, RecordRow
+from trainer.boat.limits import RECALL_COVER_M
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.exercise.condition import STATE_QUANTITIES
-from trainer.config.exercise.derived import DERIVED_QUANTITIES, Condition
+from trainer.config.exercise.derived import Condition, Loss
 from trainer.config.exercise.exercise import ExerciseLimits
-from trainer.config.exercise.score_rules import COURSE_QUANTITY, ORDERED_QUANTITIES, ScoreRule
+from trainer.config.exercise.score_rules import (
+    ANSWER_MEASURES,
+    COURSE_QUANTITY,
+    ORDERED_QUANTITIES,
+    ScoreRule,
+)
 from trainer.config.files import ConfigError
 from trainer.core.casualties import CODES
 from trainer.core.kernel import Numbers
 from trainer.core.surfaces import SURFACES
-from trainer.debrief.marks.gates import FULL_EXCESS, LEAST_EXCESS
-from trainer.debrief.marks.judgement import TURNED_HEEL, TURNED_PITCH, widen_rules
-from trainer.debrief.marks.measures import (
+from trainer.debrief.marks import tallies
+from trainer.debrief.marks.mark_numbers import (
+    FULL_EXCESS,
+    GATE_TIME_S,
     HELD_TIME_S,
+    LEAST_EXCESS,
+    SETTLING_WINDOW_S,
+    TURNED_HEEL,
+    TURNED_PITCH,
+)
+from trainer.debrief.marks.measures import (
+    AIR_COLUMNS,
     LIMIT_QUANTITIES,
+    MADE_COLUMNS,
     NEAREST_RANGE,
     PLANE_NAMES,
-    SETTLING_WINDOW_S,
+    air_banks,
+    lacking,
+    limits_of,
 )
-from trainer.debrief.passage.trajectory import (
-    CASUALTY_SLOTS,
-    QUANTITY_FUNCTIONS,
-    Trajectory,
-    missing_quantities,
-)
-from trainer.debrief.ticks import tallies
-from trainer.debrief.ticks.tallies import MEASURE_NAMES, TALLY_CONDITION, TALLY_RULE
+from trainer.debrief.marks.tallies import MEASURE_NAMES, TALLY, TALLY_CONDITION, TALLY_RULE
+from trainer.debrief.passage.trajectory import CASUALTY_SLOTS, Trajectory
 from trainer.io.orders.grammar import Refused
 from trainer.session.past.plan import Plan
 
@@ -48,27 +59,41 @@ TRAVEL_COLUMNS: Final = (
     *(f"delta_{letter}" for letter in SURFACES.values()),
     *(f"{name}_by_hand" for name in SURFACES),
 )
-WAY_COLUMNS: Final = ("x", "y")
 # what is made of a boat's numbers, the ships near and its periscope
 SHIP_COLUMNS: Final = ("nearest", "struck", "head_out", "raise", "eye")
-SHOWN_ROWS: Final[Mapping[str, Mapping[str, str]]] = {
+COLUMN_ROWS: Final[Mapping[str, Mapping[str, str]]] = {
     "closest-approach": {"column": "nearest"},
     "exposed": {"column": "head_out"},
     "exposed-raise": {"column": "head_out", "aim": "raise"},
+    "beyond-test-depth": {"column": "over_test_depth"},
+    "time-beyond-test-depth": {"column": "over_test_depth"},
 }
 LOOK_OUT_MEASURES: Final = ("time-to-detect", "time-to-report")
-WRITTEN_MEASURES: Final = ("aground", *LOOK_OUT_MEASURES)  # of whole windows alone
 NO_ROW: Final = {"aim": -1.0, "end": math.inf, "target": math.nan, "size": 1.0, "sense": 1.0}
 SIZELESS_LIMITS: Final = ("pitch_deg", "heel_deg")  # that hold either way
 
 Row = dict[str, Any]  # of TALLY_RULE or TALLY_CONDITION; a name or a tuple of names is a column
 
 
+# the kernel as ``machine_code`` calls it, whose object is no part of the core's
+ENTRIES: Final = (
+    Entry(
+        tallies.take_ticks,
+        (
+            *(RecordRow(TALLY_RULE), RecordRow(TALLY_CONDITION), GIVEN_ROWS),
+            *(RecordRow(TALLY), GIVEN_ROWS, (GIVEN_SIZE, tallies.TOTALS)),
+        ),
+        many_ticks=True,
+    ),
+)
+
+
 @dataclass(frozen=True)
 class TallySheet:
     """The rules that count, their rows, and the columns that these look at."""
 
-    rules: tuple[ScoreRule, ...]  # of the first rows, one each; then come what caps the marks
+    rules: tuple[ScoreRule, ...]  # of the first rows, one each; then comes what caps the marks
+    caps: tuple[Any, ...]  # the key of a limit, a loss, or "" for each of these
     rows: Any  # [rows] of TALLY_RULE
     conditions: Any  # of TALLY_CONDITION
     reads: tuple[str, ...]  # fields of the state, the tick first
@@ -78,28 +103,34 @@ class TallySheet:
     rings: int  # how many rows remember such a window
 
 
-def lay_out(plan: Plan, boat: Boat, width: str, also: Sequence[str] = ()) -> TallySheet:
-    """Return the sheet of a plan, which reads ``also`` these fields of the state.
+def lay_out(
+    rules: Sequence[ScoreRule],
+    boat: Boat,
+    limits: ExerciseLimits,
+    plan: Plan | None = None,
+    also: Sequence[str] = (),
+) -> TallySheet:
+    """Return the sheet of the rules that a boat has all for.
 
-    ConfigError naming what numbers cannot judge.
+    It reads ``also`` these fields. With a plan it has the rows of what loses the plan's exercise.
     """
-    refuse_plan(plan)
-    rules = tuple(
-        each for each in widen_rules(plan.scores, width) if not missing_quantities(boat, each)
-    )
+    judged = tuple(each for each in rules if not lacking(boat, each))
     held: list[Row] = []
-    step = plan.method.step
+    step = boat.method.step
     window = round(SETTLING_WINDOW_S / step) + 1
-    rows = [_rule_row(rule, boat, held) for rule in rules]
+    rows = [_rule_row(rule, boat, held) for rule in judged]
     settled = [row for row in rows if row["measure"] == tallies.SETTLED]
     for ring, row in enumerate(settled):
-        row |= {"ring": ring, "needed": window}
-    rows += [*_gate_rows(plan, boat), *_loss_rows(plan, boat, held), *_world_rows(plan)]
+        row["ring"] = ring
+    caps: list[tuple[Any, Row]] = [*_gate_rows(limits, boat), *_own_end_rows(boat)]
+    if plan is not None:
+        caps += [*_loss_rows(plan, boat, held), *_world_rows(plan)]
+    rows += [row for _, row in caps]
     named = [value for row in (*rows, *held) for value in row.values()]
     singles = [name for name in dict.fromkeys(named) if isinstance(name, str)]
     groups = [names for names in dict.fromkeys(named) if isinstance(names, tuple)]
     of_ships = [name for name in singles if name in SHIP_COLUMNS]
-    derived = [name for name in singles if _is_derived(name) and name not in of_ships]
+    derived = [name for name in singles if _is_made(name) and name not in of_ships]
     made = {*of_ships, *derived}
     read = ["tick", *singles, *_sources(boat, derived), *also]
     fields_read = [name for name in dict.fromkeys(read) if name not in made]
@@ -108,9 +139,13 @@ def lay_out(plan: Plan, boat: Boat, width: str, also: Sequence[str] = ()) -> Tal
         places[group] = len(fields_read)
         fields_read += group
     places |= {name: len(fields_read) + i for i, name in enumerate((*derived, *of_ships))}
+    moment = round(HELD_TIME_S / step)
     return TallySheet(
-        rules,
-        _table(TALLY_RULE, [NO_ROW | {"step": step} | row for row in rows], places),
+        judged,
+        tuple(name for name, _ in caps),
+        _table(
+            TALLY_RULE, [NO_ROW | {"step": step, "moment": moment} | row for row in rows], places
+        ),
         _table(TALLY_CONDITION, held or [{}], places),
         tuple(fields_read),
         tuple(derived),
@@ -120,17 +155,27 @@ def lay_out(plan: Plan, boat: Boat, width: str, also: Sequence[str] = ()) -> Tal
     )
 
 
+def conditions_hold(sheet: TallySheet, r: int, rows: Numbers) -> Any:
+    """Return in which of some rows [..., columns] the conditions of a rule hold."""
+    first, holds = int(sheet.rows[r]["first_condition"]), np.ones(rows.shape[:-1], bool)
+    for each in sheet.conditions[first : first + int(sheet.rows[r]["conditions"])]:
+        value = rows[..., int(each["column"])] / each["size"]
+        value = value % each["around"] if each["around"] else value
+        above = each["sense"] * (value - each["threshold"])
+        holds &= above > 0.0 if each["strict"] else above >= 0.0
+    return holds
+
+
+def begin_tallies(taken: Any, rings: Numbers) -> None:
+    """Begin the tallies of one boat, and what they remember of its last ticks."""
+    taken[:] = np.zeros((), TALLY)
+    taken["at"] = -1.0
+    taken["answered"] = np.nan
+    rings[:] = np.nan
+
+
 def refuse_plan(plan: Plan) -> None:
     """Raise ConfigError naming what numbers of one boat cannot judge."""
-    for rule in plan.scores:
-        name, chosen = rule.score.measure, bool(rule.conditions)
-        written = name in WRITTEN_MEASURES and (chosen or rule.since is not None)
-        if name not in MEASURE_NAMES or (name == "settled" and chosen) or written:
-            only = "" if name not in MEASURE_NAMES else ", where it has a condition,"
-            raise ConfigError(
-                f"{plan.title}: {rule.score.name}: {name}{only} takes more than numbers tick by "
-                "tick, so only the debrief judges it"
-            )
     if any(entry.order.name == "contact" for entry in plan.schedule):
         raise ConfigError(
             f"{plan.title}: its schedule orders ships, and those of all boats are the same"
@@ -152,7 +197,7 @@ def forbids_numbers(plan: Plan) -> Refused | None:
 def refuse_words(plan: Plan) -> None:
     """Raise ConfigError where an exercise asks for words, or hides what numbers show."""
     for rule in plan.scores:
-        if rule.score.measure == "response":
+        if rule.score.measure in ANSWER_MEASURES:
             raise ConfigError(
                 f"{plan.title}: {rule.score.name}: an answer is an order in words, and numbers are "
                 "given at every step"
@@ -176,13 +221,13 @@ def _table(dtype: np.dtype, rows: Sequence[Row], places: Mapping[Any, int]) -> A
     return table
 
 
-def _is_derived(quantity: str) -> bool:
-    return quantity in DERIVED_QUANTITIES and quantity != COURSE_QUANTITY
+def _is_made(quantity: str) -> bool:
+    return quantity in MADE_COLUMNS and quantity != COURSE_QUANTITY
 
 
 def _column(boat: Boat, quantity: str) -> Row:
     """Return the column of a quantity, and its size [SI]."""
-    if _is_derived(quantity):
+    if _is_made(quantity):
         return {"column": quantity, "size": 1.0}
     if quantity == COURSE_QUANTITY:
         return {"column": "psi", "size": 1.0}
@@ -204,7 +249,9 @@ def _rule_row(rule: ScoreRule, boat: Boat, held: list[Row]) -> Row:
         "needed": math.ceil(HELD_TIME_S / step - 1e-9),
         **_held(rule.conditions, boat, held),
     }
-    if rule.measured and score.measure != "activity":
+    if score.measure == "reserve-air":
+        row["column"] = AIR_COLUMNS[air_banks(rule)]
+    elif rule.measured and score.measure != "activity":
         row |= _column(boat, rule.measured.name)
         row["size"] *= rule.measured.size
         row["around"] = math.tau / rule.measured.size * (rule.measured.name == COURSE_QUANTITY)
@@ -216,10 +263,12 @@ def _rule_row(rule: ScoreRule, boat: Boat, held: list[Row]) -> Row:
         named: tuple[str, ...] = (rule.measured.name,) if rule.measured else PLANE_NAMES
         named = named if score.measure == "activity" else tuple(SURFACES)
         bits = (1 << i for i, name in enumerate(SURFACES) if name in named and boat.carries(name))
-        row |= {"slots": TRAVEL_COLUMNS, "slot_count": len(SURFACES), "surfaces": sum(bits)}
+        row |= {"angles": TRAVEL_COLUMNS, "angle_count": len(SURFACES), "surfaces": sum(bits)}
     if score.measure == "distance":
-        row["column"] = WAY_COLUMNS
-    row |= SHOWN_ROWS.get(score.measure, {})
+        row |= {"column": "x", "aim": "y"}
+    if score.measure == "broaches":
+        row |= {"column": "showing", "aim": "surfacing", "band": RECALL_COVER_M}
+    row |= COLUMN_ROWS.get(score.measure, {})
     casualty = rule.casualty or rule.since
     if casualty is not None:
         codes = {"since": CODES[casualty.kind], "slot_count": len(CASUALTY_SLOTS)}
@@ -240,56 +289,49 @@ def _held(conditions: Sequence[Condition], boat: Boat, held: list[Row]) -> Row:
     return {"first_condition": first, "conditions": len(conditions)}
 
 
-def _gate_rows(plan: Plan, boat: Boat) -> list[Row]:
-    """Return the rows of the limits, as ``gates`` has them."""
-    rows = []
-    for name in (item.name for item in fields(plan.limits)):
+def _gate_rows(limits: ExerciseLimits, boat: Boat) -> Iterator[tuple[str, Row]]:
+    """Yield the rows of the limits, by their keys."""
+    for name in limits_of(limits):
         key, _, end = name.rpartition("_")
-        limit = getattr(plan.limits, name)
-        if limit is None or key not in (*LIMIT_QUANTITIES, NEAREST_RANGE):
-            continue
+        limit = getattr(limits, name)
         row: Row = {"measure": tallies.GATE, "target": limit, "column": "nearest", "size": 1.0}
         if key != NEAREST_RANGE:
             what = LIMIT_QUANTITIES[key]
             row |= _column(boat, what.name)
             row["size"] *= what.size
         row["sense"] = 1.0 if end == "max" else -1.0
-        row |= {"absolute": float(key in SIZELESS_LIMITS)}
-        rows.append(row | {"band": max(FULL_EXCESS * abs(limit), LEAST_EXCESS[key])})
-    return rows
+        row |= {"absolute": float(key in SIZELESS_LIMITS), "needed": GATE_TIME_S}
+        yield name, row | {"band": max(FULL_EXCESS * abs(limit), LEAST_EXCESS[key])}
 
 
-def _loss_rows(plan: Plan, boat: Boat, held: list[Row]) -> list[Row]:
-    """Return the rows of what loses the exercise, and of the boat's own ends."""
-    rows: list[Row] = [
-        {"measure": tallies.LOSS, "needed": each.seconds, "column": "z"}
-        | _held(each.conditions, boat, held)
-        for each in plan.lost
-    ]
+def _own_end_rows(boat: Boat) -> Iterator[tuple[str, Row]]:
+    """Yield the rows of the boat's own ends."""
     for column, limit in (("theta", TURNED_PITCH), ("phi", TURNED_HEEL)):
-        rows.append({"measure": tallies.TURNED, "column": column, "target": limit})
-    hull = plan.file.hull
-    if hull.collapse_depth_m is not None:
-        ends = {"aim": "theta", "band": HULL_REACH * hull.length}
-        depth = {"column": "z", "target": hull.collapse_depth_m}
-        rows.append({"measure": tallies.COLLAPSED, **depth, **ends})
-    return rows
+        yield "", {"measure": tallies.TURNED, "column": column, "target": limit}
+    if (depth := boat.file.hull.collapse_depth_m) is not None:
+        crushed = math.nextafter(depth, -math.inf)  # at that depth already
+        yield "", {"measure": tallies.COLLAPSED, "column": "hull_depth", "target": crushed}
 
 
-def _world_rows(plan: Plan) -> list[Row]:
-    """Return the rows of what ground and ships end or cap, as ``judgement`` and ``gates`` do."""
-    rows: list[Row] = []
+def _loss_rows(plan: Plan, boat: Boat, held: list[Row]) -> Iterator[tuple[Loss, Row]]:
+    """Yield the rows of what loses the exercise."""
+    for each in plan.lost:
+        row: Row = {"measure": tallies.LOSS, "needed": each.seconds, "column": "z"}
+        yield each, row | _held(each.conditions, boat, held)
+
+
+def _world_rows(plan: Plan) -> Iterator[tuple[str, Row]]:
+    """Yield the rows of what ground and ships end or cap."""
     bottom, encounters = plan.around.get("bottom"), plan.around.get("contacts")
     if bottom is not None:
-        rows.append({"measure": tallies.HARD, "column": "z"})
+        yield "", {"measure": tallies.HARD, "column": "z"}
         own = plan.world.get("bottom")
         if own is not None and own.grounding == "end":
-            rows.append({"measure": tallies.GROUNDED, "column": "z"})
+            yield "", {"measure": tallies.GROUNDED, "column": "z"}
         if own is not None and own.bottoming:
-            rows.append({"measure": tallies.LAID_BADLY, "column": "z"})
+            yield "", {"measure": tallies.LAID_BADLY, "column": "z"}
     if encounters is not None and encounters.collision == "end":
-        rows.append({"measure": tallies.STRUCK, "column": "struck", "target": 0.5})
-    return rows
+        yield "", {"measure": tallies.STRUCK, "column": "struck", "target": 0.5}
 
 
 class AskedColumns(dict[str, Numbers]):
@@ -304,7 +346,7 @@ def _sources(boat: Boat, derived: Sequence[str]) -> list[str]:
     """Return the fields of the state from which quantities are made."""
     columns = AskedColumns()
     for name in derived:
-        QUANTITY_FUNCTIONS[name](passage_of(boat, columns, 1))
+        MADE_COLUMNS[name](passage_of(boat, columns, 1))
     return list(columns)
 
 

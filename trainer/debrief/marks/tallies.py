@@ -1,44 +1,50 @@
 """The marks of an exercise tick by tick, in machine code.
 
-``tick_judge`` lays the rules of a plan out as rows here, and has each tick taken into account. What
-a value means is said by ``measures``, ``gates`` and ``judgement``, whose marks these are at every
-tick; here is what they need to remember. numba compiles it where it is first asked for.
+``tally_sheet`` lays the rules of a plan out as rows, and each tick is taken into account: of a
+whole record by ``tallied_record``, while a boat goes on by ``ticks/judge``. A tally is what a rule
+remembers of the ticks so far: what it took, and at which tick. No function of a library is called,
+so that the machine code can be shipped.
 """
+
+# long: one kernel, with the records that it takes
 
 import math
 from typing import Any, Final
 
 from trainer.core.kernel import Numbers, Record, inline_kernel, kernel, record_dtype
-from trainer.debrief.marks.gates import FULL_BREACH_S, GATE_CAP, GATE_TIME_S
-from trainer.debrief.marks.judgement import (
+from trainer.debrief.marks.mark_numbers import (
+    EDGE_SHARE,
+    FULL_BREACH_S,
+    GATE_CAP,
     HARD_CAP,
     KEEPING_SHARE,
     LOST_CAP,
     MAX_NOBODY_PERCENT,
+    SLIP_COST,
     WEAKEST_SHARE,
     WHOLE_TASK_PERCENT,
 )
-from trainer.debrief.marks.measures import EDGE_SHARE, HELD_TIME_S, SLIP_COST
 
 # what a row is about: measures by their names, then what caps the marks
 MEASURE_NAMES: Final = (
     *("in-band", "settled", "reach", "time-to", "overshoot", "rms"),
     *("largest", "highest", "lowest", "final"),
+    *("closest-approach", "reserve-air", "beyond-test-depth"),
     *("activity", "hand-travel", "distance", "response"),
-    *("closest-approach", "exposed", "exposed-raise"),
-    *("aground", "time-to-detect", "time-to-report"),
+    *("exposed", "exposed-raise", "time-beyond-test-depth", "beyond-limits", "broaches"),
+    *("aground", "time-to-detect", "time-to-report", "alert-response"),
 )
-IN_BAND, SETTLED, REACH, TIME_TO, OVERSHOOT, RMS = 0, 1, 2, 3, 4, 5  # off a target
-LARGEST, HIGHEST, LOWEST, FINAL = 6, 7, 8, 9  # how far it goes
-ACTIVITY, HAND_TRAVEL, DISTANCE, RESPONSE = 10, 11, 12, 13
-CLOSEST, EXPOSED, EXPOSED_RAISE = 14, 15, 16  # of ships and the periscope
-AGROUND, TIME_TO_DETECT, TIME_TO_REPORT = 17, 18, 19  # whose value others write
+IN_BAND, SETTLED, REACH, TIME_TO, OVERSHOOT, RMS = range(6)  # off a target
+LARGEST, HIGHEST, LOWEST, FINAL, CLOSEST, AIR, TEST_DEPTH = range(6, 13)  # how far it goes
+ACTIVITY, HAND_TRAVEL, DISTANCE, RESPONSE = range(13, 17)
+EXPOSED, EXPOSED_RAISE, TEST_TIME, LIMIT_TIME, BROACHES = range(17, 22)  # how often it is so
+AGROUND, ALERT_RESPONSE = 22, 25  # from one to the other others write the value
 AIMED_MEASURES: Final = MEASURE_NAMES[: RMS + 1]
 GATE, LOSS, TURNED, COLLAPSED, STRUCK = 30, 31, 32, 33, 34
 HARD, GROUNDED, LAID_BADLY = 35, 36, 37  # whose ``extreme`` is written by who watches the ground
 TASK, ANSWER, KEEPING = 0, 1, 2
 TICK_COLUMN: Final = 0  # of a row of numbers
-TOTAL, ENDED = 0, 1  # columns of the totals
+TOTAL, ENDED, TOTALS = 0, 1, 2  # columns of the totals, and how many
 FEW_SHARE: Final = 4  # a condition holds for a while from this part of a short record on
 
 Row = Any  # one row of a record array
@@ -50,24 +56,28 @@ TALLY_RULE: Final = record_dtype(
     "size",  # [SI] of its unit
     "around",  # [unit] after which it is the same again, 0 for never
     "target",  # [unit] NaN: the quantity itself; of a cap its limit
-    "aim",  # [-] column of what is ordered, -1 where the target is a number; or of the raises
-    "band",  # [unit] of a collapse the reach of the hull [m]
+    "aim",  # [-] column of what is ordered, -1 where that is a number; of raises or a blow
+    "band",  # [unit] of broaches the cover [m] from which the sail is under water again
     "begin",  # [ticks] from the start, or from the casualty on
     "end",  # [ticks]
     "full",  # [unit] value of all marks
     "zero",  # [unit] value of none
     "weight",
     "since",  # [-] code of the casualty from which the ticks count, 0 for none
-    "slots",  # [-] first column of the casualties, or of angles and hands
+    "slots",  # [-] first column of the casualties
     "slot_count",
+    "angles",  # [-] first column of the surfaces' angles; behind them is who works each
+    "angle_count",
     "surfaces",  # [-] bits of those that count
     "first_condition",
     "conditions",  # [-] how many, from the first on
     "needed",  # [ticks] for which something has to hold
+    "moment",  # [ticks] that a condition has to hold for, in a long record
     "ring",  # [-] which memory of the last ticks
     "sense",  # [-] 1: beyond means above, -1: below
     "absolute",  # [-] 1: either way
     "step",  # [s]
+    "ends",  # [-] 1: a run ends with the tick at which this comes
 )
 TALLY_CONDITION: Final = record_dtype(
     "column",
@@ -86,16 +96,20 @@ TALLY: Final = record_dtype(
     "began_inside",
     "first_off",
     "last_off",
+    "at",  # [tick] at which the value was taken, -1 where there is none
     "first_tick",
     "last_tick",
     "entered",  # [tick] at which it came in last
     "left",  # [rows] since it was outside first, 0 for not yet
-    "held",  # [rows]
+    "held",  # [rows], also of what is remembered; or 1: the boat broached at this tick
+    "near",  # [rows] of those remembered, in part in the band
+    "spell",  # [tick] from which it counts as held
     "reached",  # [rows] 0 for not yet
     "inside",  # [-] 1: at the last tick
     "travel",  # [ticks]
     "onset",  # [ticks] of the casualty and one, 0 for not yet
     "answered",  # [s] after its onset, or the value that was written; NaN for none
+    "value",  # [unit] of all ticks so far, NaN for none
     "idle",  # [-] 1: there is nothing that this value could be of, so that it does not count
     "marks",  # [%] NaN: it does not count
     "earned",  # [%] NaN: it does not count, or earns nothing
@@ -108,7 +122,7 @@ def off_target(rule: Row, row: Numbers) -> float:
     target = rule.target if rule.aim < 0.0 else row[int(rule.aim)] / rule.size
     off = row[int(rule.column)] / rule.size - target
     if rule.around > 0.0:
-        off = (off + 0.5 * rule.around) % rule.around - 0.5 * rule.around
+        off -= rule.around * math.floor(off / rule.around + 0.5)
     return float(off)
 
 
@@ -120,7 +134,7 @@ def all_hold(rule: Row, conditions: Record, row: Numbers) -> bool:
         each = conditions[i]
         value = row[int(each.column)] / each.size
         if each.around > 0.0:
-            value = value % each.around
+            value -= each.around * math.floor(value / each.around)
         above = each.sense * (value - each.threshold)
         if above < 0.0 or (each.strict > 0.0 and above == 0.0) or math.isnan(above):
             return False
@@ -130,45 +144,77 @@ def all_hold(rule: Row, conditions: Record, row: Numbers) -> bool:
 @inline_kernel
 def moved(rule: Row, rows: Numbers, k: int) -> float:
     """Return how far the surfaces of a rule moved to a tick [deg]."""
-    total, slots, count = 0.0, int(rule.slots), int(rule.slot_count)
+    total, first, count = 0.0, int(rule.angles), int(rule.angle_count)
     for i in range(count):
-        by_hand = rule.measure == ACTIVITY or rows[k, slots + count + i] != 0.0
+        by_hand = rule.measure == ACTIVITY or rows[k, first + count + i] != 0.0
         if (int(rule.surfaces) >> i) & 1 and by_hand:
-            total += abs(math.degrees(rows[k, slots + i]) - math.degrees(rows[k - 1, slots + i]))
+            total += abs(math.degrees(rows[k, first + i]) - math.degrees(rows[k - 1, first + i]))
     return total
 
 
 @inline_kernel
-def remember(ring: Numbers, tick: int, share: float) -> float:
-    """Keep a share as that of a tick; return the one before it."""
-    at = tick % ring.size
-    gone = float(ring[at])
-    ring[at] = share
-    return gone
+def share_inside(rule: Row, off: float) -> float:
+    """Return 1 in the band, in part to EDGE_SHARE of it beyond."""
+    over = 1.0 - (off - rule.band) / (EDGE_SHARE * rule.band)
+    return min(max(over, 0.0), 1.0)
 
 
 @inline_kernel
-def follow_band(t: Row, tick: int, needed: float, inside: float) -> None:
+def remember(rule: Row, t: Row, ring: Numbers, tick: int, off: float) -> None:
+    """Keep how far off it is at a tick; forget what is too old."""
+    first = tick if t.rows == 1.0 else max(int(t.last_tick) + 1, tick - ring.size + 1)
+    for each in range(first, tick + 1):
+        gone = ring[each % ring.size]
+        if not math.isnan(gone):
+            share = share_inside(rule, gone)
+            t.sum -= share
+            t.held -= 1.0
+            t.near -= 1.0 if share > 0.0 else 0.0
+        ring[each % ring.size] = math.nan
+    ring[tick % ring.size] = off
+    share = share_inside(rule, off)
+    t.held += 1.0
+    t.near += 1.0 if share > 0.0 else 0.0
+    t.sum = t.sum + share if t.near > 0.0 else 0.0  # and not what rounding has left
+
+
+@inline_kernel
+def follow_band(rule: Row, t: Row, tick: int, inside: float) -> None:
     """Count how long the quantity was in its band since it was first outside."""
     if inside > 0.0 and t.inside == 0.0:
         t.entered = tick
     if inside == 0.0 or t.left > 0.0:
         t.left += 1.0
-        t.held = max(t.held + (1.0 if inside > 0.0 else -SLIP_COST), 0.0)
-        if t.reached == 0.0 and t.held > needed:
-            t.reached = t.left
+        if t.reached == 0.0:
+            if t.held == 0.0:
+                t.spell = tick
+            t.held = max(t.held + (1.0 if inside > 0.0 else -SLIP_COST), 0.0)
+            if t.held > rule.needed:
+                t.reached = t.left
     t.inside = inside
+
+
+@inline_kernel
+def take_furthest(t: Row, tick: int, value: float) -> None:
+    """Keep the greatest of values, and where it was first."""
+    if t.rows == 1.0 or value > t.extreme:
+        t.extreme, t.at = value, tick
 
 
 @inline_kernel
 def take_way(rule: Row, t: Row, rows: Numbers, k: int) -> None:
     """Add the way of the surfaces [deg] or of the boat [m] to a tick."""
-    t.travel += 1.0
-    if rule.measure != DISTANCE:
-        t.sum += moved(rule, rows, k)
+    tick = rows[k, TICK_COLUMN]
+    t.travel += tick - rows[k - 1, TICK_COLUMN]
+    if rule.measure == DISTANCE:
+        x, y = int(rule.column), int(rule.aim)
+        north, east = rows[k, x] - rows[k - 1, x], rows[k, y] - rows[k - 1, y]
+        t.sum += math.sqrt(north * north + east * east)
         return
-    x = int(rule.column)
-    t.sum += math.hypot(rows[k, x] - rows[k - 1, x], rows[k, x + 1] - rows[k - 1, x + 1])
+    way = moved(rule, rows, k)
+    t.sum += way
+    if t.at < 0.0 or way > t.extreme:
+        t.extreme, t.at = way, tick
 
 
 @inline_kernel
@@ -179,62 +225,104 @@ def take_off(rule: Row, t: Row, tick: int, off: float, ring: Numbers) -> None:
         t.began_inside, t.first_off, t.inside = inside, off, inside
     t.last_off = off
     if measure in (REACH, TIME_TO):
-        follow_band(t, tick, rule.needed, inside)
+        follow_band(rule, t, tick, inside)
     elif measure == OVERSHOOT:
-        beyond = -off if t.first_off > 0.0 else off
-        t.extreme = beyond if t.rows == 1.0 else max(t.extreme, beyond)
-    elif measure == RMS:
-        t.sum += off * off
+        take_furthest(t, tick, -off if t.first_off > 0.0 else off)
+    elif measure == SETTLED:
+        remember(rule, t, ring, tick, abs(off))
     else:
-        over = 1.0 - (abs(off) - rule.band) / (EDGE_SHARE * rule.band)
-        share = min(max(over, 0.0), 1.0)
-        t.sum += share if measure == IN_BAND else share - remember(ring, tick, share)
+        take_furthest(t, tick, abs(off))
+        t.sum += off * off if measure == RMS else share_inside(rule, abs(off))
 
 
 @inline_kernel
 def take_extreme(rule: Row, t: Row, row: Numbers) -> None:
     """Take into account how far a quantity goes, or its distance from a target."""
-    measure, first = int(rule.measure), t.rows == 1.0
+    measure, tick = int(rule.measure), int(row[TICK_COLUMN])
     value = row[int(rule.column)] / rule.size
     if measure in (LARGEST, FINAL) and not math.isnan(rule.target):
         value = abs(off_target(rule, row))
     elif measure == LARGEST:
         value = abs(value)
-    if first or measure == FINAL:
-        t.extreme = value
+    if measure == FINAL:
+        t.extreme, t.at = value, tick
+    elif measure in (LOWEST, CLOSEST, AIR):
+        if t.rows == 1.0 or value < t.extreme:
+            t.extreme, t.at = value, tick
     else:
-        t.extreme = min(t.extreme, value) if measure == LOWEST else max(t.extreme, value)
+        take_furthest(t, tick, value)
 
 
 @inline_kernel
-def take_shown(rule: Row, t: Row, row: Numbers) -> None:
-    """Take the nearest ship into account, or the periscope's head."""
-    value = row[int(rule.column)]
-    if rule.measure == CLOSEST:
-        t.extreme = value if t.rows == 1.0 else min(t.extreme, value)
-        return
-    if rule.measure == EXPOSED_RAISE and row[int(rule.aim)] != t.last_off:
+def excess_of(rule: Row, row: Numbers) -> float:
+    """Return how far a limit is passed [unit], below zero within it."""
+    value = row[int(rule.column)] / rule.size
+    if rule.absolute > 0.0:
+        value = abs(value)
+    return float(rule.sense * (value - rule.target))
+
+
+@inline_kernel
+def is_beyond_limit(rules: Record, row: Numbers) -> bool:
+    """Return whether any limit is passed."""
+    for r in range(rules.size):
+        if rules[r].measure == GATE and excess_of(rules[r], row) > 0.0:
+            return True
+    return False
+
+
+@inline_kernel
+def follow_broach(rule: Row, t: Row, row: Numbers) -> None:
+    """Note whether the boat broaches at a tick, and whether it shows."""
+    height, first = row[int(rule.column)] / rule.size, t.left == 0.0
+    broached = not first and t.inside == 0.0 and height > 0.0 and row[int(rule.aim)] == 0.0
+    t.held = 1.0 if broached else 0.0
+    t.inside = 1.0 if height > (-rule.band if t.inside > 0.0 else 0.0) else 0.0
+    t.left = 1.0
+
+
+@inline_kernel
+def take_count(rules: Record, rule: Row, t: Row, row: Numbers) -> None:
+    """Count a tick at which it is so; of raises keep that with most."""
+    measure, tick = int(rule.measure), int(row[TICK_COLUMN])
+    if measure == LIMIT_TIME:
+        so = is_beyond_limit(rules, row)
+    elif measure == BROACHES:
+        so = t.held > 0.0
+    else:
+        so = row[int(rule.column)] > 0.0
+    if measure == EXPOSED_RAISE and row[int(rule.aim)] != t.last_off:
         t.last_off, t.sum = row[int(rule.aim)], 0.0
-    t.sum += value
-    t.extreme = max(t.extreme, t.sum)
+    if not so:
+        return
+    if t.sum == 0.0:
+        t.entered = tick
+    t.sum += 1.0
+    if t.sum > t.extreme:
+        t.extreme, t.at = t.sum, t.entered
 
 
 @inline_kernel
-def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring: Numbers) -> None:
-    """Take one tick into account for a rule whose window it may be in."""
-    row, since, was = rows[k], max(t.onset - 1.0, 0.0), t.previous
+def looks_at(rule: Row, t: Row, conditions: Record, row: Numbers) -> bool:
+    """Return whether a tick is in a rule's window, and its conditions hold."""
+    tick, since = row[TICK_COLUMN], max(t.onset - 1.0, 0.0)
+    if rule.measure == RESPONSE or (rule.since > 0.0 and t.onset == 0.0):
+        return False
+    inside = since + rule.begin - 1e-6 <= tick <= since + rule.end + 1e-6
+    return inside and all_hold(rule, conditions, row)
+
+
+@inline_kernel
+def take_row(rules: Record, r: int, t: Row, rows: Numbers, k: int, ring: Numbers) -> None:
+    """Take a tick into account that a rule looks at."""
+    rule, row, was = rules[r], rows[k], t.previous
     tick, measure = int(row[TICK_COLUMN]), int(rule.measure)
-    t.previous = 0.0
-    if not since + rule.begin - 1e-6 <= tick <= since + rule.end + 1e-6:
-        return
-    if measure == RESPONSE or not all_hold(rule, conditions, row):
-        return
     if t.rows == 0.0:
         t.first_tick = tick
-    t.rows, t.previous, t.last_tick = t.rows + 1.0, 1.0, tick
-    if measure >= CLOSEST:
+    t.rows, t.previous = t.rows + 1.0, 1.0
+    if measure >= EXPOSED:
         if measure < AGROUND:
-            take_shown(rule, t, row)
+            take_count(rules, rule, t, row)
     elif measure >= ACTIVITY:
         if was > 0.0:
             take_way(rule, t, rows, k)
@@ -242,79 +330,75 @@ def take_row(rule: Row, t: Row, conditions: Record, rows: Numbers, k: int, ring:
         take_extreme(rule, t, row)
     else:
         take_off(rule, t, tick, off_target(rule, row), ring)
+    t.last_tick = tick
 
 
 @inline_kernel
 def take_cap(rule: Row, t: Row, conditions: Record, row: Numbers) -> None:
-    """Take one tick into account for a cap: ``extreme`` is then 1."""
-    measure, value = int(rule.measure), row[int(rule.column)] / rule.size
-    if measure == GATE:
-        if rule.absolute > 0.0:
-            value = abs(value)
-        excess = rule.sense * (value - rule.target)
-        if not excess > 0.0:
+    """Take one tick into account for a cap; ``extreme`` is then 1."""
+    measure, tick = int(rule.measure), row[TICK_COLUMN]
+    if measure in (GATE, LOSS):
+        excess = excess_of(rule, row) if measure == GATE else 0.0
+        if not (excess > 0.0 if measure == GATE else all_hold(rule, conditions, row)):
             t.rows = t.first_off = 0.0
             return
+        if t.rows == 0.0:
+            t.first_tick = tick
         t.rows += 1.0
         t.first_off += excess  # of this stretch, until it costs
-        if (t.rows - 1.0) * rule.step >= GATE_TIME_S - 1e-9:
-            t.sum, t.first_off, t.extreme = t.sum + t.first_off, 0.0, 1.0
-    elif measure == LOSS:
-        t.rows = t.rows + 1.0 if all_hold(rule, conditions, row) else 0.0
-        if t.rows > 0.0 and (t.rows - 1.0) * rule.step >= rule.needed - 1e-9:
-            t.extreme = 1.0
-    elif measure in (TURNED, STRUCK):
-        if abs(value) > rule.target:
-            t.extreme = 1.0
-    elif value + rule.band * abs(math.sin(row[int(rule.aim)])) >= rule.target:
-        t.extreme = 1.0
+        if (tick - t.first_tick) * rule.step >= rule.needed - 1e-9:
+            t.sum, t.first_off = t.sum + t.first_off, 0.0
+            if t.extreme == 0.0:
+                t.extreme, t.at = 1.0, t.first_tick
+    elif t.extreme == 0.0 and abs(row[int(rule.column)] / rule.size) > rule.target:
+        t.extreme, t.at = 1.0, tick
 
 
 @inline_kernel
 def timed(rule: Row, t: Row, tick: int) -> float:
-    """Return the time [s] to the band, as ``measures.time_to`` says. NaN: there is none."""
+    """Return the time [s] to the band, and keep where. NaN: there is none.
+
+    Where a window ends on the way, it is that at its mean pace.
+    """
     if t.left == 0.0:
+        t.at = t.first_tick
         return 0.0
     if t.reached > 0.0:
+        t.at = t.spell
         return float(max(t.reached - 1.0 - rule.needed, 0.0) * rule.step)
     if t.inside > 0.0:
+        t.at = t.entered
         return float((t.entered - t.first_tick) * rule.step)
-    first, last = abs(t.first_off), abs(t.last_off)
+    t.at, first, last = t.last_tick, abs(t.first_off), abs(t.last_off)
     if (t.previous > 0.0 and t.last_tick == tick) or last >= first:
         return math.nan
-    return float((t.last_tick - t.first_tick) * rule.step * (first - rule.band) / (first - last))
+    seconds = (t.last_tick - t.first_tick) * rule.step
+    return float(seconds * ((first - rule.band) / (first - last)))
 
 
 @inline_kernel
 def value_of(rule: Row, t: Row, tick: int) -> float:
     """Return the value of a rule that has looked at a tick. NaN: there is none."""
-    measure, value = int(rule.measure), float(t.extreme)
-    few = 1.0
+    measure, value, few = int(rule.measure), float(t.extreme), 1.0
     if rule.conditions > 0.0:
-        few = float(min(round(HELD_TIME_S / rule.step), (tick + 1) // FEW_SHARE))
+        few = min(rule.moment, float((tick + 1) // FEW_SHARE))
     if measure in (SETTLED, REACH) and t.began_inside > 0.0:
         value = math.nan
-    elif measure == IN_BAND:
-        value = 100.0 * t.sum / max(t.rows, few)
-    elif measure == SETTLED:
-        value = 100.0 * t.sum / min(t.rows, rule.needed)
+    elif measure in (IN_BAND, SETTLED):
+        value = 100.0 * t.sum / max(t.rows if measure == IN_BAND else t.held, few)
     elif measure in (REACH, TIME_TO):
         value = timed(rule, t, tick)
     elif measure == OVERSHOOT:
         value = math.nan if value < -rule.band else max(value, 0.0)
     elif measure == RMS:
         value = math.nan if t.rows < few else math.sqrt(t.sum / t.rows)
-    if measure >= CLOSEST:
-        return shown_of(rule, t)
-    return way_of(rule, t) if measure >= ACTIVITY else value
-
-
-@inline_kernel
-def shown_of(rule: Row, t: Row) -> float:
-    """Return a least range [m], the time [s] of a head, or what was written."""
-    if rule.measure == CLOSEST:
-        return float(t.extreme)
-    return float(t.answered if rule.measure >= AGROUND else rule.step * t.extreme)
+    elif measure >= AGROUND:
+        value = t.answered
+    elif measure >= EXPOSED:
+        value = value if measure == BROACHES else rule.step * value
+    elif measure >= ACTIVITY:
+        value = way_of(rule, t)
+    return float(value)
 
 
 @inline_kernel
@@ -334,7 +418,7 @@ def is_idle(measure: int, t: Row) -> bool:
 @inline_kernel
 def marks_now(rule: Row, t: Row, tick: int) -> float:
     """Return the marks of a rule [%]. NaN: it does not count."""
-    measure = int(rule.measure)
+    measure, t.value = int(rule.measure), math.nan
     if rule.since > 0.0 and t.onset == 0.0:
         return math.nan
     if measure == RESPONSE:
@@ -345,6 +429,7 @@ def marks_now(rule: Row, t: Row, tick: int) -> float:
         return math.nan
     else:
         value = value_of(rule, t, tick)
+    t.value = value
     if math.isnan(value):
         return 0.0
     share = (value - rule.zero) / (rule.full - rule.zero)
@@ -431,7 +516,8 @@ def total_now(rules: Record, tallies: Record, tick: int) -> float:
 def ends_record(rules: Record, tallies: Record) -> bool:
     """Return whether a run would have ended before this tick."""
     for r in range(rules.size):
-        if rules[r].measure in (COLLAPSED, STRUCK) and tallies[r].extreme > 0.0:
+        rule, t = rules[r], tallies[r]
+        if rule.ends > 0.0 and t.extreme > 0.0:
             return True
     return False
 
@@ -449,6 +535,28 @@ def find_onset(rule: Row, t: Row, row: Numbers) -> bool:
     return False
 
 
+@inline_kernel
+def take_tick(
+    rules: Record, conditions: Record, tallies: Record, rows: Numbers, k: int, rings: Numbers
+) -> None:
+    """Take one tick of a boat into account."""
+    for r in range(rules.size):
+        rule, t = rules[r], tallies[r]
+        if rule.measure >= GATE:
+            if rule.measure < HARD:
+                take_cap(rule, t, conditions, rows[k])
+            continue
+        # a state shows what acted in the tick that led to it
+        first = k - 1 if find_onset(rule, t, rows[k]) and rows[k, TICK_COLUMN] > 0.0 else k
+        for each in range(first, k + 1):
+            if rule.measure == BROACHES and each == k:
+                follow_broach(rule, t, rows[k])
+            if looks_at(rule, t, conditions, rows[each]):
+                take_row(rules, r, t, rows, each, rings[int(rule.ring)])
+            else:
+                t.previous = 0.0
+
+
 @kernel
 def take_ticks(
     rules: Record,
@@ -460,27 +568,21 @@ def take_ticks(
 ) -> None:
     """Take each boat's ticks into account; write its total [%], and whether it has ended.
 
-    ``rows`` [boats, 1 + ticks, columns] begin with a tick that was taken before; of a boat whose
-    total is NaN none is taken. ``tallies`` are [boats, rules], ``rings`` [boats, rings, ticks].
+    Of each boat there are ``rows`` [1 + ticks, columns], which begin with a tick that was taken
+    before, ``tallies`` [rules], ``rings`` [rings, ticks] and ``totals`` [2], one boat's after the
+    other's. Of a boat whose total is NaN none is taken.
     """
-    for b in range(rows.shape[0]):
+    boats = totals.shape[0]
+    length, memories = rows.shape[0] // boats, rings.shape[0] // boats
+    for b in range(boats):
         if math.isnan(totals[b, TOTAL]):
             continue
-        own, t, last = rows[b], tallies[b], 0
-        for k in range(1, rows.shape[1]):
+        own, t = rows[b * length : (b + 1) * length], tallies[b * rules.size : (b + 1) * rules.size]
+        last, own_rings = 0, rings[b * memories : (b + 1) * memories]
+        for k in range(1, length):
             if ends_record(rules, t):
                 break
             last = k
-            for r in range(rules.size):
-                rule = rules[r]
-                if rule.measure >= GATE:
-                    if rule.measure < HARD:
-                        take_cap(rule, t[r], conditions, own[k])
-                    continue
-                ring = rings[b, int(rule.ring)]
-                if find_onset(rule, t[r], own[k]) and own[k, TICK_COLUMN] > 0.0:
-                    take_row(rule, t[r], conditions, own, k - 1, ring)
-                if rule.since == 0.0 or t[r].onset > 0.0:
-                    take_row(rule, t[r], conditions, own, k, ring)
+            take_tick(rules, conditions, t, own, k, own_rings)
         totals[b, TOTAL] = total_now(rules, t, int(own[last, TICK_COLUMN]))
         totals[b, ENDED] = 1.0 if has_ended(rules, t) else 0.0
