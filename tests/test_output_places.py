@@ -26,7 +26,7 @@ OUTPUTS = "io/outputs.py"
 REASONS = {
     "boat/compilation.py announce_compiling": "the cache",
     "boat/export/fmu.py link_binary": "a folder of its own, which goes",
-    "boat/export/objects.py lower": "a folder of its own, which goes",
+    "boat/export/objects.py _lower_room": "a folder of its own, which goes",
     "boat/export/objects.py lower_boat": "a folder of its own, which goes",
     "boat/export/objects.py boat_object": "a folder of its own, which goes",
     "boat/machine_code.py made_object": "the cache",

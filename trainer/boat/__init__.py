@@ -10,17 +10,16 @@ rules, ``due_orders`` a boat without a session. ``readings`` are those that othe
 is safe.
 
 ``world`` writes what is around the boat, ``ship`` is one that is no submarine, ``export`` makes
-machine code for others. Other rooms use each of these; ``entries``, the table of the kernels called
-from outside the core, stays here.
+machine code for others. ``entries`` is the table of kernels that are called from outside.
 """
 
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
-    "crew_orders", "depths", "due_orders", "effects", "envelope", "export", "flown_ticks",
-    "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot", "plant",
-    "plant_alerts", "plant_effects", "platforms", "quantities", "readings", "reference_crew",
-    "safe_depth", "sea_orders", "ship", "stability", "world",
+    "crew_orders", "depths", "due_orders", "effects", "entries", "envelope", "export",
+    "flown_ticks", "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot",
+    "plant", "plant_alerts", "plant_effects", "platforms", "quantities", "readings",
+    "reference_crew", "safe_depth", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

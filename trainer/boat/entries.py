@@ -8,10 +8,13 @@ kinds written here, because numba would compile it anew for others, while a user
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.boat.platforms import ROOMS
 from trainer.core import full
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot.autopilot import stand_by_all
@@ -20,6 +23,7 @@ from trainer.core.ballast.buoyancy import segment
 from trainer.core.ballast.hover import is_hovering, wanted_pump
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.current import north_and_east
+from trainer.core.digest import digest_sources, imported_sources
 from trainer.core.entry import LOOKOUT, RULE_COLUMNS, fly, sail, steer, tick
 from trainer.core.envelope import substeps
 from trainer.core.integrators import advance
@@ -149,6 +153,27 @@ KERNEL_ENTRIES: Final = (
     Entry(deck_height, (VESSEL, STATE), float),
     Entry(height_above_water, (STATE, float, float), float),
 )
+
+
+def entries_of(room: str) -> tuple[Entry, ...]:
+    """Return the rows of a room's kernels, those of the core for ""."""
+    if not room:
+        return KERNEL_ENTRIES
+    entries: tuple[Entry, ...] = import_module(ROOMS[room]).ENTRIES
+    return entries
+
+
+def room_of(module: str) -> str:
+    """Return the room whose object has a module's kernels, "" for the core's."""
+    package = module.rpartition(".")[0]
+    rooms = (room for room, path in ROOMS.items() if path.rpartition(".")[0] == package)
+    return next(rooms, "")
+
+
+def digest_room(room: str) -> str:
+    """Return a short hash of the sources of a room's kernels, with what they import."""
+    paths = (Path(each.kernel.py_func.__code__.co_filename) for each in entries_of(room))
+    return digest_sources(imported_sources(*paths))
 
 
 def entry_of(kernel: Callable[..., Any]) -> Entry:

@@ -26,7 +26,16 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.boat.assemble import Records
-from trainer.boat.entries import KERNEL_ENTRIES, NUMBER_PAIR, Entry, RecordRow, entry_of
+from trainer.boat.entries import (
+    KERNEL_ENTRIES,
+    NUMBER_PAIR,
+    Entry,
+    RecordRow,
+    digest_room,
+    entries_of,
+    entry_of,
+    room_of,
+)
 from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, fitting_name, platform_name
 from trainer.core.digest import core_digest
 from trainer.core.entry import tick
@@ -37,6 +46,7 @@ HOST_NAME: Final = "host"
 MADE_PREFIX: Final = "object-"  # of an object that was made here
 # settings of numba that ask for other code than the object's
 NUMBA_SETTINGS: Final = ("BOUNDSCHECK", "CPU_NAME", "CPU_FEATURES", "OPT")
+SHIPPED_WAY: Final = "shipped"
 BY_NUMBA: Final = "compiled by numba"
 EMPTY_CHART: Final = np.empty(0)
 NO_BYTES: Final = ctypes.c_char * 0
@@ -56,16 +66,20 @@ def shipped_card() -> dict[str, Any]:
     return card if isinstance(card, dict) else {}
 
 
-def shipped_object(platform_asked: str | None = None) -> bytes | None:
+def shipped_object(platform_asked: str | None = None, room: str = "") -> bytes | None:
     """Return the shipped object for a platform or this machine, None if there is none.
+
+    It is the core's, or that of a room above.
 
     One that is not whole is told, and not used.
     """
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
     name, card = platform_asked or fitting_name(binding.get_host_cpu_features()), shipped_card()
-    if card.get("core") != core_digest() or name is None:
+    fits = card.get(room) == digest_room(room) if room else card.get("core") == core_digest()
+    if not fits or name is None:
         return None
+    name = f"{room}-{name}" if room else name
     path = SHIPPED_FOLDER / f"{name}.o.gz"
     try:
         code = gzip.decompress(path.read_bytes())
@@ -155,10 +169,20 @@ def _find_way() -> _Way:
     if any(setting not in ("", "0") for setting in settings):
         return _Way(BY_NUMBA, None)
     if code := shipped_object():
-        return _Way("shipped", Library(code))
+        return _Way(SHIPPED_WAY, Library(code))
     if code := made_object():
         return _Way("made here", Library(code))
     return _Way(BY_NUMBA, None)
+
+
+@functools.cache
+def _find_library(room: str) -> Library | None:
+    """Load the machine code of a room, where that of the core is shipped as well."""
+    way = _find_way()
+    if not room or way.name != SHIPPED_WAY:
+        return None if room else way.library
+    code = shipped_object(room=room)
+    return Library(code) if code else None
 
 
 def way_name() -> str:
@@ -290,8 +314,9 @@ def bind(kernel: Callable[..., Any], *arguments: Any) -> Callable[[], int]:
 
 def find_code(kernel: Kernel) -> Callable[..., Any] | None:
     """Return what calls the machine code of a kernel, None if it has none here."""
-    entry = next((each for each in KERNEL_ENTRIES if each.kernel is kernel), None)
-    library = _find_way().library if entry else None
+    room = room_of(kernel.py_func.__module__)
+    entry = next((each for each in entries_of(room) if each.kernel is kernel), None)
+    library = _find_library(room) if entry else None
     if entry is None or library is None:
         return None
     address = library.address_of(entry.name)  # 0: the object is of before this entry

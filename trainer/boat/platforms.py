@@ -97,8 +97,11 @@ UNIT_PLATFORMS: Final[Mapping[str, Platform]] = {  # by the name for --platform
 NATIVE_PLATFORMS: Final = [name for name in UNIT_PLATFORMS if name != WASM_PLATFORM]
 # objects of those kernels alone that a unit calls, for size, since a unit is mailed about
 UNIT_OBJECTS: Final = {name: f"unit-{name}" for name in UNIT_PLATFORMS}
+# rooms above, whose kernels have objects of their own, with the module that has their entries
+ROOMS: Final[Mapping[str, str]] = {"judge": "trainer.debrief.marks.tally_sheet"}
 SHIPPED_OBJECTS: Final[Mapping[str, Platform]] = {
     **SHIPPED_PLATFORMS,
+    **{f"{room}-{name}": kind for room in ROOMS for name, kind in SHIPPED_PLATFORMS.items()},
     **{name: UNIT_PLATFORMS[kind] for kind, name in UNIT_OBJECTS.items()},
 }
 SYSTEM_NAMES: Final = {"darwin": "macos", "win32": "windows"}

@@ -14,7 +14,7 @@ import hashlib
 import json
 import platform
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, Final
@@ -24,7 +24,7 @@ import numba
 import numpy as np
 from llvmlite import binding
 
-from trainer.boat.entries import KERNEL_ENTRIES, Entry, entry_of
+from trainer.boat.entries import Entry, digest_room, entries_of, entry_of
 from trainer.boat.export.lowering import (
     BOAT_TICK,
     compile_for,
@@ -37,6 +37,7 @@ from trainer.boat.export.targets import Effort
 from trainer.boat.platforms import (
     CARD_FILE,
     CPU_TARGETS,
+    ROOMS,
     SHIPPED_OBJECTS,
     UNIT_OBJECTS,
     Platform,
@@ -82,9 +83,22 @@ def block_text(entry: Entry) -> str:
 
 def lower(folder: str, *names: str) -> None:
     """Write the objects of the platforms named into a folder; "host" is this machine's."""
+    for room in ("", *ROOMS):
+        own = [name for name in names if _room_in(name) == room]
+        if own:
+            _lower_room(folder, entries_of(room), own)
+
+
+def _room_in(name: str) -> str:
+    """Return the room that an object is of, by its name."""
+    return next((room for room in ROOMS if name.startswith(f"{room}-")), "")
+
+
+def _lower_room(folder: str, entries: Sequence[Entry], names: Sequence[str]) -> None:
+    """Write objects that have these entries."""
     texts: dict[str, tuple[str, str]] = {}
     bound: set[str] = set()
-    for entry in KERNEL_ENTRIES:
+    for entry in entries:
         text, kernel = kernel_text(entry)
         own = entry_text(entry, kernel, entry.name)
         if entry.bound:
@@ -136,27 +150,42 @@ def make_objects(*names: str) -> dict[str, bytes]:
         return {name: Path(folder, f"{name}.o").read_bytes() for name in names}
 
 
-def card_of(objects: dict[str, bytes]) -> dict[str, Any]:
+def card_of(objects: Mapping[str, Any]) -> dict[str, Any]:
     """Return what objects were made from, and what they are."""
     return {
         "core": core_digest(),
+        **{room: digest_room(room) for room in ROOMS},
         "python": platform.python_version(),
         "numba": numba.__version__,
         "llvmlite": llvmlite.__version__,
-        "objects": {
-            name: {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
-            for name, code in objects.items()
-        },
+        "objects": objects,
     }
 
 
 def write_shipped(folder: Path) -> dict[str, Any]:
-    """Write the objects of all platforms and their card into a folder; return the card."""
-    objects = make_objects(*SHIPPED_OBJECTS)
-    card = card_of(objects)
-    files = {f"{name}.o.gz": gzip.compress(code, 9, mtime=0) for name, code in objects.items()}
+    """Write the objects of all platforms and their card into a folder; return the card.
+
+    Those that the folder has are kept if their sources and compilers are the same.
+    """
+    card_path = folder / CARD_FILE
+    known = json.loads(card_path.read_text("utf-8")) if card_path.is_file() else {"objects": {}}
+    new = card_of({})
+    changed = {key for key, value in new.items() if known.get(key) != value} - {"objects"}
+    anew = bool(changed - {*ROOMS})
+    kept = {
+        name: said
+        for name, said in known["objects"].items()
+        if not anew and _room_in(name) not in changed
+    }
+    made = make_objects(*(name for name in SHIPPED_OBJECTS if name not in kept))
+    said = kept | {
+        name: {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
+        for name, code in made.items()
+    }
+    card = card_of({name: said[name] for name in SHIPPED_OBJECTS})
+    files = {f"{name}.o.gz": gzip.compress(code, 9, mtime=0) for name, code in made.items()}
     files[CARD_FILE] = (json.dumps(card, indent=1) + "\n").encode()
     for name, data in files.items():
-        with replacing(folder / name) as made:
-            made.write_bytes(data)
+        with replacing(folder / name) as written:
+            written.write_bytes(data)
     return card
