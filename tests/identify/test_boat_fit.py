@@ -38,10 +38,10 @@ from trainer.identify.boat.report import (
 from trainer.identify.boat.trial import (
     Instruments,
     Trial,
+    find_wrong_units,
     read_trial,
     trial_problems,
     without_unflown,
-    wrong_signs,
 )
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.fitting.minimise import SearchOptions, SearchResult
@@ -313,10 +313,10 @@ def test_a_record_without_what_a_fit_needs_is_refused(own: Path, tmp_path: Path)
 def test_a_wrong_sign_is_refused(own: Path, column: int, words: str) -> None:
     prior = prior_of(own)
     made = made_trial(prior.vessel, prior.values)
-    assert wrong_signs(made, prior.vessel, {}) == ""
+    assert find_wrong_units(made, prior.vessel, {}) == ("", False)
     inputs = made.inputs.copy()
     inputs[:, column] *= -1.0
-    assert words in wrong_signs(replace(made, inputs=inputs), prior.vessel, {})
+    assert words in find_wrong_units(replace(made, inputs=inputs), prior.vessel, {})[0]
 
 
 @pytest.mark.parametrize(

@@ -59,9 +59,9 @@ def test_a_heading_that_stands_still_under_helm_is_told(tmp_path: Path) -> None:
     ("rate", "words"),
     [
         (lambda rows: 0.05 * np.gradient(rows[:, RUDDER]), "another axis"),
-        (lambda rows: -rows[:, RATE], "positive to port"),
-        (lambda rows: rows[:, RATE] / 57.3, "in radians"),
-        (lambda rows: 60.0 * rows[:, RATE], "per minute"),
+        (lambda rows: -rows[:, RATE], "scale = -1"),
+        (lambda rows: rows[:, RATE] / 57.3, 'unit = "rad/s"'),
+        (lambda rows: 60.0 * rows[:, RATE], 'unit = "deg/min"'),
     ],
     ids=["roll", "sign", "radians", "minutes"],
 )

@@ -94,13 +94,21 @@ def test_the_sign_of_the_rudder_is_told_by_how_the_ship_turns(tmp_path: Path) ->
     assert observe_record(study).rudder == pytest.approx(DEGREE * HELM)
 
 
-def test_what_forbids_the_record_s_use_is_said_and_the_study_written(tmp_path: Path) -> None:
+def test_a_contradiction_of_channels_has_a_study_only_anyway(tmp_path: Path) -> None:
     columns = {"t": T, "rudder": HELM, "heading": HEADING, "yaw rate [deg/s]": -RATE}
-    (told,) = write_proposal(
-        write(tmp_path / "a.csv", columns), tmp_path / "a.toml", None, None
-    ).remarks
-    assert "one of them is positive to port" in told
-    assert "# length_m = 100  # fill in" in (tmp_path / "a.toml").read_text()
+    path, study = write(tmp_path / "a.csv", columns), tmp_path / "a.toml"
+    with pytest.raises(ConfigError, match="say --column yaw_rate='yaw rate':deg/s") as wrong:
+        write_proposal(path, study, None, None)
+    assert "goes against the heading" in str(wrong.value)
+    assert not study.exists()
+    remarks = write_proposal(path, study, 70.0, None, anyway=True).remarks
+    assert any("taken as it is: the yaw rate goes against" in one for one in remarks)
+    assert 'anyway = "yes"' in study.read_text()
+    told = observe_record(load_study(study)).findings
+    assert any("taken as it is: the yaw rate goes against" in str(one) for one in told)
+    study.write_text(study.read_text().replace('anyway = "yes"', ""))
+    with pytest.raises(ConfigError, match="say scale = -1 in its"):
+        observe_record(load_study(study))
 
 
 def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:

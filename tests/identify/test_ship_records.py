@@ -164,9 +164,9 @@ BAD: dict[str, tuple[Callable[[Columns], Columns], str]] = {
     "no speed": (without("u"), "no speed was recorded: the speed through the water"),
     "no sway": (without("v"), "no sway was recorded"),
     "no times": (without("t"), "no column of times: .*interval_s"),
-    "the rudder's sign": (times("delta_r", -1.0), r'row \d+: delta_r: .*"starboard"'),
+    "the rudder's sign": (times("delta_r", -1.0), r'turns her to starboard .*"starboard"'),
     "revolutions per minute": (times("n", 60.0), r"row 2: the propeller advances J = .*rpm"),
-    "degrees": (times("r", 180.0 / math.pi), "degrees"),
+    "degrees": (times("r", 180.0 / math.pi), r'unit = "deg/s"'),
     "a time that repeats": (repeated, r"row 9: t = 12 s is repeated"),
 }
 

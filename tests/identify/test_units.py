@@ -130,8 +130,8 @@ def test_a_boats_record_is_refused_by_its_unit_and_read_by_the_option(tmp_path: 
     path.write_text(text.replace("rudder [deg]", "rudder [%]"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"--columns rudder=rudder:deg\*0.35"):
         read_trial(path, vessel)
-    read = read_trial(path, vessel, instruments_of(["rudder=rudder [%]:deg*2"], []))
-    assert read.inputs[:, 0] == pytest.approx(2.0 * plain.inputs[:, 0])
+    read = read_trial(path, vessel, instruments_of(["rudder=rudder [%]:deg*0.5"], []))
+    assert read.inputs[:, 0] == pytest.approx(0.5 * plain.inputs[:, 0])
     path.write_text(text.replace("depth [m]", "depth [kn]"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"depth for depth: the file says \"kn\""):
         read_trial(path, vessel)

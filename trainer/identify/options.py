@@ -46,6 +46,7 @@ class IdentifyOptions:
     further: tuple[Path, ...] = ()  # records of the same ship
     simulate: bool = False
     data_only: bool = False
+    anyway: bool = False  # what its own channels contradict is fitted
     armax: bool = False
     most: int | None = None  # highest ARMAX order
     against: str | None = None  # a simpler model
@@ -74,7 +75,11 @@ def study_of(file: Path, options: IdentifyOptions) -> Study:
 def as_asked(study: Study, options: IdentifyOptions) -> Study:
     """Return the study, changed as ``trainer identify``'s options say; ConfigError if wrong."""
     times = {"every": options.every, "from_s": options.begin, "to_s": options.end}
-    heading = replace(study.heading, **_given(**times, between_readings=options.between_readings))
+    taken = "yes" if options.anyway else None
+    heading = replace(
+        study.heading,
+        **_given(**times, between_readings=options.between_readings, anyway=taken),
+    )
     runs = list(study.runs)
     for path in options.further:
         if path.suffix == ".toml":

@@ -286,6 +286,7 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 @model_options
 @of_ships
 @click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
+@click.option("--anyway", is_flag=True, help="Even if the record contradicts itself.")
 @click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), help="Highest ARMAX order.")
@@ -366,13 +367,13 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
     metavar="CHANNEL=HEADING[:UNIT[*SCALE]]",
     help="What a column is, where its heading does not say so: rudder=Ruder:deg.",
 )
+@click.option("--anyway", is_flag=True, help="Even if its channels contradict each other.")
 def new(
     record: Path,
     output: Path | None,
     length: float | None,
-    knots: float | None,
     ship: Path | None,
-    named: tuple[str, ...],
+    **options: Any,
 ) -> None:
     """Write a study of a record with comments, to be corrected; never over another file.
 
@@ -390,15 +391,16 @@ def new(
     from trainer.identify.record.sources import column_said
     from trainer.identify.ships.proposal import fit_command, write_ship_file
 
-    headings = {channel: column_said(text) for channel, text in map(_pair, named)}
+    knots, anyway = options["knots"], options["anyway"]
+    headings = {channel: column_said(text) for channel, text in map(_pair, options["named"])}
     if ship:
         if output or knots:
             raise click.UsageError("--ship takes the place of --output; the record tells the speed")
-        path, proposal = ship, write_ship_file(record, ship, length, headings)
+        path, proposal = ship, write_ship_file(record, ship, length, headings, anyway=anyway)
         last = f"fill in [dimensions]; fit it by: {fit_command(record, ship)}"
     else:
         path = output or record.parent / f"{record.stem or 'study'}.toml"
-        proposal = write_proposal(record, path, length, knots, headings)
+        proposal = write_proposal(record, path, length, knots, headings, anyway=anyway)
         lacking = "" if length else "fill in the length of [ship]; "
         last = f"{lacking}fit it by: trainer identify {as_typed(path)}"
     columns = ", ".join(f"{key} in {one.name}" for key, one in proposal.columns.items())

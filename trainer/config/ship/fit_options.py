@@ -28,6 +28,7 @@ FIT_KINDS: Final[Mapping[str, Kind]] = {
     "positive_rudder": Choice(
         ("port", "starboard"), "way a positive rudder turns the ship; else port"
     ),
+    "anyway": Choice(("yes", "no"), "fit what its own channels contradict? else no"),
     "between_readings": Choice(INPUT_PATHS, "of the rudder; else as name and record say"),
     "every": WholeNumber(1, 1000, "takes one sample of so many"),
     "begin": Quantity("s", within(-MAX_TIME_S, MAX_TIME_S), "first time used"),

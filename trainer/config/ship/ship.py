@@ -113,6 +113,7 @@ class RecordSettings:
 
     positive_rudder: str | None = optional(FIT_KINDS["positive_rudder"])
     between_readings: str | None = optional(FIT_KINDS["between_readings"])
+    anyway: str | None = optional(FIT_KINDS["anyway"])
     current: str | None = optional(
         Choice(("none",), "said where velocities are over ground, and the water stood still")
     )

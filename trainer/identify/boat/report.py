@@ -25,7 +25,7 @@ from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.search import FitResult, run_pass
 from trainer.identify.boat.trial import USUAL_ERRORS, Trial
-from trainer.identify.record.signs import FLOWN_PLANES_RAD
+from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD
 from trainer.units import DEGREE
 
 LEARNED_SHARES: Final = (0.5, 0.9)  # of the prior deviation that is left: learned, partly

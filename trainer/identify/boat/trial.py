@@ -8,7 +8,6 @@ more than its own reading is off, and a fit takes such a rudder for weak.
 
 import hashlib
 import math
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -24,16 +23,20 @@ from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.identify.record.columns import BOAT_WORDS, guess_columns
+from trainer.identify.record.contradictions import (
+    ANYWAY_TEXT,
+    find_contradiction,
+    option_of,
+)
+from trainer.identify.record.evidence import (
+    TURNED_SIGN,
+    Change,
+    Course,
+    compare_channels,
+)
 from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.measurements import FIN_CHANNELS, Record
-from trainer.identify.record.signs import (
-    FLOWN_PLANES_RAD,
-    MAX_GAIN,
-    Channel,
-    Course,
-    explain_signs,
-    judge_signs,
-)
+from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD, Channel
 from trainer.identify.record.sources import (
     BOAT_COLUMNS,
     Column,
@@ -176,11 +179,12 @@ def read_trial(
     trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
     rarest = MAX_COARSE_LENGTHS if instruments.coarse else MAX_INTERVAL_LENGTHS
     found = [*trial_problems(trial, vessel, rarest)]
-    if path.suffix != RECORDING_SUFFIX and (signs := wrong_signs(trial, vessel, columns)):
-        if instruments.anyway:
-            trial = replace(trial, told=(*trial.told, f"taken as it is: {signs}"))
-        else:
-            found.append(f"{signs}; --anyway takes it as it is")
+    exact = path.suffix == RECORDING_SUFFIX
+    wrong, refused = ("", False) if exact else find_wrong_units(trial, vessel, columns)
+    if refused and not instruments.anyway:
+        found.append(f"{wrong}; {ANYWAY_TEXT}")
+    elif wrong:
+        trial = replace(trial, told=(*trial.told, f"taken as it is: {wrong}"))
     raise_problems([f"{record.source}: {text}" for text in found])
     trial = without_unflown(trial)
     return replace(trial, cures={} if path.suffix == RECORDING_SUFFIX else _cures(trial, columns))
@@ -189,10 +193,11 @@ def read_trial(
 def _cures(trial: Trial, columns: Mapping[str, Column]) -> dict[tuple[str, float], str]:
     """Return options that read channels otherwise: turned, or in radians called degrees."""
     largest = {name: float(np.abs(one.values).max()) for name, one in channels_of(trial).items()}
-    cures = {(name, -1.0): _turned(name, columns) for name, most in largest.items() if most > 0.0}
+    turned = {name: Change(name, TURNED_SIGN) for name, most in largest.items() if most > 0.0}
+    cures = {(name, -1.0): _said(change, columns) for name, change in turned.items()}
     for name in ("stern", "bow"):
         if (one := columns.get(name)) and one.unit == "deg" and 0.0 < largest[name] < MOST_AS_RAD:
-            cures[name, 1.0 / DEGREE] = _said(name, one, "rad")
+            cures[name, 1.0 / DEGREE] = _said(Change(name, "rad"), columns)
     return cures
 
 
@@ -439,35 +444,25 @@ def channels_of(trial: Trial) -> dict[str, Channel]:
     }
 
 
-def wrong_signs(trial: Trial, vessel: FittedVessel, columns: Mapping[str, Column]) -> str:
-    """Return which signs the record itself contradicts, and the nearest cures; "" if none."""
+def find_wrong_units(
+    trial: Trial, vessel: FittedVessel, columns: Mapping[str, Column]
+) -> tuple[str, bool]:
+    """Return what the record's channels contradict, with cures, and whether that is refused."""
+    units = {name: one.unit or "" for name, one in columns.items()}
     limit = vessel.file.surfaces.rudder_limit_deg * DEGREE
-    tests = [*judge_signs(channels_of(trial), Course(vessel.length, vessel.speed, limit))]
-    rudder = columns.get("rudder")
-    if max((one.gain for one in tests), default=0.0) > MAX_GAIN and rudder and rudder.unit == "deg":
-        return f"she turns as by a rudder of radians: {_said('rudder', rudder, 'rad')}"
-    faults = [one.evidence for one in tests if one.found < 0.0]
-    if not faults:
-        return ""
-    cures = [" and ".join(_turned(name, columns) for name in one) for one in explain_signs(tests)]
-    cure = ", or ".join(cures) if cures else "no change of signs mends it"
-    return f"{', '.join(faults)}: {cure}"
+    ship = Course(vessel.length, vessel.speed, limit)
+    found = find_contradiction(compare_channels(channels_of(trial), ship, units), units)
+    if found is None:
+        return "", False
+    return found.text(lambda change: _said(change, columns)), found.refused
 
 
-def _turned(channel: str, columns: Mapping[str, Column]) -> str:
-    """Return the option that turns the sign of a channel."""
-    one = columns.get(channel)
+def _said(change: Change, columns: Mapping[str, Column]) -> str:
+    """Return the option that reads a channel otherwise."""
+    one = columns.get(change.channel)
     if one is None or one.unit is None:
-        return f"turn the sign of {channel}"
-    scale = -1.0 if one.scale is None else -one.scale
-    east = " (*-1+90 of one from east)" if channel == "heading" and one.unit == "deg" else ""
-    offset = f"{-one.offset:+g}" if one.offset else ""
-    return f"{_said(channel, one, one.unit)}*{scale:g}{offset}{east}"
-
-
-def _said(channel: str, one: Column, unit: str) -> str:
-    """Return the option that says where a channel is, and its unit."""
-    return f"say {COLUMNS_OPTION} {channel}={shlex.quote(one.name)}:{unit}"
+        return f"turn the sign of {change.channel}"
+    return f"say {option_of(COLUMNS_OPTION, change, one)}"
 
 
 def without_unflown(trial: Trial) -> Trial:

@@ -3,6 +3,7 @@
 ``cli/workshop/identify`` prints it. A wrong unit, sign or gap is seen here, before it spoils a fit.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -33,6 +34,17 @@ class ChannelSummary:
 
 
 @dataclass(frozen=True)
+class EvidenceSummary:
+    """What channels say of each other: found, and what is usual."""
+
+    test: str
+    found: float
+    least: float
+    largest: float | None  # None: there is no limit
+    agrees: bool
+
+
+@dataclass(frozen=True)
 class RecordSummary:
     """One record: its times, oddities and columns."""
 
@@ -44,6 +56,7 @@ class RecordSummary:
     between_readings: str  # one of fit_options.INPUT_PATHS, of the inputs
     findings: tuple[str, ...]
     channels: tuple[ChannelSummary, ...]
+    evidence: tuple[EvidenceSummary, ...]
 
 
 @dataclass(frozen=True)
@@ -88,6 +101,13 @@ def _run(record: Record) -> RecordSummary:
         between_readings=record.between_readings,
         findings=tuple(map(str, record.findings)),
         channels=tuple(channels),
+        evidence=tuple(
+            EvidenceSummary(
+                one.test, one.found, low, None if math.isinf(high) else high, one.agrees()
+            )
+            for one in record.evidence
+            for low, high in (one.limits,)
+        ),
     )
 
 
@@ -116,4 +136,17 @@ def render(report: RecordReport) -> str:
             rows.append((*known, *(f"{size:.4g}" for size in sizes)))
         heads = ("column", "unit", "known", "missing", "mean", "std dev", "least", "largest")
         lines += ["", *table(heads, rows)]
+        rows = [
+            (
+                one.test,
+                f"{one.found:.3g}",
+                f"{one.least:.3g}",
+                "" if one.largest is None else f"{one.largest:.3g}",
+                "agrees" if one.agrees else "does not",
+            )
+            for one in run.evidence
+        ]
+        lines += (
+            ["", *table(("channels compared", "found", "from", "to", ""), rows)] if rows else []
+        )
     return "\n".join(lines)

@@ -17,18 +17,14 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.config.tables import CsvTable, part_heading
 from trainer.config.units import spell_unit
-from trainer.core.kernel import Numbers
-from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS, unwrap_angle
+from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
 from trainer.identify.record.sources import (
     MAX_INTERVAL_S,
-    USUAL_CODES,
     Column,
     check_unit,
     find_codes,
-    load_record,
     units_of,
 )
-from trainer.identify.record.track import derivative
 
 Words = Mapping[str, tuple[str, ...]]
 NOTHING_TOLD: Final[Mapping[str, Column]] = MappingProxyType({})  # of columns by channel
@@ -107,8 +103,6 @@ MAX_SHIP_SPEED_M_S: Final = 12.0  # [m/s] what goes faster is in knots
 MAX_WIND_SPEED_M_S: Final = 40.0  # [m/s] as a wind
 MAX_MODEL_SPEED_M_S: Final = 2.5  # [m/s] a model in a basin is slower
 MAX_REVOLUTIONS_S: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns faster, and of a model
-GUESSED_RATE_UNITS: Final = ("rad/s", "deg/s", "deg/min")  # of a yaw rate that says none
-USUAL_TURNING_RATE: Final = 0.05  # [1/s] usual yaw rate to a rudder
 UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "rudder": (MAX_RUDDER_RAD, "rad", "deg"),
     "heading": (MAX_HEADING_RAD, "rad", "deg"),
@@ -260,7 +254,8 @@ def _likeness(name: str, channel: str, words: Iterable[str], whole: str) -> floa
 def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
     """Return the likeliest unit of a column by its numbers."""
     if channel == "t":
-        steps = _known(np.diff(table.numbers(table.index(columns["t"].name))))
+        steps = np.diff(table.numbers(table.index(columns["t"].name)))
+        steps = steps[np.isfinite(steps)]
         step = float(np.median(np.abs(steps))) if steps.size else 0.0
         likely = (one for one in ("s", "ms") if step * units_of("t")[one] <= MAX_INTERVAL_S)
         return next(likely, "us")
@@ -269,8 +264,8 @@ def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
         cells = (row[index] for row in table.cells for index in both)
         return "ddmm" if any(map(NAUTICAL_ANGLE.match, cells)) else "deg"
     values = table.numbers(table.index(columns[channel].name))
-    if channel == "yaw_rate":
-        return _rate_unit(table, values, columns)
+    if channel == "yaw_rate":  # what its heading says of it mends that
+        return "deg/s"
     if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
         limit, _ = MAX_REVOLUTIONS_S
         if (log := columns.get("speed")) and log.unit:
@@ -286,38 +281,3 @@ def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
         heading = table.numbers(table.index(columns["heading"].name))
         values, limit = np.append(values * MAX_HEADING_RAD / limit, heading), MAX_HEADING_RAD
     return large if float(np.nanmax(np.abs(values), initial=0.0)) > limit else small
-
-
-def _rate_unit(table: CsvTable, values: Numbers, columns: Mapping[str, Column]) -> str:
-    """Return the unit in which a yaw rate fits the heading's best.
-
-    Without a heading it is that in which the rate is nearest to a usual ship's.
-    """
-    known = {key: one for key, one in columns.items() if one.unit}
-    wanted = {
-        key: replace(one, missing=USUAL_CODES)
-        for key, one in known.items()
-        if key in ("rudder", "heading")
-    }
-    wanted |= {"t": known["t"]} if "t" in known else {}
-    record = load_record(table.path, wanted)
-    size = 0.0
-    if record.heading is not None:
-        size = _spread(derivative(unwrap_angle(record.heading), record.interval))
-    elif record.rudder is not None:
-        size = USUAL_TURNING_RATE * _spread(record.rudder)
-    deviation, factors = _spread(values), units_of("yaw_rate")
-    if not (deviation > 0.0 and size > 0.0):
-        return "deg/s"
-    return min(GUESSED_RATE_UNITS, key=lambda one: abs(math.log(deviation * factors[one] / size)))
-
-
-def _known(values: Numbers) -> Numbers:
-    """Return those of some numbers that are there."""
-    return values[np.isfinite(values)]
-
-
-def _spread(values: Numbers) -> float:
-    """Return the standard deviation of numbers that are there, 0 of none."""
-    known = _known(values)
-    return float(np.std(known)) if known.size else 0.0

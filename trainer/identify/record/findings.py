@@ -39,15 +39,8 @@ from trainer.units import KNOT
 
 FROZEN_S, FROZEN_ROWS = 55.0, 5  # a heading that stands so long under helm is told
 STILL_RUDDER_RAD: Final = math.radians(0.01)  # [rad] deviation of a rudder that does not move
-MIN_EXPERIMENT_RAD: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
 SURE_STANDARD_ERRORS: Final = 4.0  # standard errors
 FEEDBACK_SHARE: Final = 0.98  # [-] of the rudder explained by the motion: beyond, it only follows
-UNIT_MISTAKES: Final = (  # what the yaw rate is then of the heading's change [-]
-    (180.0 / math.pi, "one of them is in degrees and the other is not"),
-    (math.pi / 180.0, "one of them is in radians and the other is not"),
-    (-1.0, "one of them is positive to port"),
-    (60.0, "the rate is per minute, not per second"),
-)
 SPEED_MISTAKES: Final = (  # what a speed is then of what it must be [-]
     (KNOT, "is it in m/s?"),
     (1.0 / KNOT, "is it in kn?"),
@@ -55,8 +48,6 @@ SPEED_MISTAKES: Final = (  # what a speed is then of what it must be [-]
 )
 HALF_TURN: Final = math.pi
 MIN_SAMPLES: Final = 20  # samples, to judge signs and loops
-SWING_RANGE: Final = (1 / 30, 30.0)  # [-] deviation of heading over rudder's: no trial is beyond
-TURN_RANGE: Final = (0.03, 15.0)  # [-] likewise yaw rate's, per time of a ship length
 PIVOT_LENGTHS: Final = 0.1, 0.75  # [ship lengths] how far ahead a ship's turning point lies
 ORDERED_NAME: Final = re.compile(  # of an ordered angle, which is a step
     r"(?:^|[\W_])(?:order|orders|ordered|command|commanded|cmd|c|demand|demanded|desired|set|"
@@ -76,13 +67,12 @@ def examine_record(record: Record, ship: Ship | None = None) -> list[Finding]:
     If the ``ship`` is known, sizes are judged by its length and speed.
     """
     read = at_readings(record)
-    problems = [*_time_problems(record), *_rudder_problems(record), *_unit_problems(read)]
+    problems = [*_time_problems(record), *_rudder_problems(record)]
     raise_problems([f"{record.source}: {problem}" for problem in problems])
     findings = [*record.findings, *(_intervals(record) if read is record else ())]
     findings += [*_missing_outputs(record), *_jumps(read)]
-    findings += [*_wrong_sign(read), *_find_feedback(read), *_constant_outputs(record)]
-    findings += _frozen(read)
-    return [*findings, *_spikes(record), *_swing(read), *(_sizes(read, ship) if ship else ())]
+    findings += [*_find_feedback(read), *_constant_outputs(record), *_frozen(read)]
+    return [*findings, *_spikes(record), *(_sizes(read, ship) if ship else ())]
 
 
 def choose_path(record: Record, inputs: Sequence[str], said: str | None) -> tuple[str, str]:
@@ -191,25 +181,12 @@ def _rudder_problems(record: Record) -> Iterator[Finding]:
         yield record.finding("rudder", text)
 
 
-def _unit_problems(record: Record) -> Iterator[Finding]:
-    """Yield numbers that cannot be in the unit that was said."""
+def find_strange_rate(record: Record) -> Iterator[Finding]:
+    """Yield that a yaw rate, summed, is not the heading."""
+    record = at_readings(record)
     if record.heading is None or record.yaw_rate is None:
         return
-    turned = replace(record, yaw_rate=None).column("turning")[:-1]
-    slope = _gain(0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1]), turned)
-    if slope is None:
-        yield from _strange_rate(record)
-        return
-    texts = [text for factor, text in UNIT_MISTAKES if 0.7 < slope / factor < 1.4]
-    if texts:
-        columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
-        guesses = ", or ".join(texts)
-        yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {guesses}")
-
-
-def _strange_rate(record: Record) -> Iterator[Finding]:
-    """Yield that a yaw rate, summed, is not the heading although its errors could not hide it."""
-    rate, heading = record.column("yaw_rate"), unwrap_angle(record.column("heading"))
+    rate, heading = record.yaw_rate, unwrap_angle(record.heading)
     steps = np.diff(record.t, append=record.t[-1])
     known = np.isfinite(rate) & np.isfinite(heading)
     third = np.diff(rate, 3)
@@ -228,10 +205,8 @@ def _strange_rate(record: Record) -> Iterator[Finding]:
     share = together * float(np.std(by_rate[known]) / np.std(turned[known]))
     if together > math.sqrt(0.5) and 0.5 < share < 2.0:
         return
-    units = [text for factor, text in UNIT_MISTAKES if 0.7 < share / factor < 1.4]
-    guesses = ", or ".join([*units, "it is the rate of another axis, such as roll"])
-    text = f"summed it is {share:.2g} of the change of {record.name('heading')}: {guesses}"
-    yield record.finding("yaw_rate", text)
+    text = f"summed it is {share:.2g} of the change of {record.name('heading')}: "
+    yield record.finding("yaw_rate", text + "it is the rate of another axis, such as roll")
 
 
 def _gain(y: Numbers, x: Numbers) -> float | None:
@@ -290,42 +265,6 @@ def _jumps(record: Record) -> Iterator[Finding]:
         yield record.finding("heading", text, np.nanargmax(np.abs(record.heading)))
 
 
-def _wrong_sign(record: Record) -> Iterator[Finding]:
-    """Yield that the rudder turns the ship the other way than said, or hardly moves."""
-    sizes = np.abs(record.column("rudder"))
-    largest, turning = float(np.max(sizes)), positive_turns(record)
-    if largest < MIN_EXPERIMENT_RAD:
-        text = f'{math.degrees(largest):.2g} deg is the largest: is it radians? say unit = "rad"'
-        yield record.finding("rudder", text, np.argmax(sizes))
-    if turning is not None and turning > 0.0:
-        text = f"positive helm turns this ship to starboard ({turning:.0f} standard errors); "
-        remedy = 'here it must turn to port: say positive_rudder = "starboard"'
-        yield record.finding("rudder", text + remedy)
-
-
-def positive_turns(record: Record) -> float | None:
-    """Return how surely a positive rudder turns to starboard [standard errors].
-
-    It is below 0 if it turns to port, and None if the record is too short or does not say.
-    """
-    record = at_readings(record)
-    rate, rudder = record.turning, record.column("rudder")
-    if rate is None:
-        return None
-    # the next yaw rate by this one, the rudder and a constant: the sign of the rudder's factor
-    before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
-    good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
-    if np.count_nonzero(good) < MIN_SAMPLES:
-        return None
-    regressors, y = before[good], rate[1:][good]
-    solution, *_ = np.linalg.lstsq(regressors, y, rcond=None)
-    residuals, value = y - regressors @ solution, float(solution[1])
-    variance = float(residuals @ residuals) / max(len(y) - regressors.shape[1], 1)
-    error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[1, 1]))
-    error = max(error, 1e-300)
-    return value / error if abs(value) > SURE_STANDARD_ERRORS * error else None
-
-
 def follows_motion(record: Record) -> float | None:
     """Return the share of the rudder that heading and yaw rate explain [-]. None if unknown.
 
@@ -369,10 +308,11 @@ def _frozen(record: Record) -> Iterator[Finding]:
     if record.heading is None or _is_constant(record.heading):
         return
     rudder, heading = record.column("rudder"), record.heading
+    usual, spread = float(rudder.mean()), float(np.std(rudder))
     ends = np.flatnonzero(np.diff(heading, append=np.inf) != 0.0)
     for first, last in zip(np.append(0, ends[:-1] + 1), ends, strict=True):
         seconds, helm = record.t[last] - record.t[first], rudder[first : last + 1]
-        works = float(np.mean(np.abs(helm - rudder.mean()))) > 0.5 * float(np.std(rudder))
+        works = float(np.mean(np.abs(helm - usual))) > 0.5 * spread
         if seconds >= FROZEN_S and last - first >= FROZEN_ROWS and works:
             text = f"stands still for {seconds:g} s, to row {record.row(int(last))}, while "
             remedy = f"{record.name('rudder')} works: frozen? leave these readings empty"
@@ -412,40 +352,9 @@ def _spikes(record: Record) -> Iterator[Finding]:
             yield own.finding(channel, text + remedy, rows[0])
 
 
-def _swing(record: Record) -> Iterator[Finding]:
-    """Yield that the heading moves too little or too much for the rudder: degrees and radians."""
-    if record.heading is None or _is_constant(record.heading):
-        return
-    steps = np.abs(np.diff(record.heading))
-    steps = steps[~np.isnan(steps)]
-    for turn, unit in ((math.radians(math.tau), "rad"), (360.0, "deg")):
-        jumps = np.abs(steps - turn) < 0.03 * turn
-        if jumps.any() and np.max(steps, where=~jumps, initial=0.0) < 0.5 * turn:
-            text = f"jumps by {turn:.4g} rad, which would be a turn: is it in {unit}?"
-            yield record.finding("heading", f'{text} say unit = "{unit}"')
-            return
-    share = float(np.nanstd(unwrap_angle(record.heading)) / np.std(record.column("rudder")))
-    if not SWING_RANGE[0] < share < SWING_RANGE[1]:
-        unit = "rad" if share < 1.0 else "deg"
-        text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
-        yield record.finding("heading", f'{text} say unit = "{unit}"')
-
-
 def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
     """Yield sizes that no ship of that length and speed has."""
-    speed = ship.speed_kn * KNOT if ship.speed_kn else None
-    if record.speed is not None:
-        mean = float(np.nanmean(record.speed))
-        yield from _mistaken(record, "speed", mean / speed if speed else None)
-        speed = speed or mean
     rate, sway = record.turning, record.sway
-    if record.yaw_rate is not None and speed:
-        size = float(np.nanstd(record.yaw_rate) / np.std(record.column("rudder")))
-        turned = size * ship.length_m / speed
-        if turned and not TURN_RANGE[0] < turned < TURN_RANGE[1]:
-            text = f"turns the ship by {turned:.2g} of the rudder's angle in a ship length: "
-            remedy = f"are it and {record.name('rudder')} in the units said?"
-            yield record.finding("yaw_rate", text + remedy)
     if rate is None:
         return
     if sway is not None and (gain := _gain(sway, rate)) is not None:

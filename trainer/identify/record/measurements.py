@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.model.models import OUTPUT_UNITS
+from trainer.identify.record.evidence import Ratio
 from trainer.units import DEGREE
 
 CHANNEL_UNITS: Final = {  # what may be recorded beside time, and its unit
@@ -107,6 +108,8 @@ class Record:
     plain: Mapping[str, Numbers] = field(default_factory=dict)  # columns of a user's own system
     driving: tuple[str, ...] = ()  # of them, those that act
     between_readings: str = "step"
+    units: Mapping[str, str] = field(default_factory=dict)  # that the source's numbers are in
+    evidence: tuple[Ratio, ...] = ()  # what the channels say of each other
 
     @property
     def channels(self) -> tuple[str, ...]:

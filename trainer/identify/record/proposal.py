@@ -18,12 +18,14 @@ from trainer.identify.record.columns import (
     GuessedColumns,
     guess_columns,
 )
-from trainer.identify.record.findings import examine_record, positive_turns
-from trainer.identify.record.measurements import Record
+from trainer.identify.record.contradictions import settle_columns
+from trainer.identify.record.evidence import Course
+from trainer.identify.record.findings import examine_record
 from trainer.identify.record.readings import fill_inputs
-from trainer.identify.record.sources import USUAL_SENSORS, Column, load_record, own_columns
+from trainer.identify.record.sources import USUAL_SENSORS, Column, own_columns
 from trainer.identify.record.track import Drift, no_sway, with_sway
 from trainer.io.paths import RECORDING_SUFFIX
+from trainer.units import KNOT
 
 OUTPUTS_TEXT: Final = "heading, yaw rate, sway or a track"
 ANSWER_CHANNELS: Final = CHANNEL_WORDS.keys() - {
@@ -75,19 +77,23 @@ def write_proposal(
     length: float | None,
     speed: float | None,
     told: Mapping[str, Column] = NOTHING_TOLD,
+    *,
+    anyway: bool = False,
 ) -> Proposal:
     """Write the study proposed for a record to a new file.
 
     ``told`` are columns by channel, where the headings do not tell by themselves.
-    ConfigError if the file is there, or nothing looks like the rudder.
+    ConfigError if the file is there, nothing looks like the rudder, or its channels contradict each
+    other and nobody wants it ``anyway``.
     """
     is_recording = data.suffix == RECORDING_SUFFIX
     if is_recording and told:
         raise ConfigError(f"{data}: a recording's columns are known; leave --column out")
     guess = GuessedColumns(own_columns(), frozenset()) if is_recording else _guessed(data, told)
-    columns = guess.columns
-    record = fill_inputs(load_record(data, columns), ("rudder",), "straight")
-    record, sign = turn_rudder(record)
+    ship = Course(length, speed * KNOT if speed else None, None)
+    settled = settle_columns(data, guess, ship, anyway=anyway)
+    guess, columns = settled.columns, settled.columns.columns
+    record = fill_inputs(settled.record, ("rudder",), "straight")
     try:
         record = with_sway(record, Drift(0.0, 0.0, 0.0))
     except ConfigError as wrong:
@@ -106,7 +112,7 @@ def write_proposal(
         path=as_typed(path),
         name=toml_value(data.stem[:79]),
         data=toml_value(os.path.relpath(data, path.parent)),
-        sign=sign,
+        sign=settled.sign + settled.anyway,
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
@@ -133,15 +139,6 @@ def _guessed(data: Path, told: Mapping[str, Column]) -> GuessedColumns:
                 f"say which it is: --column {name}={table.names[0]}, for example"
             )
     return columns
-
-
-def turn_rudder(record: Record) -> tuple[Record, str]:
-    """Return the record with its rudder positive to port, and the line saying so."""
-    turning = positive_turns(record)
-    if turning is None or turning < 0.0:
-        return record, ""
-    line = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
-    return replace(record, rudder=-record.column("rudder")), line
 
 
 def columns_text(found: GuessedColumns) -> str:

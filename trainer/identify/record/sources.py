@@ -93,7 +93,8 @@ SAID_COLUMN: Final = re.compile(  # heading, unit, scale, offset
     r"(.+):([^:*]+)(?:\*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)([+-](?:\d+\.?\d*|\.\d+))?)?"
 )
 NO_UNIT: Final = "-"  # unit of a column that is taken as it stands
-Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
+# rows, channels in SI, their units in the file, what to tell
+Taken = tuple[Sequence[int], dict[str, Any], dict[str, str], list[str]]
 NOISE_STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
 USUAL_SENSORS: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
 
@@ -263,7 +264,7 @@ def own_readings(record: Record) -> Record:
 def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
     """Return a record as its rows stand, its times and its heading too."""
     read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
-    rows, taken, remarks = read(path, columns)
+    rows, taken, units, remarks = read(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
@@ -275,6 +276,7 @@ def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
         names={channel: column.name for channel, column in columns.items()},
         findings=tuple(Finding(path.name, 0, text) for text in remarks),
         plain=plain,
+        units=units,
         **taken,
     )
 
@@ -294,6 +296,11 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
     if problems:
         raise NoColumnError(*problems)
     remarks, other = list(table.told), list[str]()
+    units = {
+        channel: check_unit(path, channel, one, table.units[table.index(one.name)])
+        for channel, one in columns.items()
+        if one.unit != NO_UNIT and not table.is_clock(table.index(one.name))
+    }
     taken = {channel: _take(table, channel, one, other) for channel, one in columns.items()}
     if "t" in columns:
         name = columns["t"].name
@@ -301,7 +308,12 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
             remarks.append("times by ISO 8601")
         taken["t"], rebuilt = rebuild_times(taken["t"], table.repeats)
         other += [f"{name}: {rebuilt}"] if rebuilt else []
-    return table.lines, taken, ([f"read with {', '.join(remarks)}"] if remarks else []) + other
+    return (
+        table.lines,
+        taken,
+        units,
+        ([f"read with {', '.join(remarks)}"] if remarks else []) + other,
+    )
 
 
 def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:
@@ -350,7 +362,7 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
         index = names.index(column.name)
         scale = 1.0 if column.unit == NO_UNIT else factor(channel, column.unit or "")
         taken[channel] = scale * np.array([row[index] for row in cells])
-    return ticks, taken, []
+    return ticks, taken, {}, []
 
 
 def check_times(record: Record) -> None:
@@ -459,9 +471,12 @@ def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Re
         channel: one for channel, one in taken.items() if channel != "t"
     }
     rows = np.arange(len(taken["t"]))
-    record = Record(source="frame", t=taken["t"], rows=rows, names=names, **values_by_channel)
+    units = {name: one.unit or next(iter(units_of(name))) for name, one in columns.items()}
+    record = Record(
+        source="frame", t=taken["t"], rows=rows, names=names, units=units, **values_by_channel
+    )
     for channel, values in values_by_channel.items():
-        unit = columns[channel].unit or next(iter(units_of(channel)))
+        unit = units[channel]
         if fault := find_impossible(channel, values, unit):
             raise ConfigError(f"frame: {names[channel]}[{fault[0]}]: {fault[1]} make it NaN")
     return own_readings(record)

@@ -21,6 +21,8 @@ from trainer.config.schema import (
 )
 from trainer.config.ship.sensors import Sensors
 from trainer.identify.model.own_systems import System
+from trainer.identify.record.contradictions import check_evidence, in_study
+from trainer.identify.record.evidence import Course
 from trainer.identify.record.findings import (
     PATH_TEXTS,
     choose_path,
@@ -273,6 +275,12 @@ def observe_record(study: Study, loaded: Record | None = None) -> Record:
         record, path, told = _with_path(record, study, study.system.inputs)
         findings = examine_columns(record)
     else:
+        record = check_evidence(
+            record,
+            course_of(study),
+            in_study(record, heading.positive_rudder),
+            anyway=heading.anyway == "yes",
+        )
         track = study.track or Track()
         current = KNOT * track.current_east_kn, KNOT * track.current_north_kn
         try:
@@ -291,6 +299,14 @@ def observe_record(study: Study, loaded: Record | None = None) -> Record:
     if study.sensors is not None:
         record = read_by(record, study.sensors)
     return _cut(record, study)
+
+
+def course_of(study: Study) -> Course:
+    """Return what a study says of its ship, to judge a record by."""
+    ship = study.ship
+    if ship is None:
+        return Course(None, None, None)
+    return Course(ship.length_m, ship.speed_kn * KNOT if ship.speed_kn else None, None)
 
 
 def _cut(record: Record, study: Study) -> Record:

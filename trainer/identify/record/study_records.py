@@ -41,6 +41,7 @@ class StudyHeading:
     data: str = required(Text(200, "CSV file or recording, from this file's folder"))
     positive_rudder: str = with_default("port", FIT_KINDS["positive_rudder"])
     between_readings: str | None = optional(FIT_KINDS["between_readings"])
+    anyway: str = with_default("no", FIT_KINDS["anyway"])
     from_s: float | None = optional(FIT_KINDS["begin"])
     to_s: float | None = optional(FIT_KINDS["end"])
     every: float = with_default(1.0, "-", within(1, 1000), "takes one sample of so many")

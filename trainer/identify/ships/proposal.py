@@ -12,13 +12,14 @@ from typing import Final
 from trainer.config.files import ConfigError, toml_value, write_once
 from trainer.config.tables import CsvTable, read_table
 from trainer.identify.record.columns import NOTHING_TOLD, SHIP_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.contradictions import settle_columns
+from trainer.identify.record.evidence import Course
 from trainer.identify.record.findings import examine_record
-from trainer.identify.record.proposal import Proposal, columns_text, turn_rudder
+from trainer.identify.record.proposal import Proposal, columns_text
 from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import (
     SHIP_COLUMNS,
     Column,
-    load_record,
     own_columns,
 )
 from trainer.identify.ships.records import GROUND_VELOCITIES, NEEDED_CHANNELS
@@ -55,7 +56,12 @@ WIND_REMARK: Final = (
 
 
 def write_ship_file(
-    data: Path, path: Path, length: float | None, told: Mapping[str, Column] = NOTHING_TOLD
+    data: Path,
+    path: Path,
+    length: float | None,
+    told: Mapping[str, Column] = NOTHING_TOLD,
+    *,
+    anyway: bool = False,
 ) -> Proposal:
     """Write the file proposed for the ship of a record to a new file.
 
@@ -71,10 +77,9 @@ def write_ship_file(
             f"{', '.join(table.names)}: "
             f"say which they are, such as --column rudder={table.names[0]}"
         )
-    record = load_record(data, columns.columns)
-    sign = ""
-    if record.rudder is not None:
-        record, sign = turn_rudder(fill_inputs(record, ("rudder",), "straight"))
+    settled = settle_columns(data, columns, Course(length, None, None), anyway=anyway)
+    columns, sign = settled.columns, settled.sign + settled.anyway
+    record = fill_inputs(settled.record, ("rudder",), "straight")
     lacking = _lacking(columns.columns)
     lines = []
     if "t" not in columns.columns:

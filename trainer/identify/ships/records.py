@@ -20,6 +20,8 @@ from trainer.config.ship.sensors import Sensors
 from trainer.config.ship.ship import GRAVITY_M_S2, ShipFile
 from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
+from trainer.identify.record.contradictions import check_evidence, in_study
+from trainer.identify.record.evidence import Course
 from trainer.identify.record.findings import (
     PATH_TEXTS,
     choose_path,
@@ -32,7 +34,7 @@ from trainer.identify.record.measurements import (
     Finding,
     Record,
 )
-from trainer.identify.record.readings import at_readings, fill_inputs
+from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import (
     SHIP_COLUMNS,
     Column,
@@ -58,7 +60,6 @@ ADVANCE_RATIO_RANGE: Final = (0.1, 1.6)  # J of a propeller that drives a ship a
 FINE_STEP_SHARE: Final = 0.1  # [L/U] of a step of Runge and Kutta
 MIN_TRIAL_SAMPLES: Final = 30  # samples
 INWARD_LEAN_CORRELATION: Final = 0.5  # [-] of roll and turning: beyond, the ship leans inwards
-WRONG_SIGN_CORRELATION: Final = 0.2  # [-] of rudder and turning: beyond, the sign is plainly wrong
 GROUND_VELOCITIES: Final = ("north_velocity", "east_velocity")
 READING_CHANNELS: Final = ("speed", "sway", "yaw_rate", "heading")
 SPEED_STREAM, ROLL_STREAM = 13, 14  # of the errors of instruments
@@ -107,10 +108,12 @@ def filter_table(record: Record, constants: Numbers) -> Numbers:
     return np.ascontiguousarray(np.column_stack(columns))
 
 
-def with_path(ship: ShipFile, between_readings: str | None) -> ShipFile:
-    """Return the ship, its records' rudder going as ``between_readings`` says if it says it."""
-    said = between_readings or ship.records.between_readings
-    return replace(ship, records=replace(ship.records, between_readings=said))
+def with_path(ship: ShipFile, between_readings: str | None, *, anyway: bool = False) -> ShipFile:
+    """Return the ship, its records' rudder going as said, contradictions taken if ``anyway``."""
+    records = ship.records
+    said = between_readings or records.between_readings
+    taken = "yes" if anyway else records.anyway
+    return replace(ship, records=replace(records, between_readings=said, anyway=taken))
 
 
 def load_trial(path: Path, ship: ShipFile, every: int = 1) -> Record:
@@ -126,10 +129,15 @@ def trial_of(record: Record, ship: ShipFile, every: int = 1) -> Record:
     _check_needed(record, ship)
     if ship.records.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
+    record = check_evidence(
+        record,
+        Course(ship.dimensions.length_m, None, None),
+        in_study(record, ship.records.positive_rudder or "port"),
+        anyway=ship.records.anyway == "yes",
+    )
     record, path, told = _with_path(record, ship, every)
     findings = [*examine_record(record), told]
     record = unwrap_heading(record)
-    _check_sign(at_readings(record))
     if ship.sensors is not None:
         record = _read_by(record, ship.sensors)
     if record.wind_speed is not None and record.wind_from is not None:
@@ -251,20 +259,6 @@ def _rate(record: Record) -> Numbers:
     if record.yaw_rate is not None:
         return record.yaw_rate
     return np.asarray(np.gradient(record.column("heading"), record.t))
-
-
-def _check_sign(record: Record) -> None:
-    """Check that a positive rudder turns the ship to port; ConfigError with the remedy."""
-    rate, rudder = _rate(record), record.column("rudder")
-    # a rudder makes yaw acceleration at once, while the yaw rate follows it late
-    change = np.gradient(np.nan_to_num(rate), record.t)
-    good = np.isfinite(rate)
-    together = float(np.corrcoef(rudder[good], change[good])[0, 1])
-    if together > WRONG_SIGN_CORRELATION:
-        text = f"positive helm turns this ship to starboard (correlation {together:.2f}): "
-        remedy = 'say positive_rudder = "starboard" in [records]'
-        what = record.finding("rudder", text + remedy, np.argmax(np.abs(rudder)))
-        raise ConfigError(f"{record.source}: {what}")
 
 
 def _check_propeller(record: Record, ship: ShipFile) -> None:

@@ -167,7 +167,8 @@ def read_trials(
             f"--model {options.model} needs --ship FILE, a file of the ship's dimensions: "
             f"trainer identify new {files[0]} --ship ship.toml begins one"
         )
-    ship, every = with_path(load_ship(options.ship), options.between_readings), options.every or 1
+    ship = with_path(load_ship(options.ship), options.between_readings, anyway=options.anyway)
+    every = options.every or 1
     trials = tuple(load_trial(path, ship, every) for path in files)
     return ship, trials, tuple(load_trial(path, ship, every) for path in options.predict)
 

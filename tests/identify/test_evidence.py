@@ -1,5 +1,6 @@
-"""Signs that a record itself contradicts: found, named with their cure, and not found falsely."""
+"""Units and signs that a record contradicts: found, named with their cure, not found falsely."""
 
+import math
 import re
 import warnings
 from dataclasses import replace
@@ -22,12 +23,12 @@ from trainer.identify.boat.regressors import PARAMETER_NAMES
 from trainer.identify.boat.trial import (
     INPUT_FIELDS,
     Trial,
+    find_wrong_units,
     read_trial,
     trial_problems,
-    wrong_signs,
 )
 from trainer.identify.fitting.minimise import SearchOptions
-from trainer.identify.record.signs import SignTest, explain_signs
+from trainer.identify.record.evidence import TURNED_SIGN, Change, Ratio, explain
 from trainer.identify.record.sources import Column
 from trainer.units import DEGREE
 
@@ -93,7 +94,7 @@ def test_a_rudder_of_radians_called_degrees_is_refused_and_read_as_radians(
     read = read_trial(path, prior.vessel, instruments_of(["rudder=rudder:rad"], []))
     assert read.inputs == pytest.approx(plain.inputs, abs=1e-6)
     told = read_trial(path, prior.vessel, instruments_of([], [], anyway=True)).told
-    assert any("taken as it is: she turns as by a rudder of radians" in one for one in told)
+    assert any("taken as it is: she turns by her rudder 88" in one for one in told)
 
 
 def test_a_rudder_at_rest_is_not_taken_for_radians(
@@ -110,7 +111,7 @@ def test_a_rudder_at_rest_is_not_taken_for_radians(
         inputs[:, 0] = 0.01 * DEGREE * np.random.default_rng(seed).standard_normal(len(inputs))
         read = replace(made, inputs=inputs)
         if not [*trial_problems(read, prior.vessel)]:
-            assert "radians" not in wrong_signs(read, prior.vessel, columns)
+            assert find_wrong_units(read, prior.vessel, columns) == ("", False)
 
 
 @pytest.mark.long
@@ -119,7 +120,7 @@ def test_a_rudder_at_rest_is_not_taken_for_radians(
     [
         ("roll [deg]", -1.0, "roll=roll:deg*-1"),
         ("bow planes [deg]", -1.0, "bow='bow planes':deg*-1"),
-        ("stern planes [deg]", DEGREE, "stern='stern planes':rad"),
+        ("bow planes [deg]", DEGREE, "bow='bow planes':rad"),
     ],
 )
 def test_a_fit_tells_what_no_channel_does(
@@ -175,24 +176,49 @@ def with_rate(trial: Trial) -> Trial:
 @pytest.mark.parametrize("channel", ["heading", "r", "rudder"])
 def test_beside_a_yaw_rate_the_one_channel_is_named(prior: Prior, channel: str) -> None:
     trial = with_rate(made_trial(prior.vessel, prior.values))
-    assert wrong_signs(trial, prior.vessel, {}) == ""
+    assert find_wrong_units(trial, prior.vessel, {}) == ("", False)
     readings, inputs = trial.readings.copy(), trial.inputs.copy()
     if channel in INPUT_FIELDS:
         inputs[:, INPUT_FIELDS.index(channel)] *= -1.0
     else:
         readings[:, CHANNEL_NAMES.index(channel)] *= -1.0
-    told = wrong_signs(replace(trial, readings=readings, inputs=inputs), prior.vessel, {})
+    wrong = replace(trial, readings=readings, inputs=inputs)
+    told, refused = find_wrong_units(wrong, prior.vessel, {})
+    assert refused
     assert told.endswith(f": turn the sign of {'yaw_rate' if channel == 'r' else channel}")
 
 
-def test_the_fewest_changes_explain_all_tests() -> None:
-    turning = partial(SignTest, "turning", ("rudder", "heading"))
-    rate = partial(SignTest, "rate", ("yaw_rate", "heading"))
-    assert explain_signs([turning(-9.0)]) == [("rudder",), ("heading",)]
-    assert explain_signs([turning(-9.0), rate(-0.99)]) == [("heading",)]
-    assert explain_signs([turning(-9.0), rate(0.99)]) == [("rudder",)]
-    assert explain_signs([turning(9.0), rate(-0.99)]) == [("yaw_rate",)]
-    assert explain_signs([turning(9.0), turning(-9.0)]) == []
+def signed(found: float, *channels: str) -> Ratio:
+    """Return a ratio of signs alone."""
+    return Ratio("sign", found, (0.0, math.inf), "", "a fault", {}, channels)
+
+
+def sized(found: float, **powers: float) -> Ratio:
+    """Return a ratio of sizes alone, which must be about 1."""
+    return Ratio("size", found, (0.8, 1.25), "a fault of {}", "", powers)
+
+
+def test_the_fewest_changes_explain_all_ratios() -> None:
+    def turned(*ratios: Ratio) -> list[tuple[str, ...]]:
+        return [tuple(one.channel for one in way) for way in explain(ratios, {})]
+
+    turning = partial(signed, -9.0, "rudder", "heading")
+    assert turned(turning()) == [("rudder",), ("heading",)]
+    assert turned(turning(), signed(-0.99, "yaw_rate", "heading")) == [("heading",)]
+    assert turned(turning(), signed(0.99, "yaw_rate", "heading")) == [("rudder",)]
+    assert turned(turning(), signed(9.0, "rudder", "heading")) == []
+
+
+def test_a_unit_is_named_where_it_alone_mends_all_sizes() -> None:
+    units = {"speed": "m/s", "depth": "m", "pitch": "deg", "t": "s"}
+    assert explain([sized(1.9438, speed=1)], units)[0] == (Change("speed", "kn"),)
+    assert explain([sized(3.28, depth=1), sized(1.0, speed=-1)], units) == [
+        (Change("depth", "ft"),)
+    ]
+    feet_of_mirrored = [sized(3.28, depth=1), signed(-1.0, "heading")]
+    assert explain(feet_of_mirrored, units) == [
+        (Change("heading", TURNED_SIGN), Change("depth", "ft"))
+    ]
 
 
 def test_a_control_coefficient_of_the_other_sign_is_refused(prior: Prior) -> None:
@@ -217,5 +243,5 @@ def test_at_most_one_clean_record_in_a_hundred_is_refused(prior: Prior, tmp_path
     assert len(sailed) > 150
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
-        false = [trial.source for one, trial in sailed if wrong_signs(trial, one.vessel, {})]
+        false = [one.source for boat, one in sailed if find_wrong_units(one, boat.vessel, {})[1]]
     assert len(false) <= len(sailed) // 100, false
