@@ -19,9 +19,10 @@ from trainer.config.files import ConfigError
 from trainer.config.ship.ship import ShipColumn
 from trainer.config.tables import read_table
 from trainer.identify.record.columns import CHANNEL_WORDS, SHIP_WORDS, guess_columns
+from trainer.identify.record.frames import arrays_of, columns_of, record_of
 from trainer.identify.record.measurements import Record
 from trainer.identify.record.proposal import write_proposal
-from trainer.identify.record.sources import Column, arrays_of, columns_of, load_record, record_of
+from trainer.identify.record.sources import Column, load_record
 from trainer.identify.record.study import load_study, observe_record
 from trainer.identify.ships.proposal import write_ship_file
 from trainer.identify.ships.records import load_trial

@@ -19,6 +19,8 @@ EXTRA_BY_LIBRARY: Final = {  # what is imported, by the extra that brings it
     "scipy": "identify",
     "gymnasium": "gym",
     "tifffile": "bottom",
+    "pyulog": "logs",
+    "rosbags": "logs",
     "starlette": "web",
     "uvicorn": "web",
     "websockets": "web",

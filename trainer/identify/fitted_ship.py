@@ -27,14 +27,9 @@ from trainer.identify.pages.identify import render, screens
 from trainer.identify.pages.results import Identification, ShipNumber, describe_fit
 from trainer.identify.pages.series import matrices_of, series_of
 from trainer.identify.pages.ship_files import nomoto_text, vessel_text
+from trainer.identify.record.frames import arrays_of, columns_of, names_of, record_of
 from trainer.identify.record.measurements import SHIP_CHANNEL_UNITS, Record
-from trainer.identify.record.sources import (
-    arrays_of,
-    columns_of,
-    factor,
-    names_of,
-    record_of,
-)
+from trainer.identify.record.sources import factor
 from trainer.identify.record.study import observe_record, plain_study
 from trainer.identify.record.study_records import ParameterRow
 from trainer.identify.ships import page as ships_page

@@ -22,7 +22,7 @@ from trainer.config.tables import read_table
 from trainer.core.kernel import Numbers
 from trainer.identify.boat.filter import CHANNEL_NAMES, RecordNumbers
 from trainer.identify.boat.vessel import FittedVessel
-from trainer.identify.record.columns import BOAT_WORDS, guess_columns
+from trainer.identify.record.columns import BOAT_WORDS, guess_columns, guess_file
 from trainer.identify.record.contradictions import (
     ANYWAY_TEXT,
     find_contradiction,
@@ -35,6 +35,7 @@ from trainer.identify.record.evidence import (
     compare_channels,
 )
 from trainer.identify.record.findings import unwrap_heading
+from trainer.identify.record.logs import read_log
 from trainer.identify.record.measurements import FIN_CHANNELS, Record
 from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD, Channel
 from trainer.identify.record.sources import (
@@ -173,7 +174,8 @@ def read_trial(
     trial = lay_out(record, vessel).hastened(instruments.late)
     if path.suffix == RECORDING_SUFFIX:
         trial = read_by_instruments(trial)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    files = sorted(one for one in path.rglob("*") if one.is_file()) if path.is_dir() else [path]
+    digest = hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()
     words = tuple(f"{one.name} as {key} [{one.unit}]" for key, one in columns.items())
     told = (*trial.told, *_standing(trial), *_coarse(trial, vessel))
     trial = replace(trial, digest=digest, columns=words, told=told, biases=instruments.biases)
@@ -207,6 +209,8 @@ def _columns(path: Path, said: Mapping[str, Column]) -> dict[str, Column]:
     del own["sway"]
     if path.suffix == RECORDING_SUFFIX:
         return own
+    if read_log(path):
+        return dict(guess_file(path, BOAT_WORDS, said, COLUMNS_OPTION).columns)
     table = read_table(path)
     for channel, one in said.items():
         index = table.index(one.name, channel)
@@ -352,11 +356,9 @@ def _even_rows(record: Record, vessel: FittedVessel) -> tuple[NDArray[np.int64],
     uneven = np.abs(steps - np.maximum(np.round(steps), 1.0)) > STEP_TOLERANCE
     if not uneven.any():
         return np.append(0, np.cumsum(np.round(steps).astype(int))), interval, ""
-    known = [np.isfinite(values) for values in record.values.values()]
-    own = min(float(np.median(np.diff(record.t[one]))) for one in known if one.sum() > 1)
     since, room = record.t - record.t[0], STEP_TOLERANCE * vessel.length / vessel.speed
     for parts in range(1, MOST_PARTS + 1):
-        even = own / parts
+        even = interval / parts
         at = np.round(since / even).astype(int)
         off = float(np.abs(since - at * even).max())
         if off <= room:

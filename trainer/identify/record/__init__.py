@@ -9,7 +9,7 @@ guess at a foreign file; ``track`` gives sway velocity. All modules are open.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "columns", "contradictions", "evidence", "findings", "measurements", "motion_laws", "proposal",
-    "readings", "sources", "study", "study_records", "track",
+    "columns", "contradictions", "evidence", "findings", "frames", "logs", "measurements",
+    "motion_laws", "proposal", "readings", "sources", "study", "study_records", "track",
 ]
 # fmt: on

@@ -7,16 +7,18 @@ then numbers; what was only guessed is marked, because its user is to correct it
 import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from trainer.config.files import ConfigError, nearest
-from trainer.config.tables import CsvTable, part_heading
+from trainer.config.tables import CsvTable, part_heading, read_table
 from trainer.config.units import spell_unit
+from trainer.identify.record.logs import read_log
 from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
 from trainer.identify.record.sources import (
     MAX_INTERVAL_S,
@@ -137,6 +139,50 @@ class GuessedColumns:
     unsure: frozenset[str]
 
 
+def guess_file(
+    path: Path,
+    words: Words,
+    told: Mapping[str, Column] = NOTHING_TOLD,
+    option: str = "--column",
+) -> GuessedColumns:
+    """Return the likeliest columns of a table or a log, as ``guess_columns`` does; ConfigError."""
+    log = read_log(path)
+    if log is None:
+        return guess_columns(read_table(path), words, told, option)
+    _check_told(told, words, [*log.columns], option)
+    meant = {
+        channel: Column(one.column, None, (), one.sign if one.sign < 0.0 else None)
+        for channel, one in log.meant.items()
+        if channel in words
+    }
+    columns = {
+        channel: replace(
+            one, unit=check_unit(path, channel, one, log.columns[one.name].unit, option)
+        )
+        for channel, one in {**meant, **told}.items()
+    }
+    return GuessedColumns({"t": Column("t", "s"), **columns}, frozenset())
+
+
+def names_in(path: Path) -> Sequence[str]:
+    """Return the names of the columns of a table or a log. ConfigError."""
+    log = read_log(path)
+    return read_table(path).names if log is None else [*log.columns]
+
+
+def _check_told(
+    told: Mapping[str, Column], words: Words, names: Sequence[str], option: str
+) -> None:
+    """Check that columns that a user names are there; ConfigError with the nearest name."""
+    for channel, one in told.items():
+        for what, sought, there in (("channel", channel, (*words,)), ("column", one.name, names)):
+            if sought not in there:
+                raise ConfigError(
+                    f"{option} {channel}={one.name}: no {what} {sought}{nearest(sought, there)}; "
+                    f"there are {', '.join(dict.fromkeys(there))}"
+                )
+
+
 def guess_columns(
     table: CsvTable,
     words: Words,
@@ -148,16 +194,7 @@ def guess_columns(
     ``told`` are columns by channel that somebody knows, and says by ``option``. ConfigError if one
     is none, or if a heading's brackets say no unit of its channel.
     """
-    for channel, one in told.items():
-        for what, sought, there in (
-            ("channel", channel, tuple(words)),
-            ("column", one.name, (*table.names, *table.heads)),
-        ):
-            if sought not in there:
-                raise ConfigError(
-                    f"{option} {channel}={one.name}: no {what} {sought}{nearest(sought, there)}; "
-                    f"there are {', '.join(dict.fromkeys(there))}"
-                )
+    _check_told(told, words, (*table.names, *table.heads), option)
     sure = {channel: table.names[table.index(one.name)] for channel, one in told.items()}
     guessed = _by_name(table, words)
     free = {one: head for one, head in guessed.items() if head not in sure.values()}

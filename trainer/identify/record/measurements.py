@@ -131,8 +131,12 @@ class Record:
 
     @property
     def interval(self) -> float:
-        """Return the usual time [s] from sample to sample."""
-        return float(np.median(np.diff(self.t)))
+        """Return the usual time [s] from reading to reading of what was read most often."""
+        known = [np.isfinite(values) for values in self.values.values()]
+        if not known or any(map(np.all, known)):
+            return float(np.median(np.diff(self.t)))
+        own = [float(np.median(np.diff(self.t[one]))) for one in known if one.sum() > 1]
+        return min(own, default=float(np.median(np.diff(self.t))))
 
     def column(self, channel: str) -> Numbers:
         """Return a channel; ConfigError if it was not recorded."""

@@ -5,18 +5,19 @@ nobody knows the keys of a study by heart.
 """
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from trainer.config.files import ConfigError, as_typed, toml_value, write_once
-from trainer.config.tables import read_table
 from trainer.identify.record.columns import (
     CHANNEL_WORDS,
     NOTHING_TOLD,
     GuessedColumns,
-    guess_columns,
+    guess_file,
+    names_in,
 )
 from trainer.identify.record.contradictions import settle_columns
 from trainer.identify.record.evidence import Course
@@ -33,6 +34,7 @@ ANSWER_CHANNELS: Final = CHANNEL_WORDS.keys() - {
     "rudder",
     "speed",
 }  # what a ship answers a rudder by
+SURFACE_NAME: Final = re.compile("rudder|servo|RCOU|actuator|fin", re.IGNORECASE)
 STUDY_TEXT: Final = """\
 # A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
 # trainer identify {path}
@@ -129,14 +131,15 @@ def write_proposal(
 
 def _guessed(data: Path, told: Mapping[str, Column]) -> GuessedColumns:
     """Return the columns of a file; ConfigError if rudder or ship's answer is lacking."""
-    table = read_table(data)
-    columns = guess_columns(table, CHANNEL_WORDS, told)
+    columns = guess_file(data, CHANNEL_WORDS, told)
     for what, wanted in (("the rudder", {"rudder"}), (OUTPUTS_TEXT, ANSWER_CHANNELS)):
         if wanted.isdisjoint(columns.columns):
+            names = names_in(data)
             name = "rudder" if "rudder" in wanted else "heading"
+            likely = (one for one in names if name == "rudder" and SURFACE_NAME.search(one))
             raise ConfigError(
-                f"{data}: no column looks like {what}; it has {', '.join(table.names)}: "
-                f"say which it is: --column {name}={table.names[0]}, for example"
+                f"{data}: no column looks like {what}; it has {', '.join(names)}: "
+                f"say which it is: --column {name}={next(likely, names[0])}, for example"
             )
     return columns
 

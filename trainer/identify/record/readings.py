@@ -124,8 +124,9 @@ def keep_readings(record: Record) -> Record:
         acts = name in ACTING_CHANNELS or name in record.plain
         # what stands between two jumps is an order that stands
         if hold.every == 1.0 or (acts and jumps_at_readings(values[known[hold.kept]])):
-            if (every := rows_between(values)) >= RARE_ROWS and known.size:
-                text = f"a reading each {every:.3g} rows; its other cells are empty"
+            if known.size > 1 and rows_between(values) >= RARE_ROWS:
+                often = float(np.median(np.diff(record.t[known])))
+                text = f"{known.size} readings, one in {often:.3g} s"
                 findings.append(record.finding(name, text))
             continue
         columns[name] = np.full_like(values, np.nan)

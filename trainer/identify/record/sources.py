@@ -11,20 +11,22 @@ import csv
 import math
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, collecting, nearest, offer_known, quote
+from trainer.config.files import ConfigError, collecting, nearest, quote
 from trainer.config.ship.sensors import Sensors
 from trainer.config.tables import CsvTable, read_table, rebuild_times
 from trainer.config.units import KNOWN_UNITS, SCALELESS_UNITS, UNIT_FACTORS, spell_unit
 from trainer.core.kernel import Numbers
 from trainer.debrief.passage.recording_export import table_layout
+from trainer.identify.record.log_columns import Log
+from trainer.identify.record.logs import read_log
 from trainer.identify.record.measurements import (
     BOAT_CHANNEL_UNITS,
     CHANNEL_UNITS,
@@ -263,8 +265,12 @@ def own_readings(record: Record) -> Record:
 
 def read_record(path: Path, columns: Mapping[str, Column]) -> Record:
     """Return a record as its rows stand, its times and its heading too."""
-    read = _read_recording if path.suffix == RECORDING_SUFFIX else _read_csv
-    rows, taken, units, remarks = read(path, columns)
+    if path.suffix == RECORDING_SUFFIX:
+        rows, taken, units, remarks = _read_recording(path, columns)
+    elif log := read_log(path):
+        rows, taken, units, remarks = _read_log(log, columns)
+    else:
+        rows, taken, units, remarks = _read_csv(path, columns)
     if len(rows) < 2:
         raise ConfigError(f"{path}: has {len(rows)} rows of numbers; needs 2 or more")
     times = taken.pop("t", np.arange(len(rows), dtype=float))
@@ -314,6 +320,29 @@ def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:
         units,
         ([f"read with {', '.join(remarks)}"] if remarks else []) + other,
     )
+
+
+def _read_log(log: Log, columns: Mapping[str, Column]) -> Taken:
+    """Return the wanted columns of a log at all their times, NaN where one was not read."""
+    found = {
+        channel: log.column(one.name, channel) for channel, one in columns.items() if channel != "t"
+    }
+    units = {
+        channel: check_unit(log.path, channel, columns[channel], one.unit)
+        for channel, one in found.items()
+    }
+    t = np.unique(np.concatenate([one.t for one in found.values()]))
+    taken = {"t": t}
+    for channel, one in found.items():
+        column, unit = columns[channel], units[channel]
+        numbers = np.where(np.isin(one.values, column.missing), np.nan, one.values)
+        values = column.in_unit(numbers) * units_of(channel)[unit]
+        if fault := find_impossible(channel, values, unit):
+            when = f"{log.path}: {column.name} at {one.t[fault[0]]:.6g} s"
+            raise ConfigError(f"{when}: {fault[1]} say missing = [...] in its [[columns]]")
+        taken[channel] = np.full(len(t), np.nan)
+        taken[channel][np.searchsorted(t, one.t)] = values
+    return range(1, len(t) + 1), taken, units, list(log.told)
 
 
 def _take(table: CsvTable, channel: str, column: Column, told: list[str]) -> Numbers:
@@ -408,75 +437,3 @@ def read_by(record: Record, sensors: Sensors) -> Record:
             stream = np.random.Generator(np.random.PCG64(seed))
             columns[channel] = values + sensors.error(channel) * stream.standard_normal(len(values))
     return replace(record, **columns)
-
-
-def columns_of(
-    frame: Mapping[str, Any],
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
-    further: Iterable[str],
-) -> dict[str, Column]:
-    """Return the column of each channel, ``further`` ones among them. ConfigError.
-
-    ``columns`` and ``units`` are those that the caller names, by channel.
-    """
-    channels, known_as = ("t", *CHANNEL_UNITS, *further), {**TRAINER_COLUMNS, **SHIP_COLUMNS}
-    for name in (*columns, *units):
-        if name not in channels:
-            raise ConfigError(f"no channel {name!r}{offer_known(name, channels)}")
-    columns_by_channel = {}
-    for channel in channels:
-        usual = [channel, known_as.get(channel, channel)]
-        names = [columns[channel]] if channel in columns else usual
-        column = next((name for name in names if name in names_of(frame)), None)
-        if column is not None:
-            columns_by_channel[channel] = Column(column, units.get(channel))
-        elif channel in columns or channel in ("t", "rudder"):
-            known = ", ".join(map(str, names_of(frame)))
-            raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-    return columns_by_channel
-
-
-def names_of(frame: Mapping[str, Any]) -> list[str]:
-    """Return the names of a frame's columns, and of its index if it has one."""
-    index = getattr(getattr(frame, "index", None), "name", None)
-    return [*frame.keys(), *([index] if index else [])]
-
-
-def arrays_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> dict[str, Numbers]:
-    """Return arrays by channel, SI; ConfigError naming a column that cannot be used."""
-    taken: dict[str, Numbers] = {}
-    for channel, column in columns.items():
-        scale = factor(channel, column.unit)
-        # the index of a pandas frame is no column of it
-        series = frame[column.name] if column.name in frame else cast("Any", frame).index
-        values = np.asarray(series)
-        if values.dtype.kind == "M":
-            values = (values - values[0]) / np.timedelta64(1, "s")
-        try:
-            taken[channel] = np.asarray(values, float) * scale
-        except (TypeError, ValueError) as error:
-            raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
-        size = taken[next(iter(taken))].shape
-        if taken[channel].ndim != 1 or taken[channel].shape != size:
-            shape = taken[channel].shape
-            raise ConfigError(f"frame: {column.name}: has shape {shape}, must be {size[:1]}")
-    return taken
-
-
-def record_of(taken: Mapping[str, Numbers], columns: Mapping[str, Column]) -> Record:
-    """Return the record of arrays by channel; ConfigError if times do not rise."""
-    names = {channel: column.name for channel, column in columns.items()}
-    values_by_channel: dict[str, Any] = {
-        channel: one for channel, one in taken.items() if channel != "t"
-    }
-    rows = np.arange(len(taken["t"]))
-    units = {name: one.unit or next(iter(units_of(name))) for name, one in columns.items()}
-    record = Record(
-        source="frame", t=taken["t"], rows=rows, names=names, units=units, **values_by_channel
-    )
-    for channel, values in values_by_channel.items():
-        unit = units[channel]
-        if fault := find_impossible(channel, values, unit):
-            raise ConfigError(f"frame: {names[channel]}[{fault[0]}]: {fault[1]} make it NaN")
-    return own_readings(record)

@@ -11,10 +11,17 @@ from typing import Final
 
 from trainer.config.files import ConfigError, toml_value, write_once
 from trainer.config.tables import CsvTable, read_table
-from trainer.identify.record.columns import NOTHING_TOLD, SHIP_WORDS, GuessedColumns, guess_columns
+from trainer.identify.record.columns import (
+    NOTHING_TOLD,
+    SHIP_WORDS,
+    GuessedColumns,
+    guess_file,
+    names_in,
+)
 from trainer.identify.record.contradictions import settle_columns
 from trainer.identify.record.evidence import Course
 from trainer.identify.record.findings import examine_record
+from trainer.identify.record.logs import read_log
 from trainer.identify.record.proposal import Proposal, columns_text
 from trainer.identify.record.readings import fill_inputs
 from trainer.identify.record.sources import (
@@ -68,14 +75,13 @@ def write_ship_file(
     ``told`` are columns by channel, where the headings do not tell by themselves.
     ConfigError if the file is there, or no column of the record is known.
     """
-    table = read_table(data)
-    trainer_columns = None if told else _own(table)
-    columns = trainer_columns or guess_columns(table, SHIP_WORDS, told)
+    trainer_columns = None if told or read_log(data) else _own(read_table(data))
+    columns = trainer_columns or guess_file(data, SHIP_WORDS, told)
     if columns.columns.keys() <= {"t"}:
         raise ConfigError(
             f"{data}: no column looks like the rudder, the speed or the heading; it has "
-            f"{', '.join(table.names)}: "
-            f"say which they are, such as --column rudder={table.names[0]}"
+            f"{', '.join(names_in(data))}: "
+            f"say which they are, such as --column rudder={names_in(data)[0]}"
         )
     settled = settle_columns(data, columns, Course(length, None, None), anyway=anyway)
     columns, sign = settled.columns, settled.sign + settled.anyway
