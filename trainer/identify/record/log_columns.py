@@ -46,7 +46,7 @@ class Log:
 
 
 def log_column(readings: Iterable[tuple[float, float]], unit: str = "") -> LogColumn:
-    """Return a column of times [s] and numbers: in their order, of equal times the last."""
+    """Return a column in the order of its times [s], of equal ones the last."""
     rows = np.array([*readings], float).reshape(-1, 2)
     t, values = rows[np.argsort(rows[:, 0], kind="stable")].T
     kept = np.isfinite(values) & np.append(np.diff(t) > 0.0, True)[: len(t)]
