@@ -137,6 +137,7 @@ class GuessedColumns:
 
     columns: Mapping[str, Column]
     unsure: frozenset[str]
+    told: tuple[str, ...] = ()  # of columns that are not read
 
 
 def guess_file(
@@ -207,6 +208,13 @@ def guess_columns(
     )
     if "t" not in named and (clock := next(clocks, None)):
         named["t"] = clock
+    skipped = list[str]()
+    if "t" in named and "t" not in sure:
+        others = [name for name in table.names if name not in named.values()]
+        times = [named["t"], *(name for name in others if _is_time(table, name, words["t"]))]
+        good = next((name for name in times if _rises(table, name)), times[0])
+        skipped = [f"{name}: cannot be read as times" for name in times[: times.index(good)]]
+        named["t"] = good
     columns = {
         channel: replace(told.get(channel, UNSAID_COLUMN), name=named[channel])
         for channel in words
@@ -223,7 +231,28 @@ def guess_columns(
     for channel, column in columns.items():
         if channel in unsure:
             columns[channel] = replace(column, unit=_unit(table, channel, columns))
-    return GuessedColumns(columns, unsure)
+    idle = [name for name in table.names if name not in named.values()]
+    skipped += [f"not used: {', '.join(idle)}"] if idle else []
+    return GuessedColumns(columns, unsure, tuple(skipped))
+
+
+def _is_time(table: CsvTable, name: str, words: Iterable[str]) -> bool:
+    """Return whether a column may be the times, by its name, its unit or its cells."""
+    index = table.index(name)
+    plain, _ = _plain(part_heading(name)[0])
+    return plain in words or table.units[index] in units_of("t") or table.is_clock(index)
+
+
+def _rises(table: CsvTable, name: str) -> bool:
+    """Return whether a column can be read as times, and these go on."""
+    index = table.index(name)
+    try:
+        times = table.seconds(index) if table.is_clock(index) else table.numbers(index)
+    except ConfigError:
+        return False
+    return (
+        bool(np.ptp(times[np.isfinite(times)]) > 0.0) if times[np.isfinite(times)].size else False
+    )
 
 
 def _by_name(table: CsvTable, words: Words) -> dict[str, str]:

@@ -151,7 +151,7 @@ def settle_columns(
     record = replace(record, findings=findings)
     judged = _judge(record, ratios, _by_option(columns), anyway=anyway)
     taken = 'anyway = "yes"\n' if anyway and len(judged.findings) > len(findings) else ""
-    return Settled(GuessedColumns(columns, guess.unsure), judged, sign, taken)
+    return Settled(replace(guess, columns=columns), judged, sign, taken)
 
 
 def _wrong_rudder(ratios: Sequence[Ratio]) -> str:

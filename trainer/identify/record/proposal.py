@@ -126,7 +126,7 @@ def write_proposal(
         outputs=toml_value(turning or ["sway"]),
     )
     write_once(path, text)
-    return Proposal(text, len(record.t), record.interval, columns, remarks)
+    return Proposal(text, len(record.t), record.interval, columns, (*guess.told, *remarks))
 
 
 def _guessed(data: Path, told: Mapping[str, Column]) -> GuessedColumns:

@@ -107,7 +107,7 @@ def write_ship_file(
         ),
     )
     write_once(path, text.rstrip() + "\n")
-    remarks = [str(one) for one in examine_record(record)]
+    remarks = [*columns.told, *map(str, examine_record(record))]
     if "wind_speed" in columns.columns:
         remarks.append(f"{columns.columns['wind_speed'].name}: {WIND_REMARK}")
     remarks += [f"no column for {channel} found" for channel in lacking]
