@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from helpers import boat_trials
 from helpers.bb2_trials import estimated_bb2, four_trials
 from helpers.boat_trials import estimated_boat, made_trial, swing_controls, write_csv
 
+from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.identify.boat import fit, search
 from trainer.identify.boat.filter import CHANNEL_NAMES
@@ -245,3 +247,21 @@ def test_at_most_one_clean_record_in_a_hundred_is_refused(prior: Prior, tmp_path
         warnings.simplefilter("error", RuntimeWarning)
         false = [one.source for boat, one in sailed if find_wrong_units(one, boat.vessel, {})[1]]
     assert len(false) <= len(sailed) // 100, false
+
+
+def test_a_surface_without_a_column_is_asked_for_until_somebody_says_that_it_stood(
+    prior: Prior, file: Path, tmp_path: Path
+) -> None:
+    lines = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+    at = lines[0].index("bow planes [deg]")
+    path = tmp_path / "log.csv"
+    rows = [",".join(row[:at] + row[at + 1 :]) for row in lines]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match="has bow planes, the record has none: --still bow"):
+        read_trial(path, prior.vessel)
+    still = instruments_of([], [], anyway=True, still=["bow"])
+    assert not read_trial(path, prior.vessel, still).inputs[:, INPUT_FIELDS.index("bow")].any()
+    words = ["boat", "fit", str(path), "--prior", str(tmp_path / "none.toml"), "--still", "keel"]
+    done = CliRunner().invoke(cli, words)
+    assert done.exit_code == 2
+    assert "'bow'" in done.output

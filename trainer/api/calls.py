@@ -245,6 +245,7 @@ class FitBoatOptions(TypedDict, total=False):
     bias: str | Sequence[str] | None
     gauge_x: float | None
     late: float | None
+    still: str | Sequence[str] | None
     coarse: bool
     anyway: bool
     draws: int | None
@@ -281,6 +282,7 @@ class WatchBoatOptions(TypedDict, total=False):
     bias: str | Sequence[str] | None
     gauge_x: float | None
     late: float | None
+    still: str | Sequence[str] | None
     coarse: bool
     anyway: bool
 

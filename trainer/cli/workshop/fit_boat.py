@@ -35,6 +35,12 @@ instrument_options = combine_options(  # of what wrote the records
         "--gauge-x", type=float, default=0.0, help="Depth gauge, ahead of the origin [m]."
     ),
     click.option("--late", type=float, default=0.0, help="Surfaces are logged late by this [s]."),
+    click.option(
+        "--still",
+        multiple=True,
+        type=click.Choice(("rudder", "stern", "bow")),
+        help="A surface without a column stood at zero.",
+    ),
     click.option("--coarse", is_flag=True, help="Take readings too rare; bands then hold less."),
     click.option(
         "--anyway", is_flag=True, help="Even if signs are wrong, or a fit is not settled."
@@ -69,9 +75,9 @@ def fit(**options: Any) -> None:
               trainer boat fit zigzag.csv dive.csv --prior own.toml -o fitted.toml
               trainer boat fit turn.csv --prior fitted.toml -o better.toml
 
-    RECORD is a recording of ours or a CSV file: rudder, stern planes, revolutions, heading, pitch
-    and depth, better also the log and roll, at even times; columns are known by their names. The
-    fitted boat flies at once, and may be the prior of the next fit.
+    RECORD is a recording of ours, a CSV file or a log: rudder, stern planes, revolutions, heading,
+    pitch and depth, better also the log and roll; columns are known by their names. The fitted boat
+    flies at once, and may be the prior of the next fit.
 
     Exit code 1 when the fit does not settle: the boat is written only with --anyway.
     """
@@ -99,7 +105,7 @@ def carry_out(options: dict[str, Any]) -> "BoatFound":
 
     output: Path | None = options["output"]
     words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
-    taken = {name: options[name] for name in ("coarse", "anyway")}
+    taken = {name: options[name] for name in ("coarse", "anyway", "still")}
     instruments = instruments_of(*words, **taken)
     trials = open_trials(options["prior"], options["records"], options["hold_out"], instruments)
     with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):

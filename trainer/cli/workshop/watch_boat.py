@@ -60,7 +60,7 @@ def carry_out(options: dict[str, Any]) -> "BoatWatch":
 
     refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
     words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
-    taken = {name: options[name] for name in ("coarse", "anyway")}
+    taken = {name: options[name] for name in ("coarse", "anyway", "still")}
     instruments = instruments_of(*words, **taken)
     files = open_watch(options["fitted"], options["records"], instruments)
     with (

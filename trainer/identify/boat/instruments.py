@@ -16,7 +16,7 @@ from trainer.units import DEGREE
 BIAS_STATES: Final = {name.removesuffix("_error"): name for name in SLOW_KINDS}
 
 
-def instruments_of(
+def instruments_of(  # noqa: PLR0913 - one for each option
     columns: Iterable[str],
     biases: Iterable[str],
     gauge_x: float = 0.0,
@@ -24,6 +24,7 @@ def instruments_of(
     *,
     coarse: bool = False,
     anyway: bool = False,
+    still: Iterable[str] = (),
 ) -> Instruments:
     """Return what words such as ``depth=Keel:m`` and ``pitch=1`` say; ConfigError."""
     found, sizes = {}, {}
@@ -37,7 +38,7 @@ def instruments_of(
             raise ConfigError(f"--bias {name}={text}: {quote(text)} is no number") from None
         if not 0.0 < sizes[state] < 1e3:
             raise ConfigError(f"--bias {name}={text}: must be above 0, a standard deviation")
-    return Instruments(found, sizes, gauge_x, late, coarse, anyway)
+    return Instruments(found, sizes, gauge_x, late, coarse, anyway, frozenset(still))
 
 
 def _pairs(option: str, texts: Iterable[str], known: Iterable[str]) -> Iterator[tuple[str, str]]:

@@ -104,6 +104,7 @@ class Instruments:
     late: float = 0.0  # [s] by which surfaces and revolutions are logged late
     coarse: bool = False  # readings that are too rare are taken all the same
     anyway: bool = False  # likewise, signs that the record contradicts
+    still: frozenset[str] = frozenset()  # surfaces without a column, which stood at zero
 
 
 USUAL_INSTRUMENTS: Final = Instruments()
@@ -164,7 +165,7 @@ def read_trial(
     columns = _columns(path, instruments.columns)
     record = unwrap_heading(own_readings(_without_repeats(read_record(path, columns))))
     record = join_fins(record)
-    problems = [f"{record.source}: {text}" for text in _lacking(record)]
+    problems = [f"{record.source}: {text}" for text in _lacking(record, vessel, instruments)]
     raise_problems(problems)
     if path.suffix == RECORDING_SUFFIX:
         record = _thinned(_as_turned(record, path), vessel)
@@ -280,10 +281,15 @@ def join_fins(record: Record) -> Record:
     return replace(record, rudder=rudder, stern=stern, findings=tuple(findings))
 
 
-def _lacking(record: Record) -> Iterator[str]:
+def _lacking(record: Record, vessel: FittedVessel, said: Instruments) -> Iterator[str]:
     """Yield which channels are lacking, without which no boat can be fitted."""
+    if record.bow is None and "bow" not in said.still and vessel.file.surfaces.bow_plane_limit_deg:
+        yield (
+            "this boat has bow planes, the record has none: --still bow if they stood at zero, or "
+            f"say where they are, {COLUMNS_OPTION} bow=..."
+        )
     for name in NEEDED_FIELDS:
-        if getattr(record, name) is None:
+        if getattr(record, name) is None and name not in said.still:
             fins = ", or give all four fins of an X-tail, fin 1 to fin 4"
             words = " or ".join(BOAT_WORDS[name][:2]) + fins * (name in ("rudder", "stern"))
             yield f"no column is taken for {name}: call it {words}"
@@ -338,7 +344,7 @@ def lay_out(record: Record, vessel: FittedVessel) -> Trial:
     command = record.command_speed
     if command is None:
         command = record.column("revolutions") / vessel.file.propulsion.rps_per_mps
-    surfaces = [record.column("rudder"), record.column("stern"), record.bow]
+    surfaces = [record.rudder, record.stern, record.bow]
     inputs = [_filled(at, values) for values in (*surfaces, command)]
     parts = steps_between(interval, vessel)
     given = np.column_stack(inputs)
