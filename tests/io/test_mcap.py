@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 from helpers.recorded import record
 from mcap.reader import make_reader
+from mcap.records import SummaryOffset
+from mcap.stream_reader import StreamReader
 from scipy.spatial.transform import Rotation
 
 from trainer.config.files import ConfigError
 from trainer.debrief.passage.recording_export import export_file, read_recording
 from trainer.io.mcap import quaternion_of
 from trainer.io.recording.recording import Recording
+from trainer.session.past.header import open_whole_recording
 from trainer.units import DEGREE
 
 
@@ -142,3 +145,33 @@ def test_without_its_library_nothing_is_written(
     with pytest.raises(ConfigError, match=r"--mcap needs mcap: pip install '.*\[mcap\]'"):
         export_file(drill, {"csv": tmp_path / "a.csv", "mcap": out}, None)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_file_says_what_it_is_of_and_has_the_texts_that_the_run_was_flown_by(
+    drill: Path, told: Any
+) -> None:
+    assert told
+    with open_whole_recording(drill) as recording:
+        header = recording.header()
+    with drill.with_suffix(".mcap").open("rb") as file:
+        reader = make_reader(file)
+        (record_of,) = reader.iter_metadata()
+        texts = {one.name: one.data.decode() for one in reader.iter_attachments()}
+        sequences: dict[str, list[int]] = {}
+        for _, channel, message in reader.iter_messages():
+            sequences.setdefault(channel.topic, []).append(message.sequence)
+    said = record_of.metadata
+    assert said["vessel"] == "configs/vessels/bb2.toml"
+    assert said["exercise"] == "stern-plane-jam"
+    assert (said["core"], said["seed"]) == (header["core"], header["seed"])
+    assert texts == json.loads(header["texts"])
+    assert all(numbers == [*range(len(numbers))] for numbers in sequences.values())
+
+
+def test_its_summary_has_indexes_of_what_is_there_alone(drill: Path, told: Any) -> None:
+    assert told
+    with drill.with_suffix(".mcap").open("rb") as file:
+        records = [*StreamReader(file).records]
+    offsets = [one for one in records if isinstance(one, SummaryOffset)]
+    assert len(offsets) > 4
+    assert all(one.group_length > 0 for one in offsets)

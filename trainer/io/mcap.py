@@ -49,6 +49,8 @@ MOTION_COLUMNS: Final = {
 }
 POSE_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi")
 
+METADATA_NAMES: Final = ("trainer", "vessel", "seed", "core", "started", "method")  # of a header
+UNITS_TEXT: Final = "metres, radians and quaternions; those of /boat/motion as its names end"
 Message = dict[str, Any]
 
 
@@ -122,18 +124,25 @@ def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | 
     clock stood earlier, because the format has none before. RecordingError if it cannot be written
     whole.
     """
-    from mcap.writer import Writer  # noqa: PLC0415  of an extra
+    from mcap.writer import IndexType, Writer  # noqa: PLC0415  of an extra
 
+    header = recording.header()
+    texts: Mapping[str, str] = json.loads(header.get("texts", "{}"))
+    kept = IndexType.ATTACHMENT if texts else IndexType.NONE  # indexes of what is there alone
     chosen = recording.branch if branch is None else branch
-    started = datetime.fromisoformat(recording.header()["started"]).timestamp()
+    started = datetime.fromisoformat(header["started"]).timestamp()
     begun = round(max(started, 0.0) * SECOND_NS)
     lines = sorted(_log_messages(recording, layout, chosen), key=itemgetter(0))
     messages = heapq.merge(lines, _motion_messages(recording, layout, chosen), key=itemgetter(0))
     try:
         with replacing(path) as made, made.open("wb") as file:
-            writer = Writer(file)
-            writer.start(profile="", library="trainer")
-            channels = {}
+            index = IndexType.CHUNK | IndexType.MESSAGE | IndexType.METADATA | kept
+            writer = Writer(file, index_types=index)
+            writer.start(profile="", library=f"trainer {header['trainer']}")
+            writer.add_metadata("recording", _metadata(header, chosen))
+            for name, text in texts.items():
+                writer.add_attachment(begun, begun, name, "application/toml", text.encode())
+            channels, counts = {}, dict.fromkeys((topic.name for topic in MCAP_TOPICS), 0)
             for topic in MCAP_TOPICS:
                 schema = writer.register_schema(topic.schema, "jsonschema", topic.data)
                 channels[topic.name] = writer.register_channel(topic.name, "json", schema)
@@ -141,12 +150,20 @@ def export_mcap(recording: Recording, layout: Layout, path: Path, branch: int | 
                 at = begun + round(seconds * SECOND_NS)
                 stamp = {"sec": at // SECOND_NS, "nsec": at % SECOND_NS}
                 data = json.dumps({"timestamp": stamp, **message}).encode()
-                writer.add_message(channels[topic.name], at, data, at)
+                writer.add_message(channels[topic.name], at, data, at, counts[topic.name])
+                counts[topic.name] += 1
             writer.finish()  # type: ignore[no-untyped-call]
     except OSError as error:
         reason = error.strerror or str(error)
         raise RecordingError(f"{path} cannot be written whole: {reason}") from None
     return [path]
+
+
+def _metadata(header: Mapping[str, str], branch: int) -> dict[str, str]:
+    """Return what the file is of, and the units of its numbers, as words."""
+    exercise = json.loads(header.get("options", "{}")).get("exercise")
+    names = {name: header.get(name, "").strip('"') for name in METADATA_NAMES}
+    return {**names, "exercise": exercise or "", "branch": str(branch), "units": UNITS_TEXT}
 
 
 def _motion_messages(
