@@ -46,7 +46,7 @@ GIVEN_UP_TEXTS: Final = {  # the laws that the autopilot gives up, and the call 
     "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
     "afloat": "afloat: no depth is kept until one is ordered",
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
-    "for the tanks",
+    "not kept",
     "swinging": "going astern, the rudder does not stop her swing: no course is kept; go ahead",
     "hover lost": "hovering is given up: the pump cannot hold this depth; the planes have it",
     "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
