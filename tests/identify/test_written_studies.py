@@ -127,3 +127,20 @@ def test_a_date_that_cannot_be_read_gives_way_to_a_time_that_can(tmp_path: Path)
     assert "Date: cannot be read as times" in done.output
     assert "not used: Date, crew" in done.output
     assert typed("identify", str(path.with_suffix(".toml")), "--data-only").exit_code == 0
+
+
+@pytest.mark.parametrize("unit", ["deg/s", "deg/min", "rad/s"])
+@pytest.mark.parametrize("nimble", [0, 3, 8, 15, -1])
+def test_a_rate_without_a_unit_is_read_in_that_by_which_the_heading_agrees(
+    tmp_path: Path, unit: str, nimble: int
+) -> None:
+    log = sorted(LOGS, key=lambda one: float(np.abs(one.channels["yaw_rate"]).max()))[nimble]
+    rate = log.channels["yaw_rate"] * FACTORS.get(unit, 1.0)
+    rows = zip(log.t, log.channels["rudder"], log.channels["heading"], rate, strict=True)
+    lines = [f"{t:.2f},{helm:.2f},{heading:.2f},{turn:.5g}" for t, helm, heading, turn in rows]
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(["time,rudder,heading,yaw rate", *lines]) + "\n")
+    done = typed("identify", "new", str(path), "--length", f"{log.length:.4g}")
+    assert done.exit_code == 0, f"{done.output} {done.exception}"
+    study = path.with_suffix(".toml").read_text()
+    assert f'column = "yaw rate"\nunit = "{unit}"' in study

@@ -18,6 +18,7 @@ import numpy as np
 from trainer.config.files import ConfigError, nearest
 from trainer.config.tables import CsvTable, part_heading, read_table
 from trainer.config.units import spell_unit
+from trainer.core.kernel import Numbers
 from trainer.identify.record.logs import read_log
 from trainer.identify.record.measurements import FIN_CHANNELS, POSITION_CHANNELS
 from trainer.identify.record.sources import (
@@ -100,6 +101,8 @@ FILLER_WORDS: Final = frozenset(  # words of a heading that tell no channel from
 )
 # fmt: on
 MAX_RUDDER_RAD: Final = 1.6  # [rad] no rudder goes so far
+RATE_UNITS: Final = ("deg/s", "deg/min", "rad/s")  # of a yaw rate that says none
+MAX_RATE_DEG_S: Final = 90.0  # [deg/s] a rate beyond it is a minute's
 MAX_HEADING_RAD: Final = 7.0  # [rad] a heading beyond it is in degrees
 MAX_SHIP_SPEED_M_S: Final = 12.0  # [m/s] what goes faster is in knots
 MAX_WIND_SPEED_M_S: Final = 40.0  # [m/s] as a wind
@@ -108,6 +111,7 @@ MAX_REVOLUTIONS_S: Final = (5.0, 60.0)  # [1/s] no propeller of a ship turns fas
 UNIT_LIMITS: Final = {  # of a channel: beyond this, and its units
     "rudder": (MAX_RUDDER_RAD, "rad", "deg"),
     "heading": (MAX_HEADING_RAD, "rad", "deg"),
+    "yaw_rate": (MAX_RATE_DEG_S, "deg/s", "deg/min"),  # else as its heading says
     "wind_from": (MAX_HEADING_RAD, "rad", "deg"),
     "wind_speed": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
     "wind_ahead": (MAX_WIND_SPEED_M_S, "m/s", "kn"),
@@ -330,8 +334,8 @@ def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
         cells = (row[index] for row in table.cells for index in both)
         return "ddmm" if any(map(NAUTICAL_ANGLE.match, cells)) else "deg"
     values = table.numbers(table.index(columns[channel].name))
-    if channel == "yaw_rate":  # what its heading says of it mends that
-        return "deg/s"
+    if channel == "yaw_rate" and {"t", "heading"} <= columns.keys():
+        return _rate_unit(table, values, columns)
     if channel == "revolutions":  # a ship's propeller turns more slowly than a model's
         limit, _ = MAX_REVOLUTIONS_S
         if (log := columns.get("speed")) and log.unit:
@@ -347,3 +351,19 @@ def _unit(table: CsvTable, channel: str, columns: Mapping[str, Column]) -> str:
         heading = table.numbers(table.index(columns["heading"].name))
         values, limit = np.append(values * MAX_HEADING_RAD / limit, heading), MAX_HEADING_RAD
     return large if float(np.nanmax(np.abs(values), initial=0.0)) > limit else small
+
+
+def _rate_unit(table: CsvTable, rate: Numbers, columns: Mapping[str, Column]) -> str:
+    """Return the unit in which a yaw rate, summed, goes as far as the heading."""
+    clock, heading = columns["t"], columns["heading"]
+    index = table.index(clock.name)
+    t = table.seconds(index) if table.is_clock(index) else table.numbers(index)
+    t = t * units_of("t").get(clock.unit or "s", 1.0)
+    turned = table.numbers(table.index(heading.name)) * units_of("heading")[heading.unit or "deg"]
+    known = np.isfinite(t) & np.isfinite(turned) & np.isfinite(rate)
+    summed = np.cumsum(rate[known][:-1] * np.diff(t[known]))
+    if not summed.size or not np.ptp(summed) * np.ptp(turned[known]) > 0.0:
+        return "deg/s"
+    share = float(np.ptp(summed) / np.ptp(np.unwrap(turned[known])))
+    factors = units_of("yaw_rate")
+    return min(RATE_UNITS, key=lambda unit: abs(math.log(share * factors[unit])))

@@ -171,7 +171,8 @@ def _plain_way(found: Contradiction, unsure: Collection[str]) -> tuple[Change, .
         for way in found.ways
         if all(one.channel in unsure and one.unit in COMMON_UNITS for one in way)
     ]
-    return plain[0] if len(plain) == 1 else ()
+    plain = [way for way in plain if all(one.channel != "heading" for one in way)] or plain
+    return plain[0] if len(plain) == 1 else ()  # a heading's unit is told by its size
 
 
 def _by_option(columns: Mapping[str, Column]) -> Say:
