@@ -94,6 +94,7 @@ WATCH_BOAT: dict[str, Case] = {
     "bias": ("pitch=1", "bias", ("pitch=1",)),
     "gauge_x": (2, "gauge_x", 2.0),
     "late": (1, "late", 1.0),
+    "still": ("bow", "still", ("bow",)),
     "coarse": (True, "coarse", True),
     "anyway": (True, "anyway", True),
 }
