@@ -14,8 +14,8 @@ from click.testing import CliRunner
 import trainer
 from trainer.analysis.sweep.job import job_of
 from trainer.analysis.sweep.sweep import cluster_crew
+from trainer.api.subjects import subject_of
 from trainer.cli.main import cli
-from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 
 pytestmark = pytest.mark.skipif(not find_spec("distributed"), reason="distributed is missing")

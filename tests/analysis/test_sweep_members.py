@@ -12,8 +12,8 @@ from click.testing import CliRunner
 from trainer.analysis.sweep.job import member_values
 from trainer.analysis.sweep.manoeuvres import MAX_FLIGHTS_HELD, ManoeuvreSubject
 from trainer.analysis.sweep.study import parse_study
+from trainer.api.subjects import subject_of
 from trainer.cli.main import cli
-from trainer.cli.workshop.subjects import subject_of
 from trainer.config.boat.vessel import load_vessel, parse_vessel
 from trainer.config.files import ConfigError
 

@@ -17,7 +17,7 @@ from trainer.analysis.sweep.sweep import (
     fly_share,
     join_chunks,
 )
-from trainer.cli.workshop.subjects import subject_of
+from trainer.api.subjects import subject_of
 from trainer.cli.workshop.sweep import sweep
 from trainer.config.files import ConfigError
 

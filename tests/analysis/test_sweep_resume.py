@@ -18,8 +18,8 @@ from helpers.waiting import await_that
 
 from trainer.analysis.sweep.job import Batch, Job, fact_differences, fly_chunk, job_of
 from trainer.analysis.sweep.sweep import BatchChunks, carry_out, fly_alone, folder_of, process_crew
+from trainer.api.subjects import subject_of
 from trainer.cli.main import main
-from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.core import digest
 

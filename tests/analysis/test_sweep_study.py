@@ -20,8 +20,8 @@ from trainer.analysis.sweep.report import (
     spread_of,
 )
 from trainer.analysis.sweep.study import load_study, parse_study
+from trainer.api.subjects import subject_of
 from trainer.cli.main import cli
-from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError, shipped_names
 from trainer.report.plots import Panel
 

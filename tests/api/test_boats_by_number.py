@@ -20,7 +20,7 @@ def whole(fleet: trainer.Fleet) -> bytes:
 
 def sail(count: int = 6, sea: str = "sea-state-5", **options: object) -> trainer.Fleet:
     given = {"sea": sea, "speed": 8.0, "depth": 40.0} | options
-    return trainer.Fleet("bb2", count, orders=ORDERS, reads=READS, **given)  # type: ignore[arg-type]
+    return trainer.Fleet("bb2", count, orders=ORDERS, reads=READS, **given)
 
 
 def drawn(chance: np.random.Generator, fleet: trainer.Fleet) -> Numbers:

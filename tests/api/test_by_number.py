@@ -44,7 +44,7 @@ def whole(boat: trainer.Boat) -> bytes:
 
 
 def sailing(vessel: str = "bb2", **options: object) -> trainer.Boat:
-    return trainer.Boat(vessel, **{"speed": 3, "depth": 40} | options)  # type: ignore[arg-type]
+    return trainer.Boat(vessel, **{"speed": 3, "depth": 40} | options)
 
 
 @pytest.mark.parametrize("given", [[10**400, 0], ["a", 0], [[1], [2, 3]], [1j, 0], object()])

@@ -117,7 +117,7 @@ def test_a_boat_without_deviations_is_refused(unflown: Path) -> None:
 
 def test_python_says_what_the_command_says() -> None:
     with pytest.raises(trainer.TrainerError, match="draws"):
-        trainer.fit_boat("a.csv", prior="bb2", draw=3)  # type: ignore[call-arg]
+        trainer.fit_boat("a.csv", prior="bb2", draw=3)
 
 
 @pytest.mark.parametrize(

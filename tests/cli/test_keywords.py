@@ -1,18 +1,21 @@
-"""Every keyword of every call of the Python face reaches the option of its name."""
+"""Every keyword of every call of the Python face reaches what carries it out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 import trainer
-from trainer.api import boat, calls
+from trainer.api import calls
+from trainer.api.boat import BOAT_KEYWORDS
+from trainer.config import keywords as tables
 from trainer.config.files import shipped_path
+from trainer.config.schema import Kind
 from trainer.units import KNOT
 
-WORKSHOP = "cli.workshop"
 RECORD = shipped_path("records", "example").with_suffix(".csv")
 Case = tuple[Any, str, Any]  # the value given, the option, and what has to arrive there
 
@@ -87,6 +90,7 @@ IDENTIFY: dict[str, Case] = {
     "spiral": ("turns.csv", "spiral", Path("turns.csv")),
     "joint": (True, "joint", True),
     "matrices": (True, "matrices", True),
+    "anyway": (True, "anyway", True),
 }
 WATCH_BOAT: dict[str, Case] = {
     "html": ("page.html", "html", Path("page.html")),
@@ -111,7 +115,7 @@ class ArrivedError(Exception):
 
 
 class Face(NamedTuple):
-    """A call of the Python face, and what takes the options that it sends, as its last argument."""
+    """A call of the Python face, and what takes the options that it sends."""
 
     call: Callable[..., object]
     cases: dict[str, Case]
@@ -121,35 +125,33 @@ class Face(NamedTuple):
 
 FACES = {
     "boat": Face(trainer.Boat, RUN, "api.boat.plan_run"),
-    "manoeuvre": Face(partial(trainer.manoeuvre, "turn"), MANOEUVRE, f"{WORKSHOP}.guide.fly"),
+    "manoeuvre": Face(partial(trainer.manoeuvre, "turn"), MANOEUVRE, "api.programs.fly_manoeuvre"),
     "sweep": Face(
-        partial(trainer.sweep, "turn-uncertainty"), SWEEP, f"{WORKSHOP}.sweep.fly", "pyarrow"
+        partial(trainer.sweep, "turn-uncertainty"), SWEEP, "api.programs.fly_sweep", "pyarrow"
     ),
-    "fit": Face(
-        partial(trainer.identify_ship, RECORD), IDENTIFY, f"{WORKSHOP}.identify.fit_ship", "scipy"
-    ),
-    "fit_boat": Face(
-        partial(trainer.fit_boat, RECORD, "bb2"), FIT_BOAT, f"{WORKSHOP}.fit_boat.carry_out"
-    ),
+    "fit": Face(partial(trainer.identify_ship, RECORD), IDENTIFY, "api.programs.fit_ship", "scipy"),
+    "fit_boat": Face(partial(trainer.fit_boat, RECORD, "bb2"), FIT_BOAT, "api.programs.fit_boat"),
     "watch_boat": Face(
-        partial(calls.watch_boat, "bb2", RECORD), WATCH_BOAT, f"{WORKSHOP}.watch_boat.carry_out"
+        partial(calls.watch_boat, "bb2", RECORD), WATCH_BOAT, "api.programs.watch_boat"
     ),
 }
 
 
 @pytest.mark.parametrize(
-    ("cases", "options"),
+    ("cases", "kinds", "by_place"),
     [
-        ({**RUN, **BEGIN}, boat.BoatOptions),
-        (MANOEUVRE, calls.ManoeuvreOptions),
-        (SWEEP, calls.SweepOptions),
-        (IDENTIFY, calls.IdentifyOptions),
-        (FIT_BOAT, calls.FitBoatOptions),
-        (WATCH_BOAT, calls.WatchBoatOptions),
+        ({**RUN, **BEGIN}, BOAT_KEYWORDS, {"vessel"}),
+        (MANOEUVRE, tables.MANOEUVRE_KEYWORDS, {"vessel"}),
+        (SWEEP, tables.SWEEP_KEYWORDS, {"study"}),
+        (IDENTIFY, tables.IDENTIFY_KEYWORDS, {"record", "data_only"}),
+        (FIT_BOAT, tables.FIT_BOAT_KEYWORDS, {"records", "prior"}),
+        (WATCH_BOAT, tables.WATCH_BOAT_KEYWORDS, {"fitted", "records"}),
     ],
 )
-def test_every_keyword_has_a_case(cases: dict[str, Case], options: type[Any]) -> None:
-    assert cases.keys() == options.__annotations__.keys()
+def test_every_keyword_has_a_case(
+    cases: dict[str, Case], kinds: Mapping[str, Kind], by_place: set[str]
+) -> None:
+    assert cases.keys() == kinds.keys() - by_place
 
 
 @pytest.mark.parametrize(
@@ -162,10 +164,14 @@ def test_a_keyword_reaches_its_option(
     call, cases, taker, needs = FACES[face]
     pytest.importorskip(needs)
     value, option, wanted = cases[keyword]
-    taken: list[Any] = []
+    taken: dict[str, Any] = {}
 
-    def arrive(*given: object) -> None:
-        taken.append(given[-1])
+    def arrive(*given: Any, **named: object) -> None:
+        if face == "sweep":
+            taken.update(members=given[0].members, out=given[1])
+        elif given:
+            taken.update(given[-1] if isinstance(given[-1], dict) else vars(given[-1]))
+        taken.update(named)
         raise ArrivedError
 
     monkeypatch.setattr(f"trainer.{taker}", arrive)
@@ -173,9 +179,7 @@ def test_a_keyword_reaches_its_option(
     with pytest.raises(ArrivedError):
         call(**{keyword: value})
 
-    (options,) = taken
-    found = options[option] if isinstance(options, dict) else getattr(options, option)
-    assert found == wanted
+    assert taken[option] == wanted
 
 
 @pytest.mark.parametrize("keyword", BEGIN)
@@ -194,10 +198,52 @@ def test_a_flag_that_is_not_set_is_as_if_not_given(flag: Any) -> None:
 @pytest.mark.parametrize("flag", ["yes", 2, [True]])
 def test_a_flag_is_true_or_false(flag: object) -> None:
     with pytest.raises(trainer.TrainerError) as wrong:
-        trainer.Boat(unsafe_step=flag)  # type: ignore[arg-type]
+        trainer.Boat(unsafe_step=flag)
 
-    told = f"Invalid value for 'unsafe_step': {flag!r} is not one of False, True."
-    assert str(wrong.value) == told
+    assert str(wrong.value).startswith("Boat: unsafe_step = ")
+    assert str(wrong.value).endswith(": must be true or false")
+
+
+@pytest.mark.parametrize(
+    ("call", "keyword", "text"),
+    [
+        (trainer.Boat, "seed", "7"),
+        (partial(trainer.manoeuvre, "turn"), "angle", "15"),
+        (partial(trainer.fit_boat, RECORD, "bb2"), "draws", 3.5),
+    ],
+)
+def test_a_number_is_none_of_another_type(
+    call: Callable[..., object], keyword: str, text: object
+) -> None:
+    with pytest.raises(trainer.TrainerError, match=f"{keyword} = .*must be a (whole )?number"):
+        call(**{keyword: text})
+
+
+def test_numbers_of_numpy_and_paths_are_taken() -> None:
+    given: dict[str, Any] = {"seed": np.int64(3), "step": np.float64(0.25), "depth": np.array(70)}
+    boat = trainer.Boat(shipped_path("vessels", "bb2"), **given)
+
+    boat.run(np.float64(1.0))
+
+    assert (boat.columns["t"][1], boat.columns["z"][0]) == (0.25, 70.0)
+
+
+def test_an_output_that_would_cost_an_input_is_refused_before_anything_is_read(
+    tmp_path: Path,
+) -> None:
+    prior = tmp_path / "prior.toml"
+    prior.write_text("nothing is read", encoding="utf-8")
+
+    with pytest.raises(trainer.TrainerError, match=r"fit_boat: output: .*is an input here"):
+        trainer.fit_boat("nix.csv", prior=prior, output=prior)
+
+
+def test_an_output_of_another_kind_or_in_no_folder_is_refused(tmp_path: Path) -> None:
+    told = r"output: .*it\.html: \.html is the ending of a page, .* such as .*it\.toml"
+    with pytest.raises(trainer.TrainerError, match=told):
+        trainer.fit_boat("nix.csv", prior="bb2", output=tmp_path / "it.html")
+    with pytest.raises(trainer.TrainerError, match="there is no folder"):
+        trainer.Boat(record=tmp_path / "none" / "it.trainer")
 
 
 def test_a_record_is_shown_alone_by_call_as_by_the_command() -> None:

@@ -15,10 +15,10 @@ from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.cli import main
 from trainer.cli.recordings import export
-from trainer.cli.types import FILE_KINDS, File, Name, Output
+from trainer.cli.types import File, Name, Output
 from trainer.config.files import read_text, shipped_path
 from trainer.identify.pages import results
-from trainer.io.outputs import note_input
+from trainer.io.outputs import FILE_KINDS, note_input
 
 Typed = Callable[..., tuple[int, str]]
 CONTENT = b"what was measured\n"

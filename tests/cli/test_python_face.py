@@ -276,9 +276,6 @@ def test_a_boat_takes_one_call_at_a_time_and_no_row_is_lost(
         (("--vessel", "./nix.toml"), {"vessel": "./nix.toml"}),
         (("perisc",), {"exercise": "perisc"}),
         (("--sea", "storm"), {"sea": "storm"}),
-        (("--equations", "ful"), {"equations": "ful"}),
-        (("--step", "30"), {"step": 30}),
-        (("--seed", "-1"), {"seed": -1}),
         (("--orders", "nix.txt"), {"orders": "nix.txt"}),
         (("--integrator", "bdf3", "--step", "2"), {"integrator": "bdf3", "step": 2.0}),
     ],
@@ -299,6 +296,7 @@ def test_what_is_wrong_is_told_in_the_command_line_s_words(
 
 fit = partial(trainer.identify_ship, "nix.trainer")
 turn = partial(trainer.manoeuvre, "turn")
+fleet = partial(trainer.Fleet, "bb2", 2, orders=["stern"], reads=["z"])
 
 
 @pytest.mark.parametrize(
@@ -312,6 +310,10 @@ turn = partial(trainer.manoeuvre, "turn")
             "Boat: depth = 5000 m: must be less than collapse_depth_m = 450 m",
         ),
         (trainer.Boat, {"course": "north"}, "Boat: course = "),
+        (trainer.Boat, {"equations": "ful"}, 'Boat: equations = "ful": must be full or mod'),
+        (trainer.Boat, {"step": 30}, "Boat: step = 30: must be 0.001 to 2 s"),
+        (trainer.Boat, {"seed": -1}, "Boat: seed = -1: must be a whole number, 0 to "),
+        (trainer.Boat, {"sea": 5}, "Boat: sea = 5: must be a name or a path"),
         (
             trainer.Boat,
             {"speeed": 5},
@@ -324,15 +326,17 @@ turn = partial(trainer.manoeuvre, "turn")
             {"name": "turning-circl"},
             "no manoeuvre 'turning-circl'; nearest is t",
         ),
-        (turn, {"direction": "up"}, "Invalid value for 'direction': 'up' is not one of"),
-        (turn, {"angle": 91}, "Invalid value for '--angle': 91.0 is not in the range"),
+        (turn, {"direction": "up"}, 'manoeuvre: direction = "up": must be rise or'),
+        (turn, {"angle": 91}, "manoeuvre: angle = 91: must be 0 to 90 deg"),
         (turn, {"angel": 9}, "no keyword 'angel'; nearest is angle"),
         (turn, {"csv": "x"}, "no keyword 'csv'"),
         (turn, {"execute": 9}, "--execute: turn has no such parameter"),
         (turn, {"vessel": "bb3"}, 'no vessel "bb3"; nearest is bb2'),
         (trainer.sweep, {"study": "turn-uncertain"}, 'no study "turn-uncertain"'),
         (fit, {"modell": "1"}, "no keyword 'modell'; nearest is model"),
-        (fit, {"model": "7"}, "Invalid value for '--model'"),
+        (fit, {"model": "7"}, 'identify_ship: model = "7": must be 1 or 2'),
+        (fleet, {"spede": 5}, "no keyword 'spede'; nearest is speed; there are battery, c"),
+        (fleet, {"exercise": "depth-changes"}, "no keyword 'exercise'; there are battery"),
         (fit, {"model": "nomoto1", "vessel": "bb2"}, "nix.trainer: "),
     ],
 )

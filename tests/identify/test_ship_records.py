@@ -22,9 +22,9 @@ from trainer.analysis.manoeuvres.page import ManoeuvreOptions
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, STARBOARD
 from trainer.analysis.sweep.study import parse_study
+from trainer.api.subjects import subject_of
 from trainer.boat.ship.models import model_of
 from trainer.cli.main import cli
-from trainer.cli.workshop.subjects import subject_of
 from trainer.config.files import ConfigError
 from trainer.config.ship.ship import FitResult as Fitted
 from trainer.config.ship.ship import (
@@ -466,7 +466,7 @@ def test_the_python_face_sends_to_the_command(columns: Columns, tmp_path: Path) 
     record = write_columns(columns, tmp_path / "a.csv")
 
     with pytest.raises(ConfigError, match="model mmg: is fitted by the command"):
-        trainer.identify_ship(record, model="mmg", length=320.0)  # type: ignore[call-overload]
+        trainer.identify_ship(record, model="mmg", length=320.0)
 
 
 def blocks(kind: str) -> list[str]:

@@ -2,10 +2,9 @@
 
 ``boat`` is a session run by calls; ``by_number`` orders it by numbers, ``fleet`` orders many,
 ``exercise_fleet`` many in an exercise.
-``calls`` has manoeuvres, sweeps and fits, ``keywords`` reads what a call is given as the command's
-options of the same names, so that both accept and say the same. Only the package itself uses this
-room.
+``calls`` has manoeuvres, sweeps and fits; ``programs`` carries them out, for a call as for the
+command, and ``subjects`` tells a study's kind. What a call is given is read by ``config.keywords``.
 """
 
 # The modules that other rooms may use.
-__all__ = ["boat", "by_number", "calls", "exercise_fleet", "fleet"]
+__all__ = ["boat", "by_number", "calls", "exercise_fleet", "fleet", "programs", "subjects"]

@@ -10,23 +10,21 @@ import threading
 from array import array
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple, Self, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 
 import numpy as np
 
 from trainer.api.by_number import BoatByNumber
-from trainer.api.keywords import parse_options
 from trainer.boat.depths import collapse_of
 from trainer.boat.limits import LimitMonitor
-from trainer.cli.options import run_options
-from trainer.cli.run import run as run_command
 from trainer.config.exercise.exercise import StartState
 from trainer.config.exercise.outcome import Outcome
-from trainer.config.files import ConfigError, Position, quote, remembering
-from trainer.config.schema import kind_of
+from trainer.config.files import ConfigError, quote, remembering
+from trainer.config.keywords import RUN_KEYWORDS, reading_keywords
+from trainer.config.schema import Kind, kinds_of
 from trainer.core.kernel import Numbers
 from trainer.debrief.passage.recording_export import frame_of
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
@@ -58,27 +56,11 @@ if TYPE_CHECKING:
 
 ORDER_GIVER: Final = station("instructor", "python")  # who gives the orders, in the journal
 INITIAL_KEYS: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
+BOAT_KEYWORDS: Final = {
+    **RUN_KEYWORDS,
+    **{name: kinds_of(StartState)[key] for name, key in INITIAL_KEYS.items()},
+}
 ROW_WIDTH: Final = len(MOTION_COLUMNS)
-
-
-class BoatOptions(TypedDict, total=False):
-    """The keywords of ``Boat``; its docstring explains each."""
-
-    exercise: str | Path | None
-    speed: float | None
-    depth: float | None
-    course: float | None
-    sea: str | Path | None
-    seed: int | None
-    equations: Literal["full", "modified", "basic", "longitudinal"] | None
-    rates: Literal["exact", "lagged"] | None
-    trig: Literal["exact", "report"] | None
-    integrator: str | None
-    step: float | None
-    unsafe_step: bool
-    battery: Literal["drained", "endless"] | None
-    orders: str | Path | None
-    record: str | Path | None
 
 
 @dataclass(frozen=True)
@@ -137,11 +119,11 @@ class Boat:
     was flown. So does pickle, where the vessel file and the exercise are the same. No copy is
     recorded, and snapshots are of their own boat.
 
-    TrainerError with the command line's words if something is wrong, and for a call that comes
+    TrainerError naming what is wrong, the keyword and its limits, and for a call that comes
     while another thread's is under way: give each thread a boat of its own.
     """
 
-    def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
+    def __init__(self, vessel: str | Path | None = None, **options: Any) -> None:
         self._asked = {"vessel": vessel, **options}
         with remembering() as texts:
             chosen, self._plan = plan_boat(self._asked)
@@ -404,7 +386,7 @@ class Boat:
         return f"{self._boat.file.name}: {self.time:g} s, {where}"
 
 
-def _another_boat(given: BoatOptions, flown: Flown) -> Boat:
+def _another_boat(given: Mapping[str, Any], flown: Flown) -> Boat:
     """Return a boat that was begun as another, and is where that is."""
     boat = Boat(**given)
     boat._take_over(flown)  # noqa: SLF001  its own kind
@@ -434,41 +416,16 @@ class _TickRows:
         return {name: table[:, i].copy() for i, name in enumerate(MOTION_COLUMNS)}
 
 
-def plan_boat(keywords: Mapping[str, Any]) -> tuple[RunOptions, Plan]:
-    """Return options and plan of a boat by its keywords; ConfigError on what is wrong."""
-    begin = {name: keywords.get(name) for name in INITIAL_KEYS}
-    chosen = _options_of({name: keywords[name] for name in keywords if name not in INITIAL_KEYS})
-    return chosen, _begun_at(plan_run(chosen), begin)
-
-
-def _options_of(given: Mapping[str, Any]) -> RunOptions:
-    """Return the options of a headless run at full speed; ConfigError if one is wrong."""
-    keywords = {name: value for name, value in given.items() if name != "exercise"}
-    known = {"vessel", *BoatOptions.__annotations__}
-    exercise = given.get("exercise")
-    with parse_options(
-        run_command, [] if exercise is None else [exercise], keywords, known
-    ) as options:
-        del options["teletype"]
-        return replace(run_options(options), headless=True, speed=math.inf)
-
-
-def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
-    """Return the plan with the speed, depth and course given; ConfigError if one is wrong."""
-    kinds = {item.name: kind_of(item) for item in fields(StartState)}
-    start_values: dict[str, Any] = {
-        INITIAL_KEYS[name]: kinds[INITIAL_KEYS[name]].read(
-            name, _number(value), Position("Boat", "")
-        )
-        for name, value in begin.items()
-        if value is not None
-    }
-    refuse_depth(start_values.get("depth_m"), plan.file, "Boat: depth")
-    return replace(plan, initial=replace(plan.initial, **start_values))
-
-
-def _number(value: Any) -> Any:
-    """Return a number of numpy as Python's own; any other value as it is."""
-    with contextlib.suppress(AttributeError):
-        return value.item()
-    return value
+def plan_boat(
+    keywords: Mapping[str, Any], kinds: Mapping[str, Kind] = BOAT_KEYWORDS, call: str = "Boat"
+) -> tuple[RunOptions, Plan]:
+    """Return options and plan of a boat by a call's keywords; ConfigError."""
+    with reading_keywords(call, kinds, keywords) as asked:
+        start = {key: asked.pop(name) for name, key in INITIAL_KEYS.items() if name in asked}
+    if "orders" in asked:
+        asked["orders_file"] = asked.pop("orders")
+    given = frozenset(asked)
+    chosen = RunOptions(**asked, headless=True, speed=math.inf, given=given)
+    plan = plan_run(chosen)
+    refuse_depth(start.get("depth_m"), plan.file, f"{call}: depth")
+    return chosen, replace(plan, initial=replace(plan.initial, **start))

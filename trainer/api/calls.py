@@ -8,16 +8,20 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack, overload
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar, overload
 
-from trainer.api.keywords import parse_options
-from trainer.cli.options import record_of
-from trainer.cli.workshop import fit_boat as fit_boat_command
-from trainer.cli.workshop import guide, identify
-from trainer.cli.workshop import sweep as sweep_command
-from trainer.cli.workshop import watch_boat as watch_boat_command
+from trainer.api import programs
 from trainer.config.extras import require_library
 from trainer.config.files import json_text, shipped_names
+from trainer.config.keywords import (
+    FIT_BOAT_KEYWORDS,
+    IDENTIFY_KEYWORDS,
+    MANOEUVRE_KEYWORDS,
+    SWEEP_KEYWORDS,
+    WATCH_BOAT_KEYWORDS,
+    fill_record,
+    reading_keywords,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,6 +39,7 @@ if TYPE_CHECKING:
 Report = TypeVar("Report")
 Figure = TypeVar("Figure")
 File = str | Path
+OPTION_NAMES: Final = {"at": "knots", "output": "channels"}  # of IdentifyOptions, where others
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,49 +75,21 @@ class Answer(Generic[Report, Figure]):
         return self.page
 
 
-class ManoeuvreOptions(TypedDict, total=False):
-    """The keywords of ``manoeuvre``: the options of ``trainer boat manoeuvre``."""
-
-    speed: float | None
-    angle: float | None
-    side: Literal["starboard", "port"] | None
-    direction: Literal["rise", "dive"] | None
-    planes: float | None
-    execute: float | None
-    duration: float | None
-    step_speed: float | None
-    step_time: float | None
-    ahead_speed: float | None
-    ahead_time: float | None
-    depth: float | None
-    sea: File | None
-    seed: int | None
-    equations: Literal["full", "modified", "basic", "longitudinal"] | None
-    rates: Literal["exact", "lagged"] | None
-    trig: Literal["exact", "report"] | None
-    integrator: str | None
-    step: float | None
-    controls: Literal["own", "once"] | None
-    trim: Literal["own", "full"] | None
-    law: Literal["trainer", "report", "literal"] | None
-
-
 def manoeuvre(
-    name: str, vessel: File = "bb2", **options: Unpack[ManoeuvreOptions]
+    name: str, vessel: File = "bb2", **options: Any
 ) -> "Answer[ManoeuvreReport, Measure]":
     """Fly a manoeuvre and measure it, as ``trainer boat manoeuvre`` does.
 
     ``speed`` is in kn; ``angle``, ``planes`` and ``execute`` in degrees; ``duration``,
     ``step_time`` and ``ahead_time`` in s; ``step_speed`` and ``ahead_speed`` in kn; ``depth`` in m.
     The figures are the measures, such as ``figures["advance"].value`` in m. If the boat is lost on
-    the way, ``report.lost`` says why. TrainerError with the command's words if something is wrong.
+    the way, ``report.lost`` says why. TrainerError naming what is wrong.
     """
     from trainer.analysis.manoeuvres.page import render
 
-    known = ManoeuvreOptions.__annotations__
-    with parse_options(guide.manoeuvre, [name, vessel], options, known) as parsed_options:
-        del parsed_options["name"], parsed_options["vessel"]
-        report, flight = guide.fly(str(vessel), name, parsed_options)
+    given = {"vessel": vessel, **options}
+    with reading_keywords("manoeuvre", MANOEUVRE_KEYWORDS, given) as asked:
+        report, flight = programs.fly_manoeuvre(asked["vessel"], name, asked)
     return Answer(
         report,
         {each.name: each for each in report.measures},
@@ -121,40 +98,29 @@ def manoeuvre(
     )
 
 
-class SweepOptions(TypedDict, total=False):
-    """The keywords of ``sweep``: the options of ``trainer boat sweep``."""
-
-    members: int | None
-    out: File | None
-    jobs: int | None
-    scheduler: str | None
-
-
-def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, Spread]":
+def sweep(study: File, **options: Any) -> "Answer[SweepReport, Spread]":
     """Fly a study, one boat many times, as ``trainer boat sweep`` does.
 
     ``members`` is how many there are, else the study's own number. With ``out`` the result is kept
     in that Parquet file, and a sweep that was interrupted goes on; else nothing is kept. ``jobs``
     is the number of processes, at first this one alone; a script that asks for more stands under
     ``if __name__ == "__main__":``. The figures are the spreads of the measures, the columns what
-    was drawn and what came of it. TrainerError with the command's words if something is wrong,
+    was drawn and what came of it. TrainerError naming what is wrong,
     and without the extra ``parquet``.
     """
     from trainer.analysis.sweep.job import job_of, open_job
     from trainer.analysis.sweep.report import render, report_of
     from trainer.analysis.sweep.sweep import check_pyarrow
-    from trainer.cli.workshop.subjects import subject_of
+    from trainer.api.subjects import subject_of
 
-    keywords = {"jobs": 1, **options}
-    with parse_options(
-        sweep_command.sweep, [study], keywords, SweepOptions.__annotations__
-    ) as parsed_options:
+    given = {"jobs": 1, **options, "study": study}
+    with reading_keywords("sweep", SWEEP_KEYWORDS, given) as asked:
         check_pyarrow()
-        job = job_of(str(study), parsed_options["members"], subject_of)
+        job = job_of(asked.pop("study"), asked.pop("members", None), subject_of)
+        kept = asked.pop("out", None)
         with tempfile.TemporaryDirectory() as folder:
-            out = parsed_options["out"] or Path(folder) / "result.parquet"
-            table = sweep_command.fly(job, out, parsed_options)
-    report = report_of(open_job(job), table, str(parsed_options["out"] or "not kept"))
+            table = programs.fly_sweep(job, kept or Path(folder) / "result.parquet", **asked)
+    report = report_of(open_job(job), table, str(kept or "not kept"))
     columns = {
         name: table.column(name).to_numpy(zero_copy_only=False).copy()
         for name in table.column_names
@@ -162,48 +128,20 @@ def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, 
     return Answer(report, {each.name: each for each in report.spreads}, columns, render(report))
 
 
-class IdentifyOptions(TypedDict, total=False):
-    """The keywords of ``identify_ship``: the options of ``trainer identify``."""
-
-    model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None
-    vessel: File | None
-    length: float | None
-    at: float | None
-    output: str | Sequence[str] | None
-    noise: Literal["output-error", "innovations", "covariance"] | None
-    method: Literal["scoring", "bfgs", "direct"] | None
-    exact: bool
-    system: File | None
-    reject: float | None
-    between_readings: Literal["straight", "step"] | None
-    every: int | None
-    begin: float | None
-    end: float | None
-    simulate: bool
-    against: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None
-    without: str | Sequence[str] | None
-    check: File | None
-    kappa: File | None
-    bech: File | None
-    spiral: File | None
-    joint: bool
-    matrices: bool
-
-
 @overload
 def identify_ship(
-    record: File, *, data_only: Literal[True], **options: Unpack[IdentifyOptions]
+    record: File, *, data_only: Literal[True], **options: Any
 ) -> "Answer[RecordReport, ChannelSummary]": ...
 
 
 @overload
 def identify_ship(
-    record: File, *, data_only: Literal[False] | None = None, **options: Unpack[IdentifyOptions]
+    record: File, *, data_only: Literal[False] | None = None, **options: Any
 ) -> "Answer[FitReport, Estimate | ShipNumber]": ...
 
 
 def identify_ship(
-    record: File, *, data_only: bool | None = None, **options: Unpack[IdentifyOptions]
+    record: File, *, data_only: bool | None = None, **options: Any
 ) -> "Answer[Any, Any]":
     """Identify a ship from a record of rudder and motion, as ``trainer identify`` does.
 
@@ -212,7 +150,7 @@ def identify_ship(
     are in s. The figures are the parameters and the ship's gains and time constants, each with its
     value, unit and standard deviation; ``report.converged`` says whether the fit has settled.
     With ``data_only`` nothing is fitted: the figures are the record's columns in few numbers.
-    TrainerError with the command's words if something is wrong, and without the extra
+    TrainerError naming what is wrong, and without the extra
     ``identify``.
     """
     require_library("scipy", "identify")
@@ -220,39 +158,23 @@ def identify_ship(
     from trainer.identify.pages import record as record_page
     from trainer.identify.pages.identify import render
 
-    keywords = {"data_only": data_only, **options}
-    known = ("data_only", *IdentifyOptions.__annotations__)
-    with parse_options(identify.identify, [record], keywords, known) as words:
-        wishes = record_of(studies.IdentifyOptions, words)
-        study = studies.study_of(Path(record), wishes)
+    given = {"record": record, "data_only": data_only, **options}
+    with reading_keywords("identify_ship", IDENTIFY_KEYWORDS, given) as asked:
+        named = {OPTION_NAMES.get(name, name): value for name, value in asked.items()}
+        wishes = fill_record(studies.IdentifyOptions, named)
+        study = studies.study_of(asked["record"], wishes)
         if wishes.data_only:
             seen, _ = record_page.carry_out(study)
             channels = {each.name: each for run in seen.runs for each in run.channels}
             return Answer(seen, channels, {}, record_page.render(seen))
-        report = identify.fit_ship(study, wishes).report
+        report = programs.fit_ship(study, wishes).report
     figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))
 
 
-class FitBoatOptions(TypedDict, total=False):
-    """The keywords of ``fit_boat``: the options of ``trainer boat fit``."""
-
-    hold_out: File | Sequence[File] | None
-    output: File | None
-    html: File | None
-    columns: str | Sequence[str] | None
-    bias: str | Sequence[str] | None
-    gauge_x: float | None
-    late: float | None
-    still: str | Sequence[str] | None
-    coarse: bool
-    anyway: bool
-    draws: int | None
-
-
 def fit_boat(
-    records: File | Sequence[File], prior: File, **options: Unpack[FitBoatOptions]
+    records: File | Sequence[File], prior: File, **options: Any
 ) -> "Answer[BoatFit, FigureBand]":
     """Fit a boat to records of its trials, as ``trainer boat fit`` does.
 
@@ -261,34 +183,19 @@ def fit_boat(
     ``late`` and ``coarse`` say of instruments what the options do. With ``output`` the boat is
     written, if the fit settled; ``anyway`` takes wrong signs too, and writes all the same. The
     figures are those of turns and zig-zags by their names, each with its unit, value and band;
-    ``report.coefficients`` has every coefficient before and after. TrainerError with the command's
-    words if something is wrong.
+    ``report.coefficients`` has every coefficient before and after. TrainerError naming what
+    is wrong.
     """
     from trainer.identify.boat.page import render
 
-    several = [records] if isinstance(records, str | Path) else records
-    keywords = {"prior": prior, **options}
-    known = ("prior", *FitBoatOptions.__annotations__)
-    with parse_options(fit_boat_command.fit, several, keywords, known) as words:
-        report = fit_boat_command.carry_out(words).report
+    given = {"records": records, "prior": prior, **options}
+    with reading_keywords("fit_boat", FIT_BOAT_KEYWORDS, given) as asked:
+        report = programs.fit_boat(**asked).report
     return Answer(report, {each.name: each for each in report.after}, {}, render(report))
 
 
-class WatchBoatOptions(TypedDict, total=False):
-    """The keywords of ``watch_boat``: the options of ``trainer boat watch``."""
-
-    html: File | None
-    columns: str | Sequence[str] | None
-    bias: str | Sequence[str] | None
-    gauge_x: float | None
-    late: float | None
-    still: str | Sequence[str] | None
-    coarse: bool
-    anyway: bool
-
-
 def watch_boat(
-    fitted: File, records: File | Sequence[File], **options: Unpack[WatchBoatOptions]
+    fitted: File, records: File | Sequence[File], **options: Any
 ) -> "Answer[BoatWatch, WatchedPart]":
     """Tell whether records are still of a fitted boat, as ``trainer boat watch`` does.
 
@@ -297,16 +204,15 @@ def watch_boat(
     ``coarse`` and ``anyway`` are those of ``fit_boat``. ``report.change`` is None, or says since
     when and which parts explain it. The figures are the parts by their names, each with its unit,
     value and deviation. The columns are the statistic of each part by the time ``t`` [s].
-    TrainerError with the command's words if something is wrong.
+    TrainerError naming what is wrong.
     """
     import numpy as np
 
     from trainer.identify.boat.watch_page import render
 
-    several = [records] if isinstance(records, str | Path) else records
-    known = WatchBoatOptions.__annotations__
-    with parse_options(watch_boat_command.watch, [fitted, *several], options, known) as words:
-        report = watch_boat_command.carry_out(words)
+    given = {"fitted": fitted, "records": records, **options}
+    with reading_keywords("watch_boat", WATCH_BOAT_KEYWORDS, given) as asked:
+        report = programs.watch_boat(**asked)
     named = zip((each.name for each in report.parts), report.deviations, strict=True)
     columns = {"t": np.array(report.t), **{name: np.array(values) for name, values in named}}
     return Answer(report, {each.name: each for each in report.parts}, columns, render(report))

@@ -9,14 +9,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.api.boat import plan_boat
 from trainer.api.by_number import choose_orders, numbers_of
-from trainer.api.fleet import Fleet, FleetOptions, Mask
+from trainer.api.fleet import Fleet, Mask
 from trainer.boat.due_orders import obey_all, orders_due
 from trainer.config.exercise.reference_crew import SAID_ORDERS
 from trainer.config.files import ConfigError
@@ -136,8 +136,7 @@ OFF_DIVISORS: Final = np.array([OFF_SIZES[axis] for axis in CREW_ORDERS])
 @functools.cache
 def planned(exercise: str | Path, seed: int | None = None) -> Plan:
     """Return the plan of an exercise at a seed, None for its own."""
-    given = {} if seed is None else {"seed": seed}
-    return plan_boat({"exercise": exercise, **given})[1]
+    return plan_boat({"exercise": exercise, "seed": seed}, call="ExerciseFleet")[1]
 
 
 @functools.cache
@@ -237,10 +236,9 @@ class ExerciseFleet:
         self.drill = drill = drill_of(exercise, step_s)
         self.exercise, self.count = exercise, count
         self.controls, self.sights, self.steps = drill.controls, SIGHT_NAMES, drill.steps
-        options: FleetOptions = {"ticks": drill.ticks, "each_tick": True, "threads": threads}
-        self._fleet = Fleet.of_plan(
-            drill.plan, count, orders=drill.controls, reads=drill.reads, **options
-        )
+        names = {"orders": drill.controls, "reads": drill.reads}
+        how: dict[str, Any] = {"ticks": drill.ticks, "each_tick": True, "threads": threads}
+        self._fleet = Fleet.of_plan(drill.plan, count, **names, **how)
         self._judge = TickJudge(drill.plan, count)
         self._at = np.zeros(count, np.int64)  # [tick]
         self._seen = np.zeros((count, len(SIGHT_NAMES)), np.float32)

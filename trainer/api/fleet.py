@@ -10,12 +10,12 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final, Literal, Self, TypedDict, Unpack
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from trainer.api.boat import BoatOptions, Snapshot, plan_boat
+from trainer.api.boat import BOAT_KEYWORDS, Snapshot, plan_boat
 from trainer.api.by_number import (
     NO_RULES,
     WorldSteps,
@@ -43,23 +43,11 @@ STATE_SIZE: Final = STATE.itemsize // 8
 Mask = NDArray[np.bool_]
 
 
-class FleetOptions(TypedDict, total=False):
-    """The keywords of ``Fleet``; its docstring explains each."""
-
-    ticks: int
-    each_tick: bool
-    seeds: Sequence[int] | None
-    threads: int
-    speed: float | None
-    depth: float | None
-    course: float | None
-    sea: str | Path | None
-    step: float | None
-    battery: Literal["drained", "endless"] | None
-
-
-# The keywords that say how each boat begins.
-START_NAMES: Final = FleetOptions.__annotations__.keys() & BoatOptions.__annotations__.keys()
+RUN_NAMES: Final = frozenset({"ticks", "each_tick", "seeds", "threads"})  # how many are run
+FLEET_KEYWORDS: Final = {  # those that say how each boat begins
+    name: BOAT_KEYWORDS[name]
+    for name in ("vessel", "speed", "depth", "course", "sea", "step", "battery")
+}
 
 
 class Fleet:
@@ -70,7 +58,7 @@ class Fleet:
     them boat i has the seed 1 + i. The other keywords are those of ``Boat``. So many ``threads``
     share the boats.
 
-    TrainerError in the words of the command line. In a sea with a current or ships that pull, each
+    TrainerError naming what is wrong. In a sea with a current or ships that pull, each
     tick takes longer, because they are written before it.
     """
 
@@ -81,11 +69,11 @@ class Fleet:
         *,
         orders: Sequence[str],
         reads: Sequence[str],
-        **options: Unpack[FleetOptions],
+        **options: Any,
     ) -> None:
-        start = {name: given for name, given in options.items() if name in START_NAMES}
-        chosen_options, plan = plan_boat({"vessel": vessel, **start})
-        self._begin(plan, ready_boat(plan, chosen_options), count, (orders, reads), options)
+        start = {name: options.pop(name) for name in {*options} - RUN_NAMES}
+        chosen, plan = plan_boat({"vessel": vessel, **start}, FLEET_KEYWORDS, "Fleet")
+        self._begin(plan, ready_boat(plan, chosen), count, (orders, reads), **options)
 
     @classmethod
     def of_plan(
@@ -95,28 +83,31 @@ class Fleet:
         *,
         orders: Sequence[str],
         reads: Sequence[str],
-        **options: Unpack[FleetOptions],
+        **options: Any,
     ) -> Self:
         """Return many boats of a plan; its scheduled orders are the caller's."""
         fleet = cls.__new__(cls)
-        begun = plan, plan.launch_boat(), count, (orders, reads), options
-        fleet._begin(*begun)  # noqa: SLF001  its own kind
+        begun = plan, plan.launch_boat(), count, (orders, reads)
+        fleet._begin(*begun, **options)  # noqa: SLF001  its own kind
         return fleet
 
-    def _begin(
+    def _begin(  # noqa: PLR0913  those of RUN_NAMES have defaults here
         self,
         plan: Plan,
         boat: CoreBoat,
         count: int,
         names: tuple[Sequence[str], Sequence[str]],
-        options: FleetOptions,
+        *,
+        ticks: int = 1,
+        each_tick: bool = False,
+        seeds: Sequence[int] | None = None,
+        threads: int = 1,
     ) -> None:
-        ticks, threads = options.get("ticks", 1), options.get("threads", 1)
         for name, given, most in (("count", count, MAX_BOATS), ("threads", threads, 1024)):
             if not (isinstance(given, int) and 0 < given <= most):
                 raise ConfigError(f"Fleet: {name} must be 1 to {most}, not {quote(given)}")
         refuse_ticks(ticks)
-        rows = ticks if options.get("each_tick") else 1
+        rows = ticks if each_tick else 1
         self.plan, self._boat = plan, boat
         chosen, (orders, reads) = choose_orders(boat, names[0]), names
         self.orders, self.reads, self.ticks, self.count = tuple(orders), tuple(reads), ticks, count
@@ -135,7 +126,7 @@ class Fleet:
         plains = [row.data for row in self._whole] if boat.world.acts else []
         self._in_world = WorldSteps(plains, first, further, self._one, self._out)
         self._crew = ThreadPoolExecutor(threads) if threads > 1 else None
-        self.reset(seeds=options.get("seeds") or range(1, count + 1))
+        self.reset(seeds=seeds or range(1, count + 1))
 
     def _run(self, calls: Sequence[Callable[[], int]]) -> None:
         """Have each thread do its call."""

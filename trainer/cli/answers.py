@@ -6,9 +6,7 @@ A command makes a record and hands it to ``show_report`` with the functions that
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any, Final
 
 import click
@@ -51,11 +49,6 @@ def show_report(
     click.echo(json_of(asdict(report)) if how["as_json"] else page(report))
 
 
-def print_note(text: str) -> None:
-    """Print a line on stderr, so that it is no part of the answer."""
-    click.echo(text, err=True)
-
-
 def input_waits() -> bool:
     """Return whether words wait at the standard input, a pipe or a file.
 
@@ -70,29 +63,3 @@ def input_waits() -> bool:
         return not os.isatty(0) and fcntl.ioctl(0, termios.FIONREAD, bytes(4)) != bytes(4)
     except OSError:  # closed, or no pipe and no file
         return False
-
-
-def show_step(step: int, cost: float) -> None:
-    """Show the step and cost of a fit in one line, on a terminal only."""
-    if sys.stderr.isatty():
-        click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
-
-
-def write_text(path: Path, text: str, option: str = "") -> None:
-    """Write a file whole; ConfigError, with the option that named it, if that cannot be."""
-    from trainer.config.files import ConfigError
-    from trainer.io.outputs import write_whole
-
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        named = f"{option} {path}".lstrip()
-        raise ConfigError(f"{named}: cannot be written: {error.strerror}") from None
-
-
-@contextmanager
-def show_progress(length: int, label: str) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on stderr, if a terminal; yield what moves it."""
-    hidden = not sys.stderr.isatty()
-    with click.progressbar(length=length, label=label, file=sys.stderr, hidden=hidden) as shown:
-        yield shown.update

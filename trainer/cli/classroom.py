@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import print_note
 from trainer.cli.options import (
     CSV_OUTPUT,
     EXERCISE_NAME,
@@ -20,13 +19,14 @@ from trainer.cli.options import (
     WEB_ADDRESS,
     cores_option,
     flags_given,
+    kind_option,
     page_options,
-    record_of,
-    seed_option,
 )
 from trainer.cli.types import Number, ParentCommand
 from trainer.cli.web import require_pages
 from trainer.config.files import ConfigError, is_path, path_named
+from trainer.config.keywords import RUN_KEYWORDS, fill_record
+from trainer.report.progress import print_note
 
 if TYPE_CHECKING:
     from trainer.classroom.launch import ClassSite
@@ -46,7 +46,7 @@ boats_option = click.option("--boats", type=int, default=3, metavar="N", help="H
     metavar="URL",
     help="One boat more, whose session runs there (trainer serve); may be given again.",
 )
-@seed_option("Seed of the random numbers of every boat.")
+@kind_option(RUN_KEYWORDS, "seed", default=1, text="seed of the random numbers of every boat")
 @click.option(
     "--one-sea",
     type=Number(0.0, 5000.0),
@@ -97,7 +97,7 @@ def class_command(
     from trainer.classroom import launch
 
     refuse_new_plan(resume)
-    site = record_of(launch.ClassSite, options)
+    site = fill_record(launch.ClassSite, options)
     words = words_of_class(token, site)
     if resume is not None:
         sys.exit(launch.resume_class(resume, words, site))
@@ -246,5 +246,5 @@ def debrief(folder: Path, cores: int | None, **asked: Any) -> None:
     from trainer.debrief.trainees import class_page
     from trainer.workers import processor_count
 
-    request = record_of(class_page.ClassRequest, asked)
+    request = fill_record(class_page.ClassRequest, asked)
     class_page.debrief_class(folder, request, cores or processor_count())

@@ -19,12 +19,12 @@ from trainer.cli.options import (
     VESSEL_HELP,
     VESSEL_NAME,
     combine_options,
+    kind_option,
     method_options,
     run_options,
-    sea_option,
-    seed_option,
 )
 from trainer.cli.types import Choice, Output, text_option
+from trainer.config.keywords import RUN_KEYWORDS
 from trainer.session.past.options import RunOptions
 
 # Those of the table of targets, which is not read for a list of commands; the first, the default,
@@ -44,8 +44,8 @@ boat_options = combine_options(
     click.option("--integrator", default="adams2", help="As for trainer run."),
     click.option("--step", type=float, help="Step in s. [default: the vessel's]"),
     click.option("--unsafe-step", is_flag=True, help="Export even where the step is not stable."),
-    sea_option("Of the start. [default: calm]", "calm"),
-    seed_option("Seed of all random numbers."),
+    kind_option(RUN_KEYWORDS, "sea", default="calm", metavar="NAME|PATH", text="of the start"),
+    kind_option(RUN_KEYWORDS, "seed", default=1),
 )
 VISITOR_STATION = "visitor"
 # fmt: off

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import json_of, show_progress, write_text
+from trainer.cli.answers import json_of
 from trainer.cli.options import EXERCISE_NAME, HTML_OUTPUT, TOML_FILE, TOML_OUTPUT, cores_option
 from trainer.cli.types import Commands, Output
+from trainer.report.progress import show_progress, write_text
 
 if TYPE_CHECKING:
     from trainer.config.exercise.course import Lesson

@@ -1,30 +1,30 @@
 """The options that several commands share, and the record of a run made of them.
 
 Every command takes its options from here, so that an option has one name, one default and one help
-text. ``record_of`` makes a frozen record of click's dictionary, because no other package knows the
-command line.
+text. What a call of the Python face takes too has its kind in ``config.keywords``.
 """
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from inspect import signature
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 import click
 from click.core import ParameterSource
 
 from trainer.cli.types import Duration, File, Name, Number, Output, Speed
-from trainer.config.schema import Choice, Choices, Quantity, WholeNumber
-from trainer.config.ship.fit_options import FIT_KINDS
-from trainer.config.words import BATTERY_KINDS, EQUATION_SETS
+from trainer.config.keywords import (
+    RUN_KEYWORDS,
+    InputFile,
+    OutputFile,
+    Several,
+    ShippedName,
+)
+from trainer.config.schema import Choice, Choices, Flag, Kind, Quantity, WholeNumber
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT
 from trainer.session.past.options import RunOptions
 
-Record = TypeVar("Record")
-
-VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
-
+VESSEL_HELP: Final = RUN_KEYWORDS["vessel"].form.meaning
 RATING_WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
 
 Decorator = Callable[[Any], Any]
@@ -32,7 +32,6 @@ ANY_FILE: Final = File()
 RECORDING_FILE: Final = File(".trainer")
 CSV_FILE: Final = File(".csv")
 TOML_FILE: Final = File(".toml")
-RECORDING_OUTPUT: Final = Output(".trainer")
 CSV_OUTPUT: Final = Output(".csv")
 RRD_OUTPUT: Final = Output(".rrd")
 TOML_OUTPUT: Final = Output(".toml")
@@ -71,43 +70,48 @@ def combine_options(*options: Decorator) -> Decorator:
     return add
 
 
-def kind_option(name: str, *flags: str, text: str = "", **more: Any) -> Decorator:
-    """Return the option of a fit that ``FIT_KINDS`` has under ``name``.
+def kind_option(
+    kinds: Mapping[str, Kind], name: str, *flags: str, text: str = "", usual: str = "", **more: Any
+) -> Decorator:
+    """Return the option of the kind that a table has under ``name``.
 
-    Unit, limits and meaning are those of the study's key; ``text`` stands for the meaning.
+    Unit, limits and meaning are those of a keyword, or of a study's key. ``text`` stands for the
+    meaning, and ``usual`` tells what holds without the option.
     """
-    kind, words = FIT_KINDS[name], flags or (f"--{name.replace('_', '-')}",)
-    text = text or f"{kind.form.meaning[:1].upper()}{kind.form.meaning[1:]}."
-    if isinstance(kind, Choice | Choices):
-        several = isinstance(kind, Choices)
-        choice = click.Choice(kind.words)
-        return click.option(*words, type=choice, multiple=several, help=text, **more)
-    if isinstance(kind, Quantity):
+    kind, words = kinds[name], flags or (f"--{name.replace('_', '-')}",)
+    head, stop, rest = (text or kind.form.meaning).partition(". ")
+    unit = f" [{kind.unit}]" if isinstance(kind, Quantity) and kind.unit != "-" else ""
+    told = f"{head[:1].upper()}{head[1:].removesuffix('.')}{unit}.{stop[1:]}{rest}"
+    told += f" [default: {usual}]" if usual else ""
+    return click.option(*words, **{"help": told, **_typed(kind), **more})
+
+
+def _typed(kind: Kind) -> dict[str, Any]:
+    """Return how click reads an option of a kind."""
+    read: dict[str, Any] = {"type": str}  # a text
+    if isinstance(kind, Several):
+        read = _typed(kind.each) | {"multiple": True}
+    elif isinstance(kind, Choice | Choices):
+        read = {"type": click.Choice(kind.words), "multiple": isinstance(kind, Choices)}
+    elif isinstance(kind, Quantity):
         limits = kind.limits
-        number = Number(limits.low, limits.high, min_open=limits.open_below)
-        unit = "" if kind.unit == "-" else f" [{kind.unit}]"
-        return click.option(*words, type=number, help=f"{text[:-1]}{unit}.", **more)
-    if isinstance(kind, WholeNumber):
-        return click.option(*words, type=click.IntRange(kind.low, kind.high), help=text, **more)
-    raise TypeError(kind)
+        read = {"type": Number(limits.low, limits.high, min_open=limits.open_below)}
+    elif isinstance(kind, WholeNumber):
+        read = {"type": click.IntRange(kind.low, kind.high)}
+    elif isinstance(kind, Flag):
+        read = {"is_flag": True}
+    elif isinstance(kind, ShippedName):
+        read = {"type": Name(*kind.endings)}
+    elif isinstance(kind, InputFile):
+        of_file = Output if isinstance(kind, OutputFile) else File
+        read = {"type": of_file(*kind.endings), "metavar": "FILE"}
+    return read
 
 
-def sea_option(text: str, default: str | None = None) -> Decorator:
-    """Return the option that chooses a sea."""
-    return click.option(
-        "--sea",
-        type=SEA_NAME,
-        default=default,
-        show_default=False,  # ``text`` says it
-        metavar="NAME|PATH",
-        help=text,
-    )
-
-
-def seed_option(text: str) -> Decorator:
-    """Return the option of the seed of random numbers."""
-    seeds = click.IntRange(0, 2**53 - 1)
-    return click.option("--seed", type=seeds, default=1, help=text)
+def kind_options(kinds: Mapping[str, Kind], *names: str, **defaults: Any) -> Decorator:
+    """Return the options of some kinds of a table, then those with defaults."""
+    usual = (kind_option(kinds, name, default=value) for name, value in defaults.items())
+    return combine_options(*(kind_option(kinds, name) for name in names), *usual)
 
 
 last_option = click.option(
@@ -125,51 +129,26 @@ def named_recording(file: Path | None, *, last: bool) -> Path:
 
 
 method_options = combine_options(
-    click.option(
-        "--equations",
-        type=click.Choice(EQUATION_SETS),
-        help="Full set (1)-(7), compact modified or basic, or the vertical plane alone. "
-        "[default: modified; full for a boat without a compact set of its own]",
+    kind_option(
+        RUN_KEYWORDS,
+        "equations",
+        usual="modified; full for a boat without a compact set of its own",
     ),
-    click.option(
-        "--rates",
-        type=click.Choice(("exact", "lagged")),
-        help="Accelerations by the 6x6 solve, or each from its own equation with last "
-        "cycle's. [default: lagged; exact with Runge-Kutta]",
-    ),
-    click.option(
-        "--trig",
-        type=click.Choice(("exact", "report")),
-        default="exact",
-        help="Exact, or the 1969 approximations of the compact sets.",
-    ),
+    kind_option(RUN_KEYWORDS, "rates", usual="lagged; exact with Runge-Kutta"),
+    kind_option(RUN_KEYWORDS, "trig", default=RunOptions.trig),
 )
 
 exercise_options = combine_options(
-    click.option("--vessel", type=VESSEL_NAME, default="bb2", help=VESSEL_HELP),
+    kind_option(RUN_KEYWORDS, "vessel", default=RunOptions.vessel),
     method_options,
-    sea_option("calm, sea-state-1 to sea-state-6, or a file."),
-    click.option(
-        "--integrator",
-        default="adams2",
-        help="euler, adams2 to adams4, best2, heun, abm2 to abm4, hamming4, o30c31, bdf2, bdf3, "
-        "rk2 to rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
-    ),
-    click.option("--step", type=float, help="Step in s. [default: the vessel file's, 0.5 for bb2]"),
-    click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
-    click.option(
-        "--battery",
-        type=click.Choice(BATTERY_KINDS),
-        default="drained",
-        help="Whether the boat's battery is drained, or never goes flat.",
-    ),
-    seed_option("Seed of all random numbers."),
-    click.option(
-        "--orders",
-        "orders_file",
-        type=File(".txt"),
-        help="Scheduled orders, a line each: SECONDS ORDER.",
-    ),
+    kind_option(RUN_KEYWORDS, "sea", metavar="NAME|PATH"),
+    kind_option(RUN_KEYWORDS, "integrator", default=RunOptions.integrator),
+    # Outside its limits the plan refuses it, as it does a vessel file's.
+    kind_option(RUN_KEYWORDS, "step", type=float, usual="the vessel file's, 0.5 for bb2"),
+    kind_option(RUN_KEYWORDS, "unsafe_step"),
+    kind_option(RUN_KEYWORDS, "battery", default=RunOptions.battery),
+    kind_option(RUN_KEYWORDS, "seed", default=RunOptions.seed),
+    kind_option(RUN_KEYWORDS, "orders", "--orders", "orders_file"),
 )
 
 time_options = combine_options(
@@ -199,11 +178,10 @@ time_options = combine_options(
 )
 
 recording_options = combine_options(
-    click.option(
-        "--record",
-        type=RECORDING_OUTPUT,
-        help="Keep the whole run in this file, or in a new one in this folder. [default: the "
-        "recordings' folder, unless headless or at --speed max]",
+    kind_option(
+        RUN_KEYWORDS,
+        "record",
+        usual="the recordings' folder, unless headless or at --speed max",
     ),
     click.option("--no-record", is_flag=True, help="Keep nothing."),
 )
@@ -408,12 +386,6 @@ def flags_given(names: Iterable[str]) -> str:
     given = options_given() & {*names}
     options = click.get_current_context().command.params
     return ", ".join(option.opts[-1] for option in options if option.name in given)
-
-
-def record_of(kind: type[Record], options: Mapping[str, Any], **further: Any) -> Record:
-    """Return a record filled from options of the same names, and from ``further``."""
-    known_options = {name: options[name] for name in signature(kind).parameters if name in options}
-    return kind(**known_options, **further)
 
 
 def without_console(options: RunOptions) -> RunOptions:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from trainer.cli.answers import input_waits, print_note
+from trainer.cli.answers import input_waits
 from trainer.cli.options import (
     EXERCISE_NAME,
     HTML_OUTPUT,
@@ -42,6 +42,7 @@ from trainer.cli.options import (
 )
 from trainer.config.files import ConfigError
 from trainer.io.paths import DEFAULT_HOST, DEFAULT_PORT, PAGES_PORT, RECORDING_SUFFIX
+from trainer.report.progress import print_note
 from trainer.session.doors.owner import end_with_owner
 from trainer.session.past.options import RunOptions
 

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import write_text
 from trainer.cli.types import Choice, Output
+from trainer.report.progress import write_text
 
 SCHEMA_MODULES: Final = {  # the module that makes the schema of a kind of file
     **dict.fromkeys(

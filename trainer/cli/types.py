@@ -17,30 +17,6 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
-FILE_KINDS: Final = {  # what has an ending, also such as only somebody else writes
-    ".trainer": "a recording",
-    ".toml": "a file of settings",
-    ".csv": "a table",
-    ".parquet": "a Parquet table",
-    ".rrd": "a file for Rerun",
-    ".html": "a page",
-    ".pdf": "a document",
-    ".fmu": "a functional mock-up unit",
-    ".png": "a picture",
-    ".svg": "a picture",
-    ".py": "a program",
-    ".md": "a text",
-    ".txt": "a text",
-    ".rst": "a text",
-    ".docx": "a text",
-    ".odt": "a text",
-    ".json": "a file of data",
-    ".ipynb": "a notebook",
-    ".xlsx": "a spreadsheet",
-    ".ods": "a spreadsheet",
-    ".zip": "an archive",
-    ".jpg": "a picture",
-}
 HELP_LINES_PATH: Final = Path(__file__).with_name("help-lines.txt")  # python -m helpers.help_lines
 PLAIN_NAME: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
 
@@ -277,29 +253,22 @@ class Output(File):
 
     def take(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
         """Promise the file until the command ends. SameFileError if an input would be lost."""
+        from trainer.config.files import ConfigError
+        from trainer.config.keywords import refuse_output
         from trainer.io.outputs import promising
 
-        self.refuse_ending(path, param, ctx)
-        if self.endings and not path.parent.is_dir():
-            self.fail(f"{path}: there is no folder {path.parent}", param, ctx)
-        ctx.with_resource(promising(path, name_typed(param)))
-
-    def refuse_ending(self, path: Path, param: click.Parameter, ctx: click.Context) -> None:
-        """Raise UsageError for the ending of another kind of file."""
-        ending = path.suffix.lower()
-        if ending not in FILE_KINDS or ending in self.endings:
-            return
-        hints = [f", such as {path.with_suffix(each)}" for each in self.endings[:1]]
-        for each in ctx.command.params:
-            kind = each.type
-            if type(kind) is File and ending in kind.endings and isinstance(each, click.Option):
-                hints.append(f"; {name_typed(each)} {path} reads it")
-        self.fail(
-            f"{path}: {ending} is the ending of {FILE_KINDS[ending]}, and this is not one: "
-            f"give another name{''.join(hints)}",
-            param,
-            ctx,
+        readers = (
+            f"; {name_typed(each)} {path} reads it"
+            for each in ctx.command.params
+            if isinstance(each, click.Option)
+            and type(each.type) is File
+            and path.suffix.lower() in each.type.endings
         )
+        try:
+            refuse_output(path, self.endings, "".join(readers))
+        except ConfigError as wrong:
+            self.fail(str(wrong), param, ctx)
+        ctx.with_resource(promising(path, name_typed(param)))
 
 
 def name_typed(param: click.Parameter) -> str:

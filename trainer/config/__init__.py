@@ -10,6 +10,7 @@ fact that several rooms need is one table: ``words``, ``units``, and in the room
 # The modules and rooms that other rooms may use.
 # fmt: off
 __all__ = [
-    "boat", "exercise", "extras", "files", "schema", "ship", "tables", "units", "words", "world",
+    "boat", "exercise", "extras", "files", "keywords", "schema", "ship", "tables", "units", "words",
+    "world",
 ]
 # fmt: on

@@ -18,6 +18,30 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, Final
 
+FILE_KINDS: Final = {  # what has an ending, also such as only somebody else writes
+    ".trainer": "a recording",
+    ".toml": "a file of settings",
+    ".csv": "a table",
+    ".parquet": "a Parquet table",
+    ".rrd": "a file for Rerun",
+    ".html": "a page",
+    ".pdf": "a document",
+    ".fmu": "a functional mock-up unit",
+    ".png": "a picture",
+    ".svg": "a picture",
+    ".py": "a program",
+    ".md": "a text",
+    ".txt": "a text",
+    ".rst": "a text",
+    ".docx": "a text",
+    ".odt": "a text",
+    ".json": "a file of data",
+    ".ipynb": "a notebook",
+    ".xlsx": "a spreadsheet",
+    ".ods": "a spreadsheet",
+    ".zip": "an archive",
+    ".jpg": "a picture",
+}
 FileId = tuple[int, int] | Path  # device and number on disk, or the path where no file is yet
 
 _inputs: Final[dict[FileId, Path]] = {}  # what this process has read

@@ -8,6 +8,6 @@ trains waits for a workshop. Begin with ``vessel`` for boats, with ``identify`` 
 # fmt: off
 __all__ = [
     "bench", "check_cases", "estimate", "fit_boat", "guide", "identify", "learn", "plan_trial",
-    "programs", "subjects", "sweep", "vessel", "watch_boat",
+    "programs", "sweep", "vessel", "watch_boat",
 ]
 # fmt: on

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
-from trainer.cli.answers import json_of, write_text
+from trainer.cli.answers import json_of
 from trainer.cli.options import CSV_FILE, HTML_OUTPUT
+from trainer.report.progress import write_text
 
 
 @click.command("check-cases")

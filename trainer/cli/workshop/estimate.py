@@ -10,9 +10,10 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import json_of, show_progress, write_text
+from trainer.cli.answers import json_of
 from trainer.cli.options import HTML_OUTPUT, TOML_OUTPUT
 from trainer.cli.types import Name
+from trainer.report.progress import show_progress, write_text
 
 NEW_HULL: Final = "new"  # the word before the name of a hull to be written
 HULL_SKELETON: Final = "hull-skeleton"

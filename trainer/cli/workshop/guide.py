@@ -9,11 +9,11 @@ import sys
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import json_of, outputs, show_progress, show_report, write_text
+from trainer.cli.answers import json_of, outputs, show_report
 from trainer.cli.options import (
     CSV_OUTPUT,
     HTML_OUTPUT,
@@ -21,23 +21,16 @@ from trainer.cli.options import (
     VESSEL_NAME,
     combine_options,
     cores_option,
-    flags_given,
-    record_of,
-    sea_option,
-    seed_option,
+    kind_option,
+    kind_options,
+    options_given,
 )
-from trainer.cli.types import AHEAD_SPEED_TYPE, File, Number, Word, text_option
+from trainer.cli.types import File, Number, Word, text_option
 from trainer.cli.workshop import ships
-from trainer.config.words import EQUATION_SETS
-
-if TYPE_CHECKING:
-    from trainer.analysis.manoeuvres.flight import Flight
-    from trainer.analysis.manoeuvres.page import ManoeuvreOptions, ManoeuvreReport
+from trainer.config.keywords import MANOEUVRE_KEYWORDS
+from trainer.report.progress import show_progress, write_text
 
 # fmt: off
-BOAT_OPTIONS: Final = (
-    "equations", "rates", "trig", "integrator", "controls", "trim", "law", "depth", "sea", "seed",
-)
 MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
     "meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration",
     "trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20",
@@ -45,15 +38,10 @@ MANOEUVRE_NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load
     "roll-decay", "beam-sea", "out-of-balance", "plane-jam", "rudder-jam",
 )
 # fmt: on
-ANGLE_TYPE: Final = Number(0.0, 90.0)
-DURATION_TYPE: Final = Number(1.0, 1e5)
-PARAMETER_OPTIONS: Final = combine_options(
-    click.option("--angle", type=ANGLE_TYPE, help="Of the control, in degrees."),
-    click.option(
-        "--side",
-        type=click.Choice(("starboard", "port")),
-        help="Where a turn goes, or a zig-zag or spiral goes first. [default: starboard]",
-    ),
+MANOEUVRE_OPTIONS: Final = combine_options(
+    kind_option(MANOEUVRE_KEYWORDS, "speed", usual="the boat's"),
+    kind_option(MANOEUVRE_KEYWORDS, "angle"),
+    kind_option(MANOEUVRE_KEYWORDS, "side", usual="starboard"),
     click.option("--rise", "direction", flag_value="rise", help="Planes to rise, or first."),
     click.option(
         "--dive",
@@ -61,37 +49,27 @@ PARAMETER_OPTIONS: Final = combine_options(
         flag_value="dive",
         help="Planes to dive, or first. [default: rise; of trim, dive]",
     ),
-    click.option("--planes", type=ANGLE_TYPE, help="Of a climbing turn, in degrees."),
-    click.option("--execute", type=Number(0.0, 180.0), help="Mark, in degrees."),
-    click.option("--duration", type=DURATION_TYPE, help="In seconds."),
-    click.option(
-        "--step-speed",
-        type=Number(0.1, 60.0),
-        metavar="KN",
-        help="At most, of each step of an acceleration. [default: 5, or a third of the last]",
+    kind_options(MANOEUVRE_KEYWORDS, "planes", "execute", "duration"),
+    kind_option(MANOEUVRE_KEYWORDS, "step_speed", usual="5, or a third of the last"),
+    kind_option(MANOEUVRE_KEYWORDS, "step_time"),
+    kind_option(MANOEUVRE_KEYWORDS, "ahead_speed", usual="full ahead"),
+    kind_option(MANOEUVRE_KEYWORDS, "ahead_time", usual="half the duration"),
+    kind_option(
+        MANOEUVRE_KEYWORDS,
+        "depth",
+        usual="1000, where neither hull nor surface sets limits",
     ),
-    click.option("--step-time", type=DURATION_TYPE, help="In seconds, of each step."),
-    click.option(
-        "--ahead-speed",
-        type=AHEAD_SPEED_TYPE,
-        metavar="KN",
-        help="The last that an acceleration orders. [default: full ahead]",
+    kind_option(
+        MANOEUVRE_KEYWORDS,
+        "sea",
+        metavar="NAME|PATH",
+        text="calm, sea-state-1 to sea-state-6, or a file; with --depth",
     ),
-    click.option(
-        "--ahead-time",
-        type=DURATION_TYPE,
-        help="In seconds, until an utmost acceleration stops. [default: half the duration]",
-    ),
-)
-INITIAL_OPTIONS: Final = combine_options(
-    click.option(
-        "--depth",
-        type=Number(0.0, 12000.0),
-        metavar="M",
-        help="To begin at. [default: 1000, where neither hull nor surface sets limits]",
-    ),
-    sea_option("calm, sea-state-1 to sea-state-6, or a file; with --depth."),
-    seed_option("Of the sea."),
+    kind_option(MANOEUVRE_KEYWORDS, "seed", default=1, text="of the sea"),
+    kind_options(MANOEUVRE_KEYWORDS, "rates", equations="full", trig="exact"),
+    kind_option(MANOEUVRE_KEYWORDS, "integrator", default="adams2", text="as for trainer run"),
+    kind_option(MANOEUVRE_KEYWORDS, "step", usual="the boat's"),
+    kind_options(MANOEUVRE_KEYWORDS, controls="own", trim="own", law="trainer"),
 )
 
 
@@ -114,32 +92,7 @@ def list_manoeuvres() -> str:
 @click.argument("name", type=Word(MANOEUVRE_NAMES))
 @click.argument("vessel", type=VESSEL_NAME)
 @text_option("--list", list_manoeuvres, "Print the manoeuvres and their parameters, and leave.")
-@click.option("--speed", type=AHEAD_SPEED_TYPE, metavar="KN", help="[default: the boat's]")
-@PARAMETER_OPTIONS
-@INITIAL_OPTIONS
-@click.option("--equations", type=click.Choice(EQUATION_SETS), default="full")
-@click.option("--rates", type=click.Choice(("exact", "lagged")))
-@click.option("--trig", type=click.Choice(("exact", "report")), default="exact")
-@click.option("--integrator", default="adams2", help="As for trainer run.")
-@click.option("--step", type=Number(1e-3, 10.0), help="[default: the boat's]")
-@click.option(
-    "--controls",
-    type=click.Choice(("own", "once")),
-    default="own",
-    help="The boat's own rates, lags and dead times, or none, as in 1969.",
-)
-@click.option(
-    "--trim",
-    type=click.Choice(("own", "full")),
-    default="own",
-    help="Start in the trim of the equations flown, or of the full set.",
-)
-@click.option(
-    "--law",
-    type=click.Choice(("trainer", "report", "literal")),
-    default="trainer",
-    help="Of depth keeping, as the order autopilot has them.",
-)
+@MANOEUVRE_OPTIONS
 @click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write the flight, SI, rad.")
 @outputs
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
@@ -157,11 +110,13 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """
     from trainer.analysis.manoeuvres import page
     from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
+    from trainer.api.programs import fly_manoeuvre
     from trainer.config.files import ConfigError
 
     if vessel in MANOEUVRE_NAMES and name not in MANOEUVRE_NAMES:
         raise ConfigError(f"the manoeuvre comes first: trainer boat manoeuvre {vessel} {name}")
-    report, flight = fly(vessel, name, options)
+    asked = {each: options[each] for each in options.keys() & options_given()}
+    report, flight = fly_manoeuvre(vessel, name, asked)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
     render: Any = page.render
@@ -171,42 +126,6 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
         render = vehicle.render
     show_report(report, render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
-
-
-def manoeuvre_options(options: dict[str, Any]) -> "ManoeuvreOptions":
-    """Return what the command's options ask of a manoeuvre."""
-    from trainer.analysis.manoeuvres.catalogue import PARAMETERS
-    from trainer.analysis.manoeuvres.page import ManoeuvreOptions
-    from trainer.analysis.manoeuvres.submarine import CALM_SEA, Rig
-
-    settings = {key: options[key] for key in PARAMETERS if options[key] is not None}
-    rig = record_of(Rig, {**options, "sea": options["sea"] or CALM_SEA})
-    return record_of(ManoeuvreOptions, options, parameters=settings, rig=rig)
-
-
-def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[ManoeuvreReport, Flight]":
-    """Return report and flight of a boat, or of a ship that was identified."""
-    from trainer.analysis.manoeuvres import page
-    from trainer.config.boat.vessel import load_vessel
-    from trainer.config.ship.nomoto import is_nomoto
-    from trainer.config.ship.ship import is_ship, load_ship
-
-    wishes = manoeuvre_options(options)
-    path = ships.path_of(vessel)
-    known = path.suffix == ".toml" and (is_nomoto(path), is_ship(path))
-    if not known or not any(known):
-        return page.fly_boat(load_vessel(vessel), name, wishes)
-    if unknown := flags_given(BOAT_OPTIONS):
-        message = f"{vessel} is a ship: {unknown} are for boats"
-        raise click.UsageError(message.replace("a ship", "a Nomoto ship") if known[0] else message)
-    if known[1]:
-        from trainer.identify.ships.vehicle import fly_ship
-
-        return fly_ship(load_ship(path), name, wishes)
-    from trainer.analysis.manoeuvres.nomoto_ship import steer_ship
-
-    ship = steer_ship(path, wishes.step)
-    return page.fly_vehicle(ship, name, wishes, ship.speed_kn)
 
 
 @click.command()

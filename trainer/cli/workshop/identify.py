@@ -11,61 +11,63 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import outputs, print_note, show_report, show_step, write_text
+from trainer.cli.answers import outputs, show_report
 from trainer.cli.options import (
     CSV_OUTPUT,
     HTML_OUTPUT,
     SEA_NAME,
     TOML_FILE,
     TOML_OUTPUT,
-    VESSEL_HELP,
     VESSEL_NAME,
     combine_options,
     kind_option,
+    kind_options,
     options_given,
-    record_of,
 )
 from trainer.cli.types import AHEAD_SPEED_TYPE, File, Name, Number, Output, ParentCommand
 from trainer.cli.workshop import ships
-from trainer.config.ship.fit_options import SHIP_MODELS, USUAL_PRIOR_STRENGTH
-from trainer.config.words import LINEAR_MODELS
+from trainer.config.keywords import IDENTIFY_KEYWORDS, RECORD_ENDINGS, fill_record
+from trainer.config.ship.fit_options import FIT_KINDS, SHIP_MODELS, USUAL_PRIOR_STRENGTH
+from trainer.report.progress import write_text
 
 if TYPE_CHECKING:
-    from trainer.identify.options import IdentifyOptions
     from trainer.identify.pages.results import Identification
     from trainer.identify.record.study import Study
 
 OUTPUT_CHANNELS: Final = ("sway", "yaw_rate", "heading")
-RECORD_FILE: Final = File(".toml", ".trainer", ".csv")
-SYSTEM_FILE: Final = File(".toml", ".py")
-TURNS_FILE: Final = File(".toml", ".csv")
-FIT_KERNELS_TEXT: Final = "the kernels of fits, once (up to a minute)"
+RECORD_FILE: Final = File(*RECORD_ENDINGS)
 POSITIVE_NUMBER: Final = Number(0.0, 1e6, min_open=True)
-strength_option = kind_option("prior_strength", default=USUAL_PRIOR_STRENGTH)
+strength_option = kind_option(FIT_KINDS, "prior_strength", default=USUAL_PRIOR_STRENGTH)
 model_options = combine_options(
     kind_option(
+        FIT_KINDS,
         "model",
-        text="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four. "
-        "[default: the study's]",
+        text="1 sway and yaw, 2 sway, 3 yaw, Nomoto's, or with speed and --ship the last four",
+        usual="the study's",
     ),
-    click.option("--vessel", type=VESSEL_NAME, help=VESSEL_HELP),
-    kind_option("length", text="Of the ship."),
-    kind_option("speed", "--at", "knots", text="Speed; else the record's mean."),
+    kind_option(IDENTIFY_KEYWORDS, "vessel"),
+    kind_option(FIT_KINDS, "length", text="of the ship"),
+    kind_option(FIT_KINDS, "speed", "--at", "knots", text="speed; else the record's mean"),
     kind_option(
+        FIT_KINDS,
         "outputs",
         "--output",
         "channels",
-        text="What to fit, may be repeated. [default: all the model has]",
+        text="what to fit, may be repeated",
+        usual="all the model has",
     ),
-    kind_option("noise"),
-    kind_option("method", text="Minimiser; else scoring, by BFGS where it gets no further."),
-    click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
-    click.option("--system", type=SYSTEM_FILE, help="Your own: matrices, or a program."),
-    kind_option("reject", metavar="P"),
-    kind_option("between_readings", text="How the rudder goes; else as name and record say."),
-    kind_option("every"),
-    kind_option("begin", "--from", "begin"),
-    kind_option("end", "--to", "end"),
+    kind_option(FIT_KINDS, "noise"),
+    kind_option(
+        FIT_KINDS, "method", text="minimiser; else scoring, by BFGS where it gets no further"
+    ),
+    kind_options(IDENTIFY_KEYWORDS, "exact", "system"),
+    kind_option(FIT_KINDS, "reject", metavar="P"),
+    kind_option(
+        FIT_KINDS, "between_readings", text="how the rudder goes; else as name and record say"
+    ),
+    kind_option(FIT_KINDS, "every"),
+    kind_option(FIT_KINDS, "begin", "--from", "begin"),
+    kind_option(FIT_KINDS, "end", "--to", "end"),
 )
 of_ships = combine_options(
     click.option("--ship", type=Name("ships"), help="For linear to mmg, its file."),
@@ -189,19 +191,20 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer ship prbs ship.toml --zigzag 20/20 --speed 15 --speed 15/8
               trainer ship prbs ship.toml --zigzag 20/20 --amplitude 20
     """
+    from trainer.api.programs import ship_path
     from trainer.config.boat.vessel import load_vessel
     from trainer.config.extras import require_library
 
     require_library("scipy", "trainer ship prbs")
     if ships.is_ship(vessel):
-        ships.design_trials(ships.path_of(vessel), options)
+        ships.design_trials(ship_path(vessel), options)
         return
     file = load_vessel(vessel)  # first, because its error is the most telling
     speed = _only_speed(vessel, options["speeds"])
     from trainer.identify.pages import experiment as page
 
     sensors = ships.sensors_asked(options)
-    wishes = record_of(
+    wishes = fill_record(
         page.ExperimentOptions, options, vessel=vessel, speed_kn=speed, sensors=sensors
     )
     design = page.design_experiment(file, wishes)
@@ -285,21 +288,12 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 @click.argument("files", type=RECORD_FILE, nargs=-1, metavar="FILE [RECORD]...")
 @model_options
 @of_ships
-@click.option("--simulate", is_flag=True, help="Estimate nothing: the model as it starts.")
-@click.option("--anyway", is_flag=True, help="Even if the record contradicts itself.")
-@click.option("--data-only", is_flag=True, help="Show and plot the record alone.")
+@kind_options(IDENTIFY_KEYWORDS, "simulate", "anyway", "data_only")
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), help="Highest ARMAX order.")
-@click.option(
-    "--against", type=click.Choice(LINEAR_MODELS), help="Test it against a simpler model."
-)
-@click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
-@click.option("--check", type=RECORD_FILE, help="Another record to predict, as a test.")
-@click.option("--kappa", type=RECORD_FILE, help="A record of large manoeuvres, for kappa.")
-@click.option("--bech", type=RECORD_FILE, help="The same, for Bech's H(r), three terms.")
-@click.option("--spiral", type=TURNS_FILE, help="Steady turns, for H(r); times not read.")
-@click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
-@click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
+@kind_option(IDENTIFY_KEYWORDS, "against")
+@kind_option(IDENTIFY_KEYWORDS, "without", metavar="NAME")
+@kind_options(IDENTIFY_KEYWORDS, "check", "kappa", "bech", "spiral", "joint", "matrices")
 @click.option("--csv", type=CSV_OUTPUT, metavar="FILE", help="Write it sample by sample.")
 @click.option("--checkpoint", type=Output(".json"), help="Keep the search in this file.")
 @click.option("--write-nomoto", type=TOML_OUTPUT, help="Write the ship in few numbers.")
@@ -344,12 +338,14 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
     ships.refuse_idle(options)
     from trainer.identify.options import IdentifyOptions, study_of
 
-    wishes = record_of(IdentifyOptions, options, further=files[1:])
+    wishes = fill_record(IdentifyOptions, options, further=files[1:])
     study = study_of(files[0], wishes)
     if wishes.data_only:
         sys.exit(_data(study, options))
     if wishes.armax:
         sys.exit(_armax(study, options))
+    from trainer.api.programs import fit_ship
+
     sys.exit(_model(fit_ship(study, wishes), options))
 
 
@@ -357,8 +353,8 @@ def identify(files: tuple[Path, ...], example: str | None, **options: Any) -> No
 @click.command()
 @click.argument("record", type=File(".csv", ".trainer"))
 @click.option("-o", "--output", type=TOML_OUTPUT, metavar="FILE", help="[default: beside]")
-@kind_option("length", text="Of the ship.")
-@kind_option("speed", "--at", "knots", text="Speed.")
+@kind_option(FIT_KINDS, "length", text="of the ship")
+@kind_option(FIT_KINDS, "speed", "--at", "knots", text="speed")
 @click.option("--ship", type=TOML_OUTPUT, metavar="FILE", help="A ship's file instead.")
 @click.option(
     "--column",
@@ -460,15 +456,6 @@ def _armax(study: "Study", options: dict[str, Any]) -> int:
         write_text(options["html"], text)
     show_report(report, page.render, lambda: page.screens(orders), options)
     return 0
-
-
-def fit_ship(study: "Study", asked: "IdentifyOptions") -> "Identification":
-    """Return a fitted ship model and its report; ConfigError if it cannot be fitted."""
-    from trainer.boat import compilation
-    from trainer.identify.pages.results import carry_out
-
-    with compilation.announce_compiling(FIT_KERNELS_TEXT, print_note, "fits", "identify/kernels"):
-        return carry_out(study, asked, show_step)
 
 
 def _model(found: "Identification", options: dict[str, Any]) -> int:

@@ -8,10 +8,9 @@ from typing import Final
 
 import click
 
-from trainer.cli.answers import print_note, show_progress, write_text
 from trainer.cli.options import TOML_OUTPUT, VESSEL_NAME
 from trainer.cli.types import Number
-from trainer.cli.workshop.fit_boat import FIT_KERNELS_TEXT
+from trainer.report.progress import print_note, show_progress, write_text
 
 MINUTES_TYPE: Final = Number(0.0, 240.0, min_open=True)
 
@@ -47,7 +46,7 @@ def plan_trial(
     FILE is an estimate or a fit. Its own boat sails each choice of legs, and the one is taken after
     which figures of turns and zig-zags should be surest. Beside it stands a plain zig-zag 20/20.
     """
-    from trainer.boat.compilation import announce_compiling
+    from trainer.api.programs import compiling_fits
     from trainer.config.files import as_typed
     from trainer.identify.boat.plan import figure_slopes, find_plan, open_question, slopes_count
     from trainer.identify.boat.planned_trial import exercise_text, render_plan
@@ -55,7 +54,7 @@ def plan_trial(
     asked = open_question(prior, minutes, room, depth)
     with show_progress(slopes_count(asked.prior), "figures") as step:
         slopes = figure_slopes(asked.prior, step).chosen(figures)
-    with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):
+    with compiling_fits():
         plan = find_plan(asked, slopes, print_note)
     if output is not None:
         write_text(output, exercise_text(plan, output))

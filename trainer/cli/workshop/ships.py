@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import print_note, show_report, show_step, write_text
-from trainer.cli.options import flags_given, options_given, record_of
+from trainer.cli.answers import show_report
+from trainer.cli.options import flags_given, options_given
+from trainer.config.keywords import fill_record
 from trainer.config.ship.fit_options import SHIP_MODELS
+from trainer.report.progress import print_note, show_step, write_text
 
 if TYPE_CHECKING:
     from trainer.config.ship.sensors import Sensors
@@ -37,18 +39,12 @@ BOAT_TRIAL_OPTIONS: Final = ("depth", "periods", "by", "sea", "write")
 SEQUENCE_OPTIONS: Final = ("bits", "hold", "seed")  # options that need an amplitude
 
 
-def path_of(vessel: str) -> Path:
-    """Return the path of a vessel's file; that of a shipped ship by its name."""
-    from trainer.config.files import shipped_names, shipped_path
-
-    return shipped_path("ships", vessel) if vessel in shipped_names("ships") else Path(vessel)
-
-
 def is_ship(vessel: str) -> bool:
     """Return whether a name or path is that of a ship that is not linear."""
+    from trainer.api.programs import ship_path
     from trainer.config.ship.ship import is_ship as is_ships_file
 
-    path = path_of(vessel)
+    path = ship_path(vessel)
     return path.suffix == ".toml" and path.is_file() and is_ships_file(path)
 
 
@@ -73,7 +69,7 @@ def design_trials(path: Path, options: dict[str, Any]) -> None:
 
     ship = load_ship(path)
     sensors = trials.sensors_of(ship, sensors_asked(options), typed_options)
-    wishes = record_of(trials.TrialOptions, options, sensors=sensors)
+    wishes = fill_record(trials.TrialOptions, options, sensors=sensors)
     with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
         design = trials.design_trials(ship, wishes)
     show_report(design.report, trials.render, lambda: trials.panels(design), options)
@@ -113,7 +109,7 @@ def identify(files: tuple[Path, ...], options: dict[str, Any]) -> int:
 
     if options["ship"] is not None:
         options = {**options, "ship": path_named(options["ship"], "ships")}
-    wishes = record_of(IdentifyOptions, options)
+    wishes = fill_record(IdentifyOptions, options)
     ship, trials, held = read_trials(files, wishes)
     with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
         result = fit_trials(ship, trials, held, wishes, show_step)
@@ -133,12 +129,13 @@ def print_figures(vessel: str, *, as_json: bool) -> None:
     if boats := flags_given(options_given() - {"vessel", "as_json"}):
         raise click.UsageError(f"{vessel} is a ship, and {boats} of boats' guides")
     from trainer.analysis.guide.trials import load_published
+    from trainer.api.programs import ship_path
     from trainer.boat import compilation
     from trainer.cli.answers import json_of
     from trainer.config.ship.ship import load_ship
     from trainer.identify.ships import published
 
-    ship = load_ship(path_of(vessel))
+    ship = load_ship(ship_path(vessel))
     figures = load_published(published.figures_path(ship))
     with compilation.announce_compiling(SHIP_KERNELS_TEXT, print_note, "ships", *SHIP_KERNELS):
         compared = published.compare_ship(ship, figures)

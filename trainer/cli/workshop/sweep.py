@@ -4,39 +4,28 @@
 shown.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
-from trainer.cli.answers import json_of, outputs, show_progress, show_report
-from trainer.cli.options import STUDY_NAME
-from trainer.cli.types import Output
+from trainer.cli.answers import json_of, outputs, show_report
+from trainer.cli.options import STUDY_NAME, kind_option
+from trainer.config.keywords import SWEEP_KEYWORDS
 
 
 @click.command()
 @click.argument("study", type=STUDY_NAME)
-@click.option(
-    "--out",
-    type=Output(".parquet"),
-    metavar="FILE",
-    help="Parquet file of the result. [default: the study's name, here]",
-)
-@click.option("--members", type=click.IntRange(1), help="How many. [default: the study's]")
+@kind_option(SWEEP_KEYWORDS, "out", usual="the study's name, here")
+@kind_option(SWEEP_KEYWORDS, "members", usual="the study's")
 @click.option(
     "--member",
     type=click.IntRange(0),
     metavar="NUMBER",
     help="Fly this one alone and print it; no file.",
 )
-@click.option("--jobs", type=click.IntRange(1, 256), help="Processes. [default: all processors]")
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Fly on the workers of this Dask scheduler, such as tcp://10.0.0.1:8786.",
-)
+@kind_option(SWEEP_KEYWORDS, "jobs", usual="all processors")
+@kind_option(SWEEP_KEYWORDS, "scheduler", metavar="ADDRESS")
 @click.option(
     "--part",
     metavar="I/N",
@@ -64,7 +53,8 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
               trainer boat sweep ./study.toml --join ./parts --out result.parquet
     """
     from trainer.analysis.sweep.job import job_of, open_job
-    from trainer.cli.workshop.subjects import subject_of
+    from trainer.api.programs import fly_sweep
+    from trainer.api.subjects import subject_of
 
     job = job_of(study, options["members"], subject_of)
     if member is not None:
@@ -79,42 +69,17 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
         return
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
     if options["join"] is None:
-        result = fly(job, out, options)
+        result = fly_sweep(job, out, options["jobs"], options["scheduler"])
     else:
         result = join_chunks(job, options["join"], out)
     report = report_of(open_job(job), result, str(out))
     show_report(report, render, lambda: panels(report, result, options["measure"]), options)
 
 
-def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
-    """Fly the members and return a table of pyarrow; show progress on a terminal."""
-    from trainer.analysis.sweep.job import open_job
-    from trainer.analysis.sweep.sweep import carry_out, cluster_crew, process_crew
-    from trainer.workers import processor_count
-
-    crew = process_crew(options["jobs"] or processor_count())
-    if options["scheduler"] is not None:
-        crew = cluster_crew(options["scheduler"])
-    with show_members(open_job(job).members) as step:
-        return carry_out(job, crew, out, step)
-
-
-@contextmanager
-def show_members(count: int) -> Iterator[Any]:
-    """Show the progress of members; say how to go on after an interrupt."""
-    from trainer.analysis.sweep.sweep import RESUME_NOTE
-
-    try:
-        with show_progress(count, "flying") as step:
-            yield step
-    except KeyboardInterrupt:
-        click.echo(f"trainer: {RESUME_NOTE}", err=True)
-        raise
-
-
 def fly_part(job: Any, options: dict[str, Any]) -> None:
     """Fly one share of a study into the folder of its parts; ConfigError."""
     from trainer.analysis.sweep.sweep import Share, fly_share, members_in, process_crew
+    from trainer.api.programs import show_members
     from trainer.config.files import ConfigError, quote
     from trainer.workers import processor_count
 

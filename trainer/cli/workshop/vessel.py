@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.answers import json_of, outputs, show_progress, show_report, write_text
+from trainer.cli.answers import json_of, outputs, show_report
 from trainer.cli.options import (
     SEA_NAME,
     SVG_OUTPUT,
@@ -22,6 +22,7 @@ from trainer.cli.options import (
     method_options,
 )
 from trainer.cli.types import Number
+from trainer.report.progress import show_progress, write_text
 
 
 @click.command()

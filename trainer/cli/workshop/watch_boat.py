@@ -1,6 +1,6 @@
 """The command ``trainer boat watch``: whether records are still of a boat that was fitted.
 
-``identify/boat/watch`` computes. Here its options are read, and its result shown and written.
+``identify/boat/watch`` computes. Here its options are read, and its result shown.
 ``live_watch`` is the same of a session that goes on.
 """
 
@@ -8,17 +8,19 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from trainer.cli.answers import json_of, print_note, show_progress, write_text
-from trainer.cli.options import HTML_OUTPUT, VESSEL_NAME, connect_options, flags_given
-from trainer.cli.workshop.fit_boat import FIT_KERNELS_TEXT, TRIAL_FILE, instrument_options
+from trainer.cli.answers import json_of
+from trainer.cli.options import VESSEL_NAME, connect_options, flags_given, kind_option
+from trainer.cli.workshop.fit_boat import TRIAL_FILE, instrument_options
+from trainer.config.keywords import FIT_BOAT_KEYWORDS
+from trainer.report.progress import print_note
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
-    from trainer.identify.boat.watch import BoatWatch, WatchFiles
+    from trainer.identify.boat.watch import BoatWatch
 
-RECORD_OPTIONS: Final = ("columns", "gauge_x", "late", "coarse", "anyway")  # of what wrote a record
+# of what wrote a record
+RECORD_OPTIONS: Final = ("columns", "gauge_x", "late", "still", "coarse", "anyway")
 SESSION_OPTIONS: Final = ("url", "token")
 
 
@@ -27,7 +29,7 @@ SESSION_OPTIONS: Final = ("url", "token")
 @click.argument("records", type=TRIAL_FILE, nargs=-1, metavar="[RECORD...]")
 @instrument_options
 @connect_options
-@click.option("--html", type=HTML_OUTPUT, metavar="FILE", help="Write one HTML page.")
+@kind_option(FIT_BOAT_KEYWORDS, "html")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def watch(**options: Any) -> None:
     """Tell from when on records are no longer of a fitted boat, and why.
@@ -43,50 +45,38 @@ def watch(**options: Any) -> None:
     """
     from dataclasses import asdict
 
+    from trainer.api.programs import watch_boat
     from trainer.identify.boat.watch_page import render
 
-    report = carry_out(options) if options["records"] else follow_session(options)
-    if report is None:
+    as_json, session = options.pop("as_json"), {name: options.pop(name) for name in SESSION_OPTIONS}
+    if options["records"]:
+        refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
+        report = watch_boat(**options)
+    elif (last := follow_session(options, **session)) is not None:
+        report = last
+    else:
         print_note("it ended before anything could be said")
         return
-    click.echo(json_of(asdict(report)) if options["as_json"] else render(report))
+    click.echo(json_of(asdict(report)) if as_json else render(report))
 
 
-def carry_out(options: dict[str, Any]) -> "BoatWatch":
-    """Watch a boat by records as the options say, and write its page."""
-    from trainer.boat.compilation import announce_compiling
-    from trainer.identify.boat.instruments import instruments_of
-    from trainer.identify.boat.watch import open_watch, watch_boat
-
-    refuse_options(SESSION_OPTIONS, "is of a session, and records are given")
-    words = (options[name] for name in ("columns", "bias", "gauge_x", "late"))
-    taken = {name: options[name] for name in ("coarse", "anyway", "still")}
-    instruments = instruments_of(*words, **taken)
-    files = open_watch(options["fitted"], options["records"], instruments)
-    with (
-        announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"),
-        show_progress(files.windows, "watching") as step,
-    ):
-        report = watch_boat(files, step)
-    write_page(options["html"], files, report)
-    return report
-
-
-def follow_session(options: dict[str, Any]) -> "BoatWatch | None":
+def follow_session(
+    options: dict[str, Any], url: str | None, token: str | None
+) -> "BoatWatch | None":
     """Watch the boat of a session to its end; return the last verdict, None without."""
-    from trainer.boat.compilation import announce_compiling
+    from trainer.api.programs import compiling_fits, write_watch
     from trainer.cli.workshop.live_watch import watch_session
     from trainer.identify.boat.instruments import instruments_of
     from trainer.identify.boat.watch import open_watch
 
     refuse_options(RECORD_OPTIONS, "is of records, and none is given")
-    biases = instruments_of((), options["bias"]).biases
-    files, place = open_watch(options["fitted"], ()), (options["url"], options["token"])
-    with announce_compiling(FIT_KERNELS_TEXT, print_note, "fits of boats", "identify/boat"):
-        last = watch_session(files, *place, biases, print_note)
+    biases = instruments_of(bias=options["bias"]).biases
+    files = open_watch(options["fitted"], ())
+    with compiling_fits():
+        last = watch_session(files, url, token, biases, print_note)
     if last is None:
         return None
-    write_page(options["html"], *last)
+    write_watch(options["html"], *last)
     return last[1]
 
 
@@ -96,11 +86,3 @@ def refuse_options(names: "Iterable[str]", why: str) -> None:
 
     if given := flags_given(names):
         raise ConfigError(f"{given}: {why}")
-
-
-def write_page(path: "Path | None", files: "WatchFiles", report: "BoatWatch") -> None:
-    """Write the page of a watch, if a path is given."""
-    from trainer.identify.boat.watch_page import html_page
-
-    if path is not None:
-        write_text(path, html_page(files, report), "--html")

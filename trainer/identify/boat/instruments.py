@@ -17,8 +17,8 @@ BIAS_STATES: Final = {name.removesuffix("_error"): name for name in SLOW_KINDS}
 
 
 def instruments_of(  # noqa: PLR0913 - one for each option
-    columns: Iterable[str],
-    biases: Iterable[str],
+    columns: Iterable[str] = (),
+    bias: Iterable[str] = (),
     gauge_x: float = 0.0,
     late: float = 0.0,
     *,
@@ -30,7 +30,7 @@ def instruments_of(  # noqa: PLR0913 - one for each option
     found, sizes = {}, {}
     for channel, text in _pairs(COLUMNS_OPTION, columns, BOAT_WORDS):
         found[channel] = column_said(text)
-    for name, text in _pairs("--bias", biases, BIAS_STATES):
+    for name, text in _pairs("--bias", bias, BIAS_STATES):
         state = BIAS_STATES[name]
         try:
             sizes[state] = float(text) * (DEGREE if SLOW_KINDS[state].unit == "rad" else 1.0)

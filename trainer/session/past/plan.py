@@ -35,6 +35,7 @@ from trainer.config.exercise.reference_crew import Crew
 from trainer.config.exercise.score_rules import ScoreRule, with_quiet_hands
 from trainer.config.exercise.steps import Step
 from trainer.config.files import ConfigError, read_text
+from trainer.config.keywords import STEP_LIMITS
 from trainer.config.words import ENDLESS_BATTERY
 from trainer.config.world.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.world.world import WorldTables
@@ -45,7 +46,6 @@ from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.past.options import RunOptions
 from trainer.units import KNOT
 
-STEP_LIMITS = 0.001, 2.0  # [s] of steps that are accepted
 # For each option that overrules an exercise: the key of the exercise's heading that it overrules.
 OVERRULED_SETTINGS: Final = {
     "vessel": "vessel",
