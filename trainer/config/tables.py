@@ -5,14 +5,13 @@ decided by its whole column, because one cell alone is ambiguous: 1,234 is two n
 """
 
 import csv
-import io
 import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, time
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Final
 
@@ -30,6 +29,7 @@ COLUMN_SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}
 HEADINGS_EXAMPLE: Final = "such as t, rudder, heading"
 SEPARATOR_ROWS: Final = 40  # [rows] that tell the separator
 MAX_NUMBER: Final = 1e15  # of a number; what is beyond it is none that was measured
+MOST_SHARED: Final = 100_000  # cells that are looked for among those before
 DAY_S: Final = 86400.0  # [s]
 EVEN_STEP_TOLERANCE: Final = 1e-3  # [-] of an interval: what differs less is at one interval
 MIN_CLOCK_ROWS: Final = 20  # rows, to judge a clock
@@ -42,6 +42,8 @@ GROUPED_NUMBER: Final = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # or three de
 UNGROUPED_NUMBER: Final = re.compile(
     r"[+-]?(?:\d{4,}(?:[.,]\d+)?|\d*[.,](?:\d\d?|\d{4,})|0*[.,]\d+)"
 )
+LINE: Final = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+\Z")
+COMMENT_LINE: Final = re.compile(r"(?:^|[\r\n])[^\S\r\n]*(?:#|%|//)")
 COMMENT_MARK: Final = re.compile(r"\s*(?:#|%|//)")  # of a line
 SEPARATOR_LINE: Final = re.compile(r"sep=([,;\t])[ \t]*(?=[\r\n])", re.IGNORECASE)  # Excel's
 UTC_ENDING: Final = re.compile(r"\s*(?:UTC|GMT)$", re.IGNORECASE)
@@ -99,6 +101,12 @@ class CsvTable:
     def numbers(self, index: int) -> Numbers:
         """Return a column, NaN where it is empty. ConfigError naming the row of what is none."""
         texts = self.texts(index)
+        try:
+            numbers = np.array(texts, str).astype(float)
+        except ValueError:  # empty cells, or one that is no number
+            numbers = np.array([math.inf])
+        if (np.abs(numbers) <= MAX_NUMBER).all():
+            return numbers
         return np.array([self.number(row, index, text) for row, text in enumerate(texts)], float)
 
     def known(self, index: int) -> Numbers:
@@ -200,13 +208,20 @@ def read_table(path: Path) -> CsvTable:
     if separator != ",":
         remarks.append(f"columns by {COLUMN_SEPARATORS[separator]}")
     try:
-        lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+        lines = csv.reader(_lines(text), delimiter=separator)
         heads = tuple(name.strip() for name in next(filter(None, lines), []))
-        rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if row]
+        rows, same = list[tuple[int, list[str]]](), dict[str, str]()
+        for row in filter(None, lines):
+            # a cell that stands in many rows is one text
+            cells = [same.setdefault(cell, cell) for cell in map(str.strip, row)]
+            rows.append((lines.line_num, cells))
+            if len(same) > MOST_SHARED:
+                same.clear()
     except csv.Error as error:
         raise ConfigError(f"{path}: is not a CSV text: {error}") from error
     _check_heading(path, heads, text)
-    size = max([_bare_size(heads), *(_bare_size(row) for _, row in rows)])
+    del text, lines  # of a long record they are as large as its numbers
+    size = max(_bare_size(heads), max((_bare_size(row) for _, row in rows), default=0))
     heads = heads[:size]
     for _, row in rows:  # a line may end in separators
         del row[size:]
@@ -229,9 +244,17 @@ def read_table(path: Path) -> CsvTable:
     )
 
 
+def _lines(text: str) -> Iterator[str]:
+    """Yield the lines of a text with their ends, without a copy of it."""
+    return (line[0] for line in LINE.finditer(text))
+
+
 def _without_comments(text: str, told: list[str]) -> str:
     """Return a text, its lines of comment empty; one just above numbers is their heading."""
-    lines = list(io.StringIO(text, newline=""))
+    marked = any(mark in text for mark in ("#", "%", "//"))
+    if not marked or not COMMENT_LINE.search(text):
+        return text
+    lines = [*_lines(text)]
     marks = {i for i, line in enumerate(lines) if COMMENT_MARK.match(line)}
     first = next((i for i, line in enumerate(lines) if line.strip() and i not in marks), 0)
     if marks and any(_is_value(cell.strip()) for cell in re.split("[\t;,]", lines[first])):
@@ -244,6 +267,8 @@ def _without_comments(text: str, told: list[str]) -> str:
 
 def _bare_size(cells: Sequence[str]) -> int:
     """Return how many cells there are without the empty last ones."""
+    if cells and cells[-1].strip():
+        return len(cells)
     return next((i for i in range(len(cells), 0, -1) if cells[i - 1].strip()), 0)
 
 
@@ -268,7 +293,7 @@ def _separator(text: str) -> str:
 
     def agreeing(separator: str) -> int:
         try:
-            rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+            rows = csv.reader(_lines(text), delimiter=separator)
             first = [row for _, row in zip(range(SEPARATOR_ROWS), rows, strict=False) if row]
         except csv.Error:
             return 0
@@ -283,7 +308,7 @@ def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
     """Check that the first line can be the headings of columns; ConfigError if it is none."""
     if not heads:
         raise ConfigError(f"{path}: is empty; headings of columns belong there, {HEADINGS_EXAMPLE}")
-    first = next((n for n, line in enumerate(text.splitlines(), 1) if line.strip()), 1)
+    first = next((n for n, line in enumerate(_lines(text), 1) if line.strip()), 1)
     if len(heads) > 1 and all(map(_is_number, heads)):
         raise ConfigError(
             f"{path}: line {first}: numbers; the headings of columns belong there, "
@@ -291,7 +316,7 @@ def _check_heading(path: Path, heads: Sequence[str], text: str) -> None:
         )
     if len(heads) == 1 and heads[0].count("|"):
         raise ConfigError(f'{path}: "|" parts columns: write commas, semicolons or tabs instead')
-    beyond = text.splitlines()[first : first + SEPARATOR_ROWS]
+    beyond = [*islice(_lines(text), first, first + SEPARATOR_ROWS)]
     for separator in COLUMN_SEPARATORS.keys() - {","}:  # which numbers may have within
         sizes = Counter(line.count(separator) + 1 for line in beyond if line.strip())
         size, count = sizes.most_common(1)[0] if sizes else (1, 0)
