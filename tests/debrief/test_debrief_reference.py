@@ -19,7 +19,7 @@ from helpers.recorded import PANEL, record
 
 from trainer.config.exercise.outcome import Outcome
 from trainer.config.files import ConfigError
-from trainer.debrief.attainable.changes import ChangeCause
+from trainer.debrief.attainable.changes import FaultKind
 from trainer.debrief.attainable.curve import AttainableCurve
 from trainer.debrief.attainable.explorer import RunExplorer
 from trainer.debrief.attainable.words import TEXT_COLUMNS, text_axis
@@ -149,7 +149,7 @@ def test_an_order_that_did_not_come_is_named_with_the_time_at_which_it_was_due(
 ) -> None:
     debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
     (change, *_) = curve_of(debrief).changes
-    assert (change.cause, change.order) == (ChangeCause.MISSING, "bell astern two-thirds")
+    assert (change.fault, change.order) == (FaultKind.MISSING, "bell astern two-thirds")
     assert change.tick == 128
     assert '"bell astern two-thirds" was due at 1:04 and did not come' in " ".join(
         as_text(debrief).split()

@@ -24,7 +24,7 @@ from trainer.config.exercise.progress import (
     trainees_folder,
 )
 from trainer.config.files import ConfigError
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange
+from trainer.debrief.attainable.changes import FaultKind, MarkChange
 from trainer.debrief.page.page import read_dossier
 from trainer.debrief.trainees.progress import costs_of, own_marks_of, remember_run
 from trainer.debrief.trainees.progress_words import progress_lines
@@ -121,44 +121,44 @@ def test_a_lesson_with_a_step_undone_is_kept_as_not_done_and_comes_again(tmp_pat
     assert suggestion.lesson.name == "wheel-and-course"
 
 
-def test_kinds_of_loss_follow_from_the_causes_of_the_curve() -> None:
-    cause = ChangeCause
+def test_kinds_of_loss_follow_from_the_faults_of_the_curve() -> None:
+    fault = FaultKind
     changes = [
-        MarkChange(0, 10, -20.0, cause.MISSING, "bell astern full"),
-        MarkChange(10, 20, -7.0, cause.MISSING, "pump trim aft 3"),
-        MarkChange(20, 30, -9.0, cause.STEERING),
-        MarkChange(30, 40, -4.0, cause.ORDER, "rudder left 20"),
-        MarkChange(40, 50, 6.0, cause.BETTER),
+        MarkChange(0, 10, -20.0, fault.MISSING, "bell astern full"),
+        MarkChange(10, 20, -7.0, fault.MISSING, "pump trim aft 3"),
+        MarkChange(20, 30, -9.0, fault.STEERING, "bow planes rise 5"),
+        MarkChange(30, 40, -4.0, fault.NEEDLESS, "rudder left 20"),
     ]
-    found = {"late": 20.0, "trim": 7.0, "overshoot": 7.0, "wrong way": 0.0, "other": 0.0}
+    found = {"late": 20.0, "trim": 7.0, "overshoot": 13.0, "wrong way": 0.0, "other": 0.0}
     assert costs_of(changes) == found
 
 
 def test_late_overshoot_wrong_way_and_trim_are_told_apart_by_what_was_done() -> None:
-    cause = ChangeCause
+    fault = FaultKind
     kinds = {
-        MarkChange(0, 1, -9.0, cause.MISSING, "hover on", tick=0, came=70): "late",
-        MarkChange(0, 1, -9.0, cause.MISSING, "pump trim aft 3", tick=0, came=70): "late",
-        MarkChange(0, 1, -9.0, cause.MISSING, control="planes", tick=0, came=70): "late",
-        MarkChange(0, 1, -9.0, cause.MISSING, control="planes", tick=0): "late",
-        MarkChange(0, 1, -9.0, cause.MISSING, "pump trim aft 3", tick=0): "trim",
-        MarkChange(0, 1, -9.0, cause.ORDER, "flood auxiliary 9"): "trim",
-        MarkChange(0, 1, -9.0, cause.WRONG_WAY, "pump trim forward 3"): "wrong way",
-        MarkChange(0, 1, -9.0, cause.ORDER, "blow all"): "wrong way",
-        MarkChange(0, 1, -9.0, cause.ORDER, "rudder right 30"): "overshoot",
-        MarkChange(0, 1, -9.0, cause.STEERING): "overshoot",
-        MarkChange(0, 1, -9.0, cause.NO_ORDER): "other",
+        MarkChange(0, 1, -9.0, fault.LATE, "hover on", tick=0, came=70): "late",
+        MarkChange(0, 1, -9.0, fault.LATE, "pump trim aft 3", tick=0, came=70): "late",
+        MarkChange(0, 1, -9.0, fault.STEERING, came=70): "late",
+        MarkChange(0, 1, -9.0, fault.MISSING, "pump trim aft 3", tick=0): "trim",
+        MarkChange(0, 1, -9.0, fault.WRONG_AMOUNT, "pump trim aft 9"): "trim",
+        MarkChange(0, 1, -9.0, fault.NEEDLESS, "flood auxiliary 9"): "trim",
+        MarkChange(0, 1, -9.0, fault.WRONG_WAY, "pump trim forward 3"): "wrong way",
+        MarkChange(0, 1, -9.0, fault.UNDONE, "bell stop"): "wrong way",
+        MarkChange(0, 1, -9.0, fault.NEEDLESS, "blow all"): "wrong way",
+        MarkChange(0, 1, -9.0, fault.WRONG_AMOUNT, "bell ahead one-third"): "overshoot",
+        MarkChange(0, 1, -9.0, fault.STEERING, "stern planes dive 9"): "overshoot",
+        MarkChange(0, 1, -9.0, fault.UNPROVED): "other",
     }
     for change, kind in kinds.items():
         assert {each for each, marks in costs_of([change]).items() if marks} == {kind}
 
 
 def test_what_cost_marks_adds_up_to_what_was_lost() -> None:
-    cause, draws = ChangeCause, np.random.default_rng(3)
+    cause, draws = FaultKind, np.random.default_rng(3)
     for _ in range(200):
-        marks = draws.normal(-5.0, 20.0, 8)
+        marks = -draws.exponential(12.0, 8)
         falls = [MarkChange(i, i, each, cause.STEERING) for i, each in enumerate(marks)]
-        lost = max(-float(marks.sum()), 0.0)
+        lost = -float(marks.sum())
         assert sum(costs_of(falls).values()) == pytest.approx(lost, abs=0.3)
 
 

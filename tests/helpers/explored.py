@@ -9,6 +9,7 @@ from trainer.boat.reference_crew import CrewReaction
 from trainer.debrief.attainable.explorer import RunExplorer
 from trainer.debrief.marks.judgement import judge_run, plain_marks
 from trainer.debrief.marks.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
+from trainer.io.recording.facts import GiverKind
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
 
@@ -45,6 +46,20 @@ def planted(name: str, seconds: float, text: str, without: str = "") -> Rehearsa
     more = [journalled(9000, round(2 * seconds), "panel", text, "")] if text else []
     for entry in (*given, *more):
         orders.setdefault(entry.tick, []).append(entry)
+    return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
+
+
+def with_fault(name: str, right: str, wrong: str | None, late: float) -> Rehearsal:
+    """Return the reference crew's run with an order given otherwise, later [s] or not at all."""
+    plan = plan_of(name)
+    given = by_crew(name).trajectory.orders
+    own = (each for each in given if each.text == right)
+    due = next(each for each in own if each.giver.kind is GiverKind.REFERENCE)
+    fault = [journalled(9000, due.tick + round(2 * late), "panel", wrong, "")] if wrong else []
+    orders: dict[int, list[Any]] = {}
+    for entry in (*(each for each in given if each is not due), *fault):
+        orders.setdefault(entry.tick, []).append(entry)
+    boat = start_plan(plan)
     return fly(plan, Departure(0, boat.records.state.copy()), orders)[0]
 
 

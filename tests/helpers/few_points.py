@@ -5,20 +5,17 @@ import pytest
 from trainer.debrief.attainable import curve as attainable_curve
 from trainer.debrief.attainable.explorer import RunExplorer
 
+PERIODS = 100  # of the finest, from moment to moment
+
 
 def look_at_few_moments(patch: pytest.MonkeyPatch) -> None:
-    """Let a debrief look at few moments for what could still be earned.
+    """Let a debrief look at few moments for what could still be earned."""
 
-    They lie ten times further apart than else, and are not halved where marks fall.
-    """
+    def look_at_a_few(run: RunExplorer) -> None:
+        for tick in (run.last, *range(0, run.last, PERIODS * run.finest)):
+            run.point(tick)
 
-    def look_at_ends(run: RunExplorer, before: int, after: int) -> None:
-        run.point(before)
-        run.point(after)
-
-    patch.setattr(attainable_curve, "POINT_PERIODS", 100)
-    patch.setattr(attainable_curve, "IDLE_POINTS", 1)
-    patch.setattr(attainable_curve, "halve", look_at_ends)
+    patch.setattr(attainable_curve, "fly_points", look_at_a_few)
 
 
 @pytest.fixture

@@ -3,24 +3,30 @@
 import re
 from contextlib import closing
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from helpers.crewed import Begin, Crewed
+from helpers.evaluating import evaluate_here
 from helpers.line import Line
 
-from trainer.boat.casualties import broken_gauges
 from trainer.config.exercise.reference_crew import Crew
+from trainer.debrief.live.advice import COMPARE_TEXT
 from trainer.io.orders.sentences import order_sentence, parse_sentence
 from trainer.io.orders.words import CREW_ROLES
 from trainer.io.recording.recording import Recording
-from trainer.session.exercise.hints import COMPARE_TEXT, NOTHING_TEXT
+from trainer.session.exercise import evaluation
+from trainer.session.exercise.hints import NO_MORE_TEXT, NOTHING_TEXT
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run
 
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
 JAMMED = 160  # [tick] some seconds after the stern planes have jammed
-TOLD = "hint, 5 marks: bell astern full, due since 00:01:11: the gauges show stern < -4"
+TOLD = (
+    "hint, 5 marks: bell astern full and bow planes rise 30, due since 00:01:11, "
+    "for the gauges show stern < -4: 85 marks lost by waiting 30 s more"
+)
 
 
 def planned(exercise: str | None) -> Plan:
@@ -32,6 +38,19 @@ def trainee(ship: Crewed) -> Line:
     if not ship.instructor.ended:
         ship.leaves(ship.instructor)
     return ship.comes("trainee")
+
+
+@pytest.fixture
+def crewed(crewed: Begin, monkeypatch: pytest.MonkeyPatch) -> Begin:
+    """Return what begins sessions whose runs are evaluated."""
+
+    def begin(**words: Any) -> Crewed:
+        ship = crewed(**words)
+        if words["plan"].crew.rules:
+            evaluate_here(ship, monkeypatch, words["plan"])
+        return ship
+
+    return begin
 
 
 @pytest.fixture
@@ -110,54 +129,43 @@ def test_what_is_undone_is_due_again_and_the_hint_says_why(line: Line, jam: Crew
         jam.fly(4)
     jam.say(line, "bell ahead full")
     jam.fly(4)
-    undone = "hint, 5 marks: bell astern full, due since 00:01:24: another order has undone it"
-    assert asks(jam, line) == ("ok", undone)
+    undone = "hint, 5 marks: bell astern full, which was ordered and does not stand: 6"
+    assert asks(jam, line)[1].startswith(undone)
 
 
-def test_where_nothing_is_overdue_a_hint_is_what_the_hands_would_steer(crewed: Begin) -> None:
+def test_where_no_order_is_due_a_hint_is_what_the_hands_would_steer(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
     line = trainee(ship)
-    ship.fly(400)
-    _, text = asks(ship, line)
-    assert re.fullmatch(
-        r"hint, 5 marks: (stern|bow) planes [a-z0-9 ]+: so its planesman would steer now", text
-    )
+    ship.fly(160)
+    told = r"hint, 5 marks: (stern|bow) planes [a-z0-9 ]+, as its planesman would steer: \d+ marks "
+    assert re.match(told + "lost by waiting 30 s more", asks(ship, line)[1])
+    ship.fly(900)
+    assert asks(ship, line) == ("ok", NO_MORE_TEXT)
 
 
-@pytest.mark.parametrize(
-    ("exercise", "casualty"),
-    [("depth-gauge-failure", ""), ("first-depth-change", "casualty depth-gauge-biased 0.4")],
-)
+@pytest.mark.parametrize("casualty", ["depth-gauge-biased 0.4", "gyro-biased 0.5"])
 def test_where_the_gauge_that_a_hand_steers_by_lies_no_order_of_it_is_sold(
-    crewed: Begin, exercise: str, casualty: str
+    crewed: Begin, casualty: str
 ) -> None:
-    ship = crewed(plan=planned(exercise), seconds=1200.0)
-    ship.fly(240)
-    if casualty:
-        assert ship.say(ship.instructor, casualty)[0] == "ok"
-    line = trainee(ship)
-    ship.fly(80)
-    told = []
-    for _ in range(6):
-        ship.fly(40)
-        told.append(asks(ship, line)[1])
-
-    assert told[0] == f"hint, 5 marks: {COMPARE_TEXT}"
-    assert not [text for text in told if "would steer" in text]
-    for text in told:  # what the watch calls is true
-        assert COMPARE_TEXT in text or "hint, 5 marks: depth 40, due since" in text
-
-
-def test_a_hand_s_own_gauge_alone_keeps_its_order_back(crewed: Begin) -> None:
     ship = crewed(plan=planned("first-depth-change"), seconds=600.0)
-    assert ship.say(ship.instructor, "casualty gyro-biased 0.5")[0] == "ok"
+    ship.fly(100)
+    assert ship.say(ship.instructor, f"casualty {casualty}")[0] == "ok"
     line = trainee(ship)
-    ship.fly(400)
-    assert asks(ship, line)[1].endswith("so its planesman would steer now")
-    ship.leaves(line)
-    assert ship.say(ship.comes("instructor"), "casualty depth-gauge-noisy")[0] == "ok"
-    ship.fly(2)
-    assert broken_gauges(ship.boat) == {"gyro", "depth-gauge"}
+    ship.fly(60)
+    own = casualty.startswith("depth")
+    told = asks(ship, line)[1]
+    assert (told == f"hint, 5 marks: {COMPARE_TEXT}") is own
+    assert ("as its planesman would steer" in told) is not own
+
+
+def test_no_hint_is_of_an_order_that_is_not_due(crewed: Begin) -> None:
+    ship = crewed(plan=planned("depth-gauge-failure"), seconds=1200.0)
+    line = trainee(ship)
+    for _ in range(5):
+        ship.fly(60)
+        told = asks(ship, line)[1]
+        known = "due since" in told or "would steer" in told
+        assert known or told in (NOTHING_TEXT, NO_MORE_TEXT, f"hint, 5 marks: {COMPARE_TEXT}"), told
 
 
 def test_a_hint_stays_with_who_goes_back_before_it_and_not_with_a_run_from_the_start(
@@ -211,15 +219,13 @@ def test_in_a_lesson_the_hint_of_its_step_comes_at_once_and_costs_nothing(crewed
     assert told_in(ship, 1) == []
 
 
-def test_a_thread_that_fails_is_told_and_the_next_hint_is_asked(
+def test_a_process_that_dies_is_told_and_the_next_hint_is_asked(
     line: Line, jam: Crewed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("trainer.session.exercise.reference_flight.follow_run", lambda *_: 1 // 0)
-        assert asks(jam, line) == (
-            "no",
-            "no hint: ZeroDivisionError: integer division or modulo by zero",
-        )
+        patch.setattr(evaluation.EvaluatorProcess, "ask", lambda *_: None)
+        told = "the evaluation's process has ended with 0: ask again"
+        assert asks(jam, line) == ("no", told)
     assert asks(jam, line) == ("ok", TOLD)
 
 

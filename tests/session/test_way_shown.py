@@ -1,14 +1,18 @@
 """The reference crew shows the way from a frozen moment, and the boat is back there afterwards."""
 
 from contextlib import closing
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from helpers.crewed import Begin, Crewed
+from helpers.evaluating import evaluate_here
 from helpers.sessions import start_plan
 
+from trainer.boat.depths import lowest_depth
 from trainer.boat.due_orders import entries_due
 from trainer.boat.mute_crew import MuteCrew
-from trainer.debrief.marks.rehearsal import Departure, fly
+from trainer.debrief.marks.rehearsal import Departure, fly, fly_rehearsal
 from trainer.io.recording.facts import NO_CREW_FACT, SCHEDULE_GIVER, BranchCause, GiverKind
 from trainer.io.recording.recording import RecordedOrder, Recording, RecordingError
 from trainer.session.past.options import RunOptions
@@ -23,6 +27,18 @@ SHOWN_TICKS = 60
 def planned(exercise: str | None) -> Plan:
     """Return the plan of a shipped exercise, or of free sailing."""
     return plan_run(RunOptions(exercise=exercise, given=frozenset({"exercise"})))
+
+
+@pytest.fixture
+def crewed(crewed: Begin, monkeypatch: pytest.MonkeyPatch) -> Begin:
+    """Return what begins sessions whose runs are evaluated."""
+
+    def begin(**words: Any) -> Crewed:
+        ship = crewed(**words)
+        evaluate_here(ship, monkeypatch, words["plan"])
+        return ship
+
+    return begin
 
 
 @pytest.fixture
@@ -193,11 +209,11 @@ TICKS_A_SECOND = 2
     [
         ((), 90.0, ""),
         (("depth > 200",), 90.0, ""),
-        (("depth > 200",), 140.0, "loses at 00:02:"),
-        ((), LATE_S, "goes past test depth at 00:02:46, 250 m deep"),
+        (("depth > 200",), 140.0, "loses (deeper than 200 m at 2:30.5), "),
+        ((), LATE_S, "loses (deeper than 200 m at 2:30.5), "),
     ],
 )
-def test_a_way_that_loses_or_passes_test_depth_is_not_shown_and_it_is_told_what_was_found(
+def test_a_way_that_loses_is_not_shown_and_it_is_told_what_was_found(
     crewed: Begin, lost: tuple[str, ...], seconds: float, found: str
 ) -> None:
     ship = crewed(plan=planned("stern-servo"), seconds=480.0, lost=lost)
@@ -213,7 +229,7 @@ def test_a_way_that_loses_or_passes_test_depth_is_not_shown_and_it_is_told_what_
     told = ship.events(ship.instructor, "shown")[0]
     assert (ship.session.dispatch.way.origin is None) is bool(found)
     if found:
-        assert told.startswith(f"the way is not shown: from here the reference crew {found}")
+        assert told.startswith(f"the way is not shown: the best that was found from here {found}")
         assert ship.boat.snapshot().tobytes() == before
     else:
         ship.fly(SHOWN_TICKS + 5)
@@ -258,3 +274,19 @@ def test_a_recording_that_was_cut_short_goes_on_where_the_crew_was(jam: Crewed) 
         latest = recording.latest()
 
     assert (latest.branch, latest.tick) == (3, JAMMED)
+
+
+def test_a_way_past_test_depth_is_not_shown(crewed: Begin) -> None:
+    """The jam takes the boat some metres deeper: here that is past test depth."""
+    plan = planned("stern-plane-jam")
+    file = plan.launch_boat().file
+    columns = fly_rehearsal(plan).trajectory.columns
+    here = lowest_depth(columns["z"][JAMMED], columns["theta"][JAMMED], file.hull.length)
+    hull = replace(file.hull, test_depth_m=float(here) + 0.5)
+    ship = crewed(plan=replace(plan, file=replace(plan.file, hull=hull)), seconds=600.0)
+    ship.fly(JAMMED)
+    ship.order("freeze")
+    ship.order("demonstrate for 30 s")
+    ship.settle(lambda: not ship.session.dispatch.way.preparing)
+    told = ship.events(ship.instructor, "shown")[0]
+    assert "the best that was found from here goes past test depth, " in told

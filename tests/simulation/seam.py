@@ -88,6 +88,11 @@ class Evaluator:
             return None
         if dice.random() < DEAD_SHARE:
             return {"free": "the crew sails freely"}
+        if question.wants == "way":
+            fault = dice.choice(("", "loses (the boat was lost)"))
+            return {"way": {"first": [], "settled": [], "drops_late": False, "fault": fault}}
+        if question.wants == "hint":
+            return {"hint": dice.choice(("", "bell astern full: all")), "marks": 50.0}
         marks = {"marks": dice.uniform(0.0, 100.0), "so_far": 0.0, "lost": False, "won": False}
         return {**marks, "with": 50.0} if question.order else marks
 

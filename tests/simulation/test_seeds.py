@@ -32,8 +32,12 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.words import ORDER_WORDS
 
 SEEDS: Final = 60  # `python -m tests.simulation` plays more
-# They need an exercise with aids or an evaluation, a boat that is crushed, and a leak that lasts.
-SELDOM_SAID: Final = {"word ghost", "word what-if", "gate lost_gate", "called oil tank half"}
+# They need an exercise with aids or an evaluation, a boat that is crushed, a leak that lasts, or an
+# instructor after the end of an exercise with marks.
+SELDOM_SAID: Final = {
+    *("word ghost", "word what-if", "gate lost_gate", "called oil tank half"),
+    *("word release-marks", "heard marks"),
+}
 LONGEST_S: Final = 5.0  # that a process lives
 KEPT: Final = sorted((places.TESTS / "simulation" / "kept").glob("*.json"))
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # who is killed closes nothing

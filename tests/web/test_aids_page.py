@@ -77,7 +77,7 @@ def test_who_trains_has_both_aids_and_the_way_by_keyboard(
 
     expect(page.locator("#hint")).to_have_text("Hint: 5 marks")
     press(page, "#hint")
-    told = re.compile("^(hint, 5 marks: .*|nothing is overdue.*)$")
+    told = re.compile("^(hint, 5 marks: .*|nothing is missing.*)$")
     expect(page.locator("#aids [role=status]")).to_have_text(told, timeout=LONG)
     see_whole(page, f"with a hint at {size}", BEYOND)
 

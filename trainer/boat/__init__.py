@@ -18,8 +18,8 @@ machine code for others. ``entries`` is the table of kernels that are called fro
 __all__ = [
     "assemble", "ballast_orders", "boat", "calls", "casualties", "compilation", "crew_hands",
     "crew_orders", "depths", "due_orders", "effects", "entries", "envelope", "export",
-    "flown_ticks", "grounding", "helm", "limits", "linear", "machine_code", "mute_crew", "pilot",
-    "plant", "plant_alerts", "plant_effects", "platforms", "quantities", "readings",
-    "reference_crew", "safe_depth", "sea_orders", "ship", "stability", "world",
+    "flown_ticks", "grounding", "helm", "limits", "linear", "machine_code", "mute_crew",
+    "order_controls", "pilot", "plant", "plant_alerts", "plant_effects", "platforms", "quantities",
+    "readings", "reference_crew", "safe_depth", "sea_orders", "ship", "stability", "world",
 ]
 # fmt: on

@@ -8,21 +8,17 @@ of it can take over and speak.
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
-from itertools import pairwise
 from operator import itemgetter
 from typing import Final
-
-import numpy as np
 
 from trainer.boat.boat import Boat
 from trainer.boat.crew_hands import TIME_ROUNDING_S
 from trainer.boat.helm import obey_order
+from trainer.boat.order_controls import OrderControls
 from trainer.boat.reference_crew import CrewReaction, ReferenceCrew, RuleProgress
 from trainer.boat.world.world import WORLD_PARTS
 from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS, Crew
-from trainer.config.exercise.score_rules import ANSWER_ORDERS
 from trainer.io.orders.grammar import Order, Refused
-from trainer.io.orders.words import ORDER_WORDS
 
 AXES_OF_HANDS: Final = {"planesman": "planes", "helmsman": "rudder"}
 WATER_ORDERS: Final = ("flood", "pump")  # so many tonnes into a tank, out of it, or to another
@@ -34,16 +30,20 @@ class MuteCrew:
     def __init__(self, boat: Boat, crew: Crew, reaction: CrewReaction | None = None) -> None:
         """Come aboard where the run begins."""
         self.crew = ReferenceCrew(boat, crew, reaction)
+        self.controls = OrderControls(boat)
+        self.answered = False  # whether other orders have answered any rule
+        self._standing: dict[str, bool] = {}  # orders, until somebody gives any
 
     def follow(self, given: Iterable[Order]) -> None:
         """Look at the gauges and the orders of this tick.
 
-        A rule is done when somebody gave its order since what it waits for came. It is also done
-        when its order is due and would change nothing, because another order has done the same.
-        What it ordered is then wanted, and due again once an order works its control against it.
+        A rule is done when somebody gave its order since what it waits for came, or when its order
+        is due and would change nothing. It is answered, and what follows it may come, when its
+        order is due and another one works all its controls.
         """
         crew, orders = self.crew, list(given)
-        carried_out = []
+        if orders:
+            self.look_anew()
         crew.notice()
         for progress in crew.followed:
             if progress.due is None:
@@ -53,41 +53,44 @@ class MuteCrew:
                 done = crew.is_due(progress)
             else:
                 done = any(is_same_order(order, each) for each in orders) or (
-                    crew.is_due(progress)
-                    and (not progress.undone or bool(orders))
-                    and self._stands(order)
+                    crew.is_due(progress) and self.stands(order)
                 )
+            if not done and self._is_answered(progress, orders):
+                self.answered = done = True
             if done:
                 crew.count(progress)
-                carried_out.append(progress)
-        if orders or carried_out:
-            self._keep_wants(orders, carried_out)
         for hand in crew.hands.values():
             hand.look(crew.gauges)
             hand.find_ordered()
+
+    def _is_answered(self, progress: RuleProgress, orders: Sequence[Order]) -> bool:
+        """Return whether another order was given for a rule that is due."""
+        order = progress.rule.order
+        if order.name in (*CREW_HANDS, *SAID_ORDERS) or not self.crew.is_due(progress):
+            return False
+        wanted = self.controls.of(order)
+        return any(self.controls.of(each) >= wanted for each in orders)
 
     def aboard(self, boat: Boat) -> "MuteCrew":
         """Return a copy of this crew, aboard another boat in the same state."""
         other = copy(self)
         other.crew = self.crew.aboard(boat)
+        other.look_anew()
         return other
 
-    def ways(self) -> "Iterator[MuteCrew]":
-        """Yield the crews that could go on: this one, and one that repeats nothing.
+    def look_anew(self) -> None:
+        """Have each order tried again, whether it stands."""
+        self._standing = {}
 
-        They differ where an order was undone: what came of that may serve better by now.
-        """
-        yield self
-        if any(each.undone for each in self.crew.followed):
-            other = self.aboard(self.crew.boat)
-            for each in other.crew.followed:
-                if each.undone:
-                    other.crew.forget(each)
-            yield other
+    def pass_over(self, settled: Iterable[int], *, drops_late: bool) -> None:
+        """Count rules as carried out, by index, and drop what is late."""
+        for index in settled:
+            self.crew.count(self.crew.followed[index])
+        if drops_late:
+            self.crew.come_late()
 
     def speak(self) -> ReferenceCrew:
         """Return the crew that gives orders from now on, what is overdue first."""
-        self.crew.come_late()
         for hand in self.crew.hands.values():
             hand.find_ordered()
         return self.crew
@@ -105,54 +108,16 @@ class MuteCrew:
             hand.looked = -math.inf
             yield name, hand.look(self.crew.gauges)
 
-    def _keep_wants(self, orders: Sequence[Order], carried_out: Sequence[RuleProgress]) -> None:
-        """Have each rule due again whose control an order has worked against it, and no other.
-
-        So a party that fights a fire is not sent anew because a fan runs again. A later rule, or a
-        hand that is at work, ends what an earlier rule wants of its control.
-        """
-        crew = self.crew
-        steered = {AXES_OF_HANDS[hand] for hand in crew.hands}
-        coming = {  # what hands steer that follow at once, and may have ordered in this tick
-            AXES_OF_HANDS.get(each.rule.order.name)
-            for lead, each in pairwise(crew.followed)
-            if lead in carried_out and each.rule.row.then
-        }
-        for each in crew.followed:
-            order = each.rule.order
-            later = [other.rule.order for other in carried_out if other is not each]
-            if not each.wanted:
-                continue
-            axes = axes_of(order)
-            if axes & steered or any(self._undoes(other, order) for other in later):
-                crew.forget(each)
-            elif each.due is None and not axes & coming:
-                others = (x for x in orders if x.name in ANSWER_ORDERS)
-                if any(self._undoes(x, order) for x in others if not is_same_order(x, order)):
-                    each.due, each.undone, each.over = crew.boat.time, True, False
-
-    def _undoes(self, order: Order, wanted: Order) -> bool:
-        """Return whether an order that stands is against one that is wanted.
-
-        It is if it would put back what that would change. Both are tried, and the boat put back.
-        """
-        untried = {*SAID_ORDERS, *CREW_HANDS, *WORLD_PARTS}
-        if {order.name, wanted.name} & untried or wanted.name in WATER_ORDERS:
-            return False
-        boat, before = self.crew.boat, self.crew.boat.snapshot()
-        obey_order(boat, wanted)
-        meant = boat.snapshot()
-        obey_order(boat, order)
-        after = boat.snapshot()
-        boat.restore(before)
-        old, new, last = (each.view(np.uint64) for each in (before, meant, after))
-        return bool(((old != new) & (new != last)).any())
-
-    def _stands(self, order: Order) -> bool:
+    def stands(self, order: Order) -> bool:
         """Return whether an order would change nothing of the boat.
 
-        The order is tried, and the boat put back.
+        The order is tried, and the boat put back: once, until somebody orders anything.
         """
+        if order.text not in self._standing:
+            self._standing[order.text] = self._would_stand(order)
+        return self._standing[order.text]
+
+    def _would_stand(self, order: Order) -> bool:
         boat = self.crew.boat
         # what is said, or moves what no copy of a state undoes
         if order.name in SAID_ORDERS or order.name in WORLD_PARTS:
@@ -164,10 +129,11 @@ class MuteCrew:
         return same and not refused
 
 
-def axes_of(order: Order) -> set[str]:
-    """Return the axes whose surfaces an order puts to an angle."""
-    word = ORDER_WORDS.get(order.name)  # a hand of the crew has none
-    return {*word.moves(order.word)} if word and word.needs != "plant" else set()
+class StrictCrew(MuteCrew):
+    """A mute crew to which no order answers a rule but the rule's own."""
+
+    def _is_answered(self, _progress: RuleProgress, _orders: Sequence[Order]) -> bool:
+        return False
 
 
 def is_same_order(order: Order, other: Order) -> bool:

@@ -84,8 +84,6 @@ class RuleProgress:
     given: float | None = None  # [s] when it last was
     over: bool = False
     noticed: float = 0.0  # the order to the crew that it has reacted to, by its tick in the state
-    wanted: bool = False  # what it ordered is to stand: it was given, and no later rule is against
-    undone: bool = False  # it is due again, because an order worked its control against it
 
 
 class ReferenceCrew:
@@ -115,8 +113,12 @@ class ReferenceCrew:
             if self.is_due(progress):
                 orders.append(self._carry_out(progress))
         for hand in list(self.hands.values()):
-            orders += [self._give(text) for text in hand.look(self.gauges)]
+            orders += self.steer(hand)
         return orders
+
+    def steer(self, hand: PlanesHand | RudderHand) -> list[GivenOrder]:
+        """Have a hand look, and return what it orders."""
+        return [self._give(text) for text in hand.look(self.gauges)]
 
     def next_look(self) -> float:
         """Return the time [s] until which nothing is due by the clock, while nobody orders.
@@ -269,30 +271,20 @@ class ReferenceCrew:
         """Count a rule as carried out now; one that comes again waits again."""
         row, order = progress.rule.row, progress.rule.order
         progress.given, progress.due = self.boat.time, None
-        progress.wanted, progress.undone = True, False
         progress.over = row.ordered is None and row.every_s is None
         if order.name in CREW_HANDS:
             self._switch(order)
 
-    def forget(self, progress: RuleProgress) -> None:
-        """Want no longer what a rule has ordered."""
-        if progress.undone:
-            row = progress.rule.row
-            progress.due, progress.over = None, row.ordered is None and row.every_s is None
-        progress.wanted = progress.undone = False
-
     def come_late(self) -> None:
-        """Take up what is overdue.
-
-        It is given at once, because its reaction has passed since its cause came. A rule whose
-        cause is over waits for it again, but for one that was undone: it is wanted since.
-        """
-        now = self.boat.time
+        """Have what is overdue, but whose cause is over, wait for it again."""
         for progress in self.followed:
-            if progress.due is None or progress.undone or progress.due >= now - TIME_ROUNDING_S:
-                continue
-            if progress.rule.row.when is not None and self._begun(progress) is None:
+            if self.is_late(progress):
                 progress.due = None
+
+    def is_late(self, progress: RuleProgress) -> bool:
+        """Return whether the order of a rule is overdue, and its cause over."""
+        overdue = progress.due is not None and progress.due < self.boat.time - TIME_ROUNDING_S
+        return overdue and progress.rule.row.when is not None and self._begun(progress) is None
 
     def _stamp(self, axis: str | None) -> float:
         """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""

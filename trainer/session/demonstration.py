@@ -1,29 +1,30 @@
 """The reference crew shows the way from a frozen moment.
 
-It does so on a branch that counts for no mark. A thread has the crew follow the run so far, mute
-(``reference_flight``), and flies on to the end of the exercise: a way that loses, or goes past test
-depth, is not shown. Then it comes aboard and speaks: its orders go the road of all orders, are
+It does so on a branch that counts for no mark. ``evaluation`` finds the way that earns most: one
+that loses, or goes past test depth, is not shown. A thread has the crew follow the run so far, mute
+(``reference_flight``). Then it comes aboard and speaks: its orders go the road of all orders, are
 told to everybody, and move the controls that all screens show. Afterwards the boat is back at the
 moment, frozen.
 """
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 from trainer.boat.mute_crew import MuteCrew
-from trainer.boat.reference_crew import ReferenceCrew
+from trainer.boat.reference_crew import GivenOrder, ReferenceCrew
 from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS
-from trainer.io.orders.grammar import Order, Refused, Reply, name_of
+from trainer.io.orders.grammar import Order, Refused, Reply, name_of, parse
 from trainer.io.recording.facts import REFERENCE_GIVER, Giver
 from trainer.io.recording.recording import SHOWN_REASON, Moment, RecordingError
-from trainer.session.exercise.reference_flight import WayAhead, crew_so_far
+from trainer.session.exercise.reference_flight import crew_so_far
 from trainer.session.jump import jump_to
 from trainer.session.parts import Parts
 from trainer.session.past.run_modes import ShownRun
 from trainer.session.stations.station import Fact, Request
 
 SHOWN_KIND = "shown"
+NO_WAY_TEXT = "the best that was found from here {}; go back further, and demonstrate again"
 
 
 @dataclass
@@ -51,26 +52,23 @@ class Demonstration:
         until = moment.tick + round(order.value / self.session.boat.method.step)
         plan = self.session.conduct.terms.plan
         assert plan is not None  # noqa: S101 (else it is barred)
-        ending = self.session.conduct.ending
-        ahead = WayAhead(
-            plan,
-            frozenset(each.entry for each in history.said()),
-            int(until if math.isinf(ending.last_tick) else ending.last_tick),
-            [replace(each) for each in ending.lost],
-        )
         follow = crew_so_far(plan, history)
 
-        def find() -> tuple[MuteCrew, str]:
-            mute = follow()
-            faults = [(way, ahead.fault(way)) for way in mute.ways()]
-            return next((each for each in faults if not each[1]), faults[0])
+        def come_aboard(found: Mapping[str, Any] | Refused) -> None:
+            fault = found.reason if isinstance(found, Refused) else found["way"]["fault"]
+            if fault or isinstance(found, Refused):
+                self._give_up(f"the way is not shown: {NO_WAY_TEXT.format(fault)}")
+                return
+            way = found["way"]
+            self.session.conduct.work.begin(
+                "way",
+                follow,
+                lambda mute: self._begin(mute, way, moment, until, why),
+                lambda e: self._give_up(f"the way cannot be shown: {type(e).__name__}: {e}"),
+            )
 
-        self.session.conduct.work.begin(
-            "way",
-            find,
-            lambda found: self._begin(*found, moment, until, why),
-            lambda e: self._give_up(f"the way cannot be shown: {type(e).__name__}: {e}"),
-        )
+        if refused := self.session.evaluation.consult(come_aboard, "way"):
+            return refused
         self.preparing = True
         return f"the reference crew comes aboard and shows the way for {order.value:g} s"
 
@@ -89,15 +87,16 @@ class Demonstration:
             return Refused("time runs: freeze first, or go back to a moment; then demonstrate")
         if session.control.failure:
             return Refused(f"this boat cannot go on: {session.control.failure}; backtrack or reset")
-        trouble = session.history.recording.trouble
-        return Refused(f"the run so far cannot be read: {trouble}") if trouble else None
+        return None
 
     def _give_up(self, why: str) -> None:
         self.preparing = False
         self.session.event_log.tell(SHOWN_KIND, why)
 
-    def _begin(self, mute: MuteCrew, fault: str, moment: Moment, until: int, why: str) -> None:
-        """Have the crew come aboard, unless its way is no good or time has gone elsewhere."""
+    def _begin(
+        self, mute: MuteCrew, way: Mapping[str, Any], moment: Moment, until: int, why: str
+    ) -> None:
+        """Have the crew come aboard by the way that was found, unless time has gone elsewhere."""
         session = self.session
         history, time = session.history, session.time
         now = history.now()
@@ -105,15 +104,7 @@ class Demonstration:
         if here != there or not time.frozen or session.conduct.ending.over:
             self._give_up("the way is not shown: something was ordered meanwhile")
             return
-        if fault:
-            self._give_up(
-                f"the way is not shown: from here the reference crew {fault}; go back further, "
-                "and demonstrate again"
-            )
-            return
         self.preparing, self.origin = False, now
-        self.crew = mute.aboard(session.boat).speak()
-        self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
         last = int(min(until, session.conduct.ending.last_tick))
         history.show_way(why, ShownRun(history, last, session.monitors.limits.encounters))
         session.event_log.follow(now)
@@ -121,18 +112,29 @@ class Demonstration:
         text = f"THE WAY IS SHOWN by the reference crew until {last * session.boat.method.step:g} s"
         session.event_log.tell(SHOWN_KIND, f"{text}: branch {branch}, which counts for no mark")
         session.shown.show_lesson("the reference crew shows the way")
+        mute = mute.aboard(session.boat)
+        mute.pass_over(way["settled"], drops_late=way["drops_late"])
+        first = [order for text in way["first"] if isinstance(order := parse(text), Order)]
+        for order in first:
+            self._tell_order(GivenOrder(order.text, self.carry_out(order, REFERENCE_GIVER)))
+        if first:
+            mute.follow(first)
+        self.crew = mute.speak()
+        self.crew.order = lambda order: self.carry_out(order, REFERENCE_GIVER)
         time.pacer.run()
         session.shown.show()
 
     def speak(self) -> None:
         """Have the crew look and order; tell everybody what it does."""
-        given = self.crew.look() if self.crew else []
-        for order in given:
-            refused = f": refused: {order.reply.reason}" if isinstance(order.reply, Refused) else ""
-            what = Fact(SHOWN_KIND, order.text)
-            self.session.event_log.tell(SHOWN_KIND, f"shown: {order.text}{refused}", fact=what)
-            if name_of(order.text) in (*CREW_HANDS, *SAID_ORDERS) or not refused:
-                self.session.shown.show_lesson(f"shown: {order.text}")
+        for order in self.crew.look() if self.crew else ():
+            self._tell_order(order)
+
+    def _tell_order(self, order: GivenOrder) -> None:
+        refused = f": refused: {order.reply.reason}" if isinstance(order.reply, Refused) else ""
+        what = Fact(SHOWN_KIND, order.text)
+        self.session.event_log.tell(SHOWN_KIND, f"shown: {order.text}{refused}", fact=what)
+        if name_of(order.text) in (*CREW_HANDS, *SAID_ORDERS) or not refused:
+            self.session.shown.show_lesson(f"shown: {order.text}")
 
     def end_in_time(self) -> None:
         """End it where it is over. While the recording cannot be read, ``run`` tries it again."""

@@ -13,7 +13,6 @@ from trainer.session.crew.agenda import Agenda
 from trainer.session.crew.crew import CrewTalk
 from trainer.session.crew.orders_in_force import OrdersInForce
 from trainer.session.exercise.conduct import Conduct
-from trainer.session.exercise.evaluation import Evaluation
 from trainer.session.exercise.terms import Terms
 from trainer.session.past.control import Control
 from trainer.session.past.history import History
@@ -77,10 +76,7 @@ class Parts:
         self.control = Control(self.boat, self.time, self.history, self.agenda.schedule)
         self.shown = ScreenOutput(self.history, self.time, self.crew, self.sending)
         self.conduct = Conduct(*(self.control, self.event_log, self.shown, self.wake.set), terms)
-        self.evaluation = Evaluation(
-            *(self.history, self.event_log, self.conduct.work, self.crew.work.refuse),
-            over=lambda: self.conduct.ending.over or self.control.failure,
-        )
+        self.evaluation = self.conduct.evaluation
         self.shown.seen = self.evaluate_frozen
         self.in_force = OrdersInForce(self.crew, self.agenda, self.history)
 

@@ -1,9 +1,9 @@
-"""What a careful crew could still earn, at each moment of a run.
+"""What could still be earned at each moment of a run, and what cost it.
 
-Begin with ``explorer``, which flies the rest of a run from any moment, and ``curve``, all of them
-with their changes. ``stretches``, ``falls`` and ``causes`` find what made the marks fall; ``words``
-says it.
+Begin with ``continuations``, which says what a crew could do from a moment on, and ``search``,
+which flies it. ``explorer`` does so from the moments of a recorded run, ``curve`` from all of them;
+``causes`` proves what made the marks fall, ``words`` says it.
 """
 
 # The modules that other rooms may use.
-__all__ = ["changes", "curve", "explorer", "falls", "words"]
+__all__ = ["changes", "continuations", "curve", "explorer", "search", "words"]

@@ -1,232 +1,375 @@
-"""The causes of a change of the marks that could still be earned.
+"""What made marks fall: each fault is proved by a flight.
 
-A fall is that of an order without which it would not have been, of one that was overdue, or of how
-planes and rudder were worked. An order that the reference crew gives itself at that moment is never
-blamed, and never praised. ``curve`` asks for the causes.
+An edit changes the crew's orders at one place: one is left out, moved in time, or another given in
+its stead. What could be had at the end of a fall after the edit, less what could be had there, is
+its gain. A fault is told where its edit gains more than WORTH_MARKS, and no other gains more.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Final
 
-from trainer.boat.reference_crew import RuleProgress
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange, join_changes
-from trainer.debrief.attainable.explorer import SUSPECT_TIME_S, RunExplorer
-from trainer.debrief.attainable.falls import bound_falls, parted_falls, steep_falls
-from trainer.debrief.attainable.stretches import (
+from trainer.boat.mute_crew import WATER_ORDERS, is_same_order
+from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS
+from trainer.debrief.attainable.changes import FaultKind, MarkChange
+from trainer.debrief.attainable.continuations import ANGLE_ORDERS, Continuation, ContinuationKind
+from trainer.debrief.attainable.explorer import MAX_TICKS, RunExplorer
+from trainer.debrief.attainable.search import (
     WORTH_MARKS,
-    AttainablePoint,
-    MarkStretch,
-    most_tried,
+    crew_of,
+    order_at,
+    orders_without,
+    point_of,
 )
-from trainer.debrief.passage.controls import (
-    HAND_CONTROLS,
-    SURFACE_ORDERS,
-    control_of,
-    is_alike,
-    is_wrong_way,
-    share_of,
-)
-from trainer.debrief.passage.episodes import asked_of_hands
+from trainer.debrief.marks.reference import join_runs
+from trainer.debrief.marks.rehearsal import OrdersByTick, fly
+from trainer.debrief.passage.controls import HAND_CONTROLS
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.recording.recording import RecordedOrder
 
-CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
-ANSWER_SHARE: Final = 0.5  # [-] estimate: of the angle wanted, from which an order answers
-HAND_LOOKS: Final = 5  # at what hands do, in a part of a fall
-LEAST_SHARE: Final = 0.02  # [-] of a fall from which a part of it is looked into
+STEADY_MARKS: Final = 0.5  # [%] less from point to point is no fall
+JOINED_S: Final = 60.0  # [s] between falls that are one
+LATE_S: Final = 2.0  # [s] from which an order is late
+EARLY_S: Final = 10.0  # [s] before its due, from which an order counts as the rule's
+INSTEAD_S: Final = 90.0  # [s] before a rule is due, from which another order may come for it
+PLACE_S: Final = 120.0  # [s] around it, within which an order at another place may
+MOST_LEFT_OUT: Final = 20  # orders, the last before a fall, of which each is left out
+MOST_FAULTS: Final = 3  # told of one fall
+MAIN_SHARE: Final = 0.5  # [-] of a fall that its first fault has to account for
 
 
-def suspects(run: RunExplorer, stretch: MarkStretch) -> list[RecordedOrder]:
-    """Return the crew's orders that may have caused a change: those nearest to its begin.
+@dataclass(frozen=True)
+class Edit:
+    """Other orders of the crew at one place, and the fault that these would prove."""
 
-    They came before half of it had. A wrong order costs nothing as long as a careful crew could
-    still put it right, so that orders of some seconds before are among them; without any, the last.
-    """
-    before = stretch.begin.tick - round(SUSPECT_TIME_S / run.step)
-    given = [each for each in run.crew if each.tick < stretch.half.tick]
-    near = [each for each in given if before <= each.tick] or given[-1:]
-    near.sort(key=lambda each: abs(each.tick - stretch.begin.tick))
-    return near[: most_tried(run.last)]
+    told: MarkChange  # without its marks
+    since: int  # [tick] from which the run is another
+    left_out: frozenset[int] = frozenset()  # orders, by number
+    put_in: tuple[tuple[int, str], ...] = ()  # orders, each with its tick
+    rule: int | None = None  # whose order was wanted
+    by_hands: bool = False  # of the reference crew from then on, at planes and rudder
 
+    @property
+    def subject(self) -> str:
+        """Return the order that was missed, by which two edits are of one fault."""
+        return self.told.right or self.told.order
 
-def standing_orders(run: RunExplorer, stretch: MarkStretch) -> list[RecordedOrder]:
-    """Return the order of each control that stood when a fall began, the latest first."""
-    earlier = (each for each in run.crew if each.tick < stretch.begin.tick)
-    standing = {control_of(each.text): each for each in earlier}
-    return sorted(standing.values(), key=lambda each: -each.tick)[: most_tried(run.last)]
-
-
-def own_orders(run: RunExplorer, given: Iterable[RecordedOrder]) -> list[RecordedOrder]:
-    """Return the orders that the reference crew does not give itself at their moments."""
-    return [
-        each
-        for each in given
-        if not any(is_alike(each.text, own) for own in run.soon_by_reference(each.tick))
-    ]
+    def beside(self, other: "Edit") -> "Edit":
+        """Return both edits as one."""
+        return replace(
+            self,
+            since=min(self.since, other.since),
+            left_out=self.left_out | other.left_out,
+            put_in=self.put_in + other.put_in,
+            by_hands=self.by_hands or other.by_hands,
+        )
 
 
-def blamable(run: RunExplorer, given: Iterable[RecordedOrder]) -> list[RecordedOrder]:
-    """Return the orders that may be to blame.
+@dataclass(frozen=True)
+class ProvedEdit:
+    """An edit, and the marks that it gains [%]."""
 
-    Of planes and rudder it is none while another order is overdue.
-    """
-    return [
-        each
-        for each in own_orders(run, given)
-        if each.name not in SURFACE_ORDERS or not run.overdue(each.tick, each.tick)
-    ]
+    gain: float
+    edit: Edit
 
 
-def worst_order(
-    run: RunExplorer, stretch: MarkStretch, given: Sequence[RecordedOrder]
-) -> tuple[RecordedOrder, float] | None:
-    """Return the order that caused a fall, and its share of it.
+@dataclass
+class FaultFinder:
+    """The search for what made the falls of one run."""
 
-    It is left out up to the end of the fall, then up to its half: where nobody does anything else,
-    a fatal order saves nothing in the end. There it is named for less, if nothing was overdue.
-    """
-    for point in (stretch.end, stretch.half):
-        lost = stretch.begin.marks - point.marks
-        if not given or lost <= 0.0 or not (point.tick in run.departures or point.tick >= run.last):
-            continue
-        saved = {each.id: run.without(each, point.tick) - point.marks for each in given}
-        worst = max(given, key=lambda each: saved[each.id])
-        alone = point is stretch.half and not run.pending(point.tick)
-        if saved[worst.id] >= (WORTH_MARKS if alone else CAUSE_SHARE * lost):
-            return worst, min(saved[worst.id] / lost, 1.0)
-    return None
+    run: RunExplorer
+    orders: tuple[tuple[RecordedOrder, Order], ...] = field(init=False)
 
+    def __post_init__(self) -> None:
+        given = ((each, parse(each.text)) for each in self.run.crew)
+        self.orders = tuple(
+            (e, o) for e, o in given if isinstance(o, Order) and o.name not in SAID_ORDERS
+        )
+        self.controls = self.run.search.choices.controls
+        self.rules = [rule.order for rule in self.run.plan.crew.rules]
+        self.giver = self.run.crew[0].giver if self.run.crew else REFERENCE_GIVER
 
-def explain(
-    run: RunExplorer, stretch: MarkStretch, lasting: Mapping[int, AttainablePoint]
-) -> Iterator[MarkChange]:
-    """Yield a change with its cause: the order without which it would not have been.
+    def falls(self) -> list[tuple[int, int]]:
+        """Return the stretches over which marks fall by more than WORTH_MARKS, by their ticks."""
+        run = self.run
+        points = [run.points[tick] for tick in sorted(run.points)]
+        found: list[tuple[int, int]] = []
+        for before, after in pairwise(points[:-1] if run.cut_short else points):
+            if before.marks - after.marks <= STEADY_MARKS and before.won == after.won:
+                continue
+            near = found and (before.tick - found[-1][1]) * run.step <= JOINED_S
+            begin = found.pop()[0] if near else before.tick
+            found.append((begin, after.tick))
+        marks = {each.tick: each.marks for each in points}
+        return [each for each in found if marks[each[0]] - marks[each[1]] > WORTH_MARKS]
 
-    What is lost beside that, or without any such order, is that of the order that was overdue, or
-    of the way in which planes and rudder were worked. ``lasting`` has by tick what could still be
-    had from then on or later.
-    """
-    change = MarkChange(stretch.begin.tick, stretch.end.tick, stretch.marks, ChangeCause.NO_ORDER)
-    if change.marks > 0.0:
-        yield explain_rise(run, stretch, change)
-        return
-    falls = steep_falls([lasting[each.tick] for each in stretch.points], run.finest)
-    change = replace(change, falls=bound_falls(falls, -change.marks))
-    worst = worst_order(run, stretch, blamable(run, suspects(run, stretch)))
-    if not (worst or run.overdue(change.begin, change.end)):
-        worst = worst_order(run, stretch, blamable(run, standing_orders(run, stretch)))
-    if worst:
-        order, share = worst
-        rest = (1.0 - share) * change.marks
-        share = 1.0 if abs(rest) <= WORTH_MARKS else share
-        by_order = replace(blame_order(run, order, change), marks=share * change.marks)
-        if share == 1.0:
-            yield by_order
-            return
-        own, others = parted_falls(change.falls, order.tick, share * change.marks, rest)
-        yield replace(by_order, falls=own)
-        change = replace(change, marks=rest, falls=others)
-    yield from blame_parts(run, stretch, change)
+    def explain(self, begin: int, end: int) -> Iterator[MarkChange]:
+        """Yield a fall, in parts where several faults made it; they add up to it."""
+        run = self.run
+        had, left = run.points[begin].marks, run.points[end].marks
+        loss = had - left
+        told = self._proved(begin, end) if run.search.flown <= MAX_TICKS else []
+        last = self._last_before(begin, end)
+        whole, parts = sum(each.gain for each in told), []
+        if loss - whole > WORTH_MARKS:
+            unproved = MarkChange(begin, end, whole - loss, FaultKind.UNPROVED, until=last)
+            parts = [unproved]
+            whole = loss
+        scale = loss / whole if whole and not parts else 1.0
+        for proved in told:
+            told_of = proved.edit.told
+            until = last if last > told_of.told_at else None
+            remedy = proved.edit.put_in
+            marks = -proved.gain * scale
+            yield replace(told_of, marks=marks, until=until, remedy=remedy)
+        yield from parts
 
+    def _last_before(self, begin: int, end: int) -> int:
+        """Return the last tick of a fall at which next to nothing was lost yet."""
+        points = self.run.points
+        least = points[begin].marks - WORTH_MARKS
+        return max(tick for tick in points if tick <= end and points[tick].marks >= least)
 
-def explain_rise(run: RunExplorer, stretch: MarkStretch, change: MarkChange) -> MarkChange:
-    """Return a rise with the order that made it, if one did."""
-    by_hand = run.by_hand(stretch.begin.tick)
-    near = [each for each in suspects(run, stretch) if each.name not in by_hand]
-    given = own_orders(run, near)
-    end = stretch.end.tick
-    if not given or not (end in run.departures or end >= run.last):
-        return change
-    won = {each.id: stretch.end.marks - run.without(each, end) for each in given}
-    best = max(given, key=lambda each: won[each.id])
-    if won[best.id] < CAUSE_SHARE * change.marks:
-        return change
-    better = replace(change, cause=ChangeCause.BETTER, order=best.text, tick=best.tick)
-    return replace(better, who=best.who)
+    def _proved(self, begin: int, end: int) -> list[ProvedEdit]:
+        """Return the faults that made a fall, the one that its flight proves best first."""
+        run = self.run
+        loss = run.points[begin].marks - run.points[end].marks
 
+        def capped(each: ProvedEdit) -> float:
+            return min(each.gain, loss)
 
-def blame_order(run: RunExplorer, given: RecordedOrder, change: MarkChange) -> MarkChange:
-    """Return a fall as that of a late, turned or needless order."""
-    for late in run.pending(given.tick):
-        due, text = run.due_tick(late), late.rule.order.text
-        if is_alike(text, given.text) and due < given.tick:
-            missing = replace(change, cause=ChangeCause.MISSING, order=text)
-            return replace(missing, tick=due, came=given.tick)
-    soon = run.soon_by_reference(given.tick)
-    right = next((each for each in soon if is_wrong_way(given.text, each)), "")
-    cause = ChangeCause.WRONG_WAY if right else ChangeCause.ORDER
-    by_order = replace(change, cause=cause, order=given.text, tick=given.tick)
-    return replace(by_order, who=given.who, right=right)
+        found = [ProvedEdit(self.gain(each, begin, end), each) for each in self.edits(begin, end)]
+        top = max(map(capped, found), default=0.0)
+        if not found:
+            return []
+        least = max(top - WORTH_MARKS, MAIN_SHARE * loss)
+        near = [each for each in found if capped(each) >= least]
+        first = min(near, key=lambda e: _rank(e.edit)) if near else max(found, key=capped)
+        if capped(first) <= WORTH_MARKS:
+            return self._all_late(found, begin, end)
+        told, edit, have = [replace(first, gain=capped(first))], first.edit, capped(first)
+        while have < loss - WORTH_MARKS and len(told) < MOST_FAULTS:
+            names = {each.edit.subject for each in told}
+            others = [e.edit for e in found if e.edit.subject not in names and not e.edit.by_hands]
+            if len(told) > 1:
+                others = [each for each in others if each.told.fault is not FaultKind.NEEDLESS]
+            more = [
+                ProvedEdit(min(self.gain(edit.beside(each), begin, end), loss) - have, each)
+                for each in others
+            ]
+            best = max(more, key=lambda e: (e.gain // WORTH_MARKS, -_rank(e.edit)), default=None)
+            if best is None or best.gain <= WORTH_MARKS:
+                break
+            told.append(best)
+            edit, have = edit.beside(best.edit), have + best.gain
+        if have < loss - WORTH_MARKS:  # what the crew ordered later was for the boat that it had
+            repaired = [
+                ProvedEdit(min(self._repaired(e.edit, begin), loss), e.edit)
+                for e in found
+                if e.edit.rule is not None
+            ]
+            best = max(
+                repaired, key=lambda e: (e.gain // WORTH_MARKS, -_rank(e.edit)), default=None
+            )
+            if best is not None and best.gain > have + WORTH_MARKS:
+                return [best]
+            late = self._all_late(found, begin, end)
+            if late and late[0].gain > have + WORTH_MARKS:
+                return late
+        return told
 
+    def _all_late(self, found: Iterable[ProvedEdit], begin: int, end: int) -> list[ProvedEdit]:
+        """Return the fault that all late orders are together, where these explain a fall."""
+        late = [each.edit for each in found if each.edit.told.fault is FaultKind.LATE]
+        if len(late) < 2:
+            return []
+        whole = late[0]
+        for each in late[1:]:
+            whole = whole.beside(each)
+        gain = self.gain(whole, begin, end)
+        whole = replace(whole, told=replace(whole.told, late_orders=len(late)))
+        loss = self.run.points[begin].marks - self.run.points[end].marks
+        return [ProvedEdit(min(gain, loss), whole)] if gain > WORTH_MARKS else []
 
-def blame_rule(run: RunExplorer, late: RuleProgress, change: MarkChange) -> MarkChange:
-    """Return a fall as that of an overdue order, or of its opposite."""
-    right, due = late.rule.order, run.due_tick(late)
-    if late.undone and (by := [each for each in run.crew if each.tick == due]):
-        undone = replace(change, cause=ChangeCause.ORDER, order=by[-1].text, tick=due)
-        return replace(undone, who=by[-1].who)
-    came = run.came(right, due)
-    until = change.end if came is None else min(came, change.end)
-    since = due - round(SUSPECT_TIME_S / run.step)
-    near = [each for each in run.crew if since <= each.tick < until]
-    turned = [each for each in near if is_wrong_way(each.text, right.text)]
-    for each in own_orders(run, turned):
-        wrong = replace(change, cause=ChangeCause.WRONG_WAY, order=each.text, tick=each.tick)
-        return replace(wrong, who=each.who, right=right.text)
-    missing = replace(change, cause=ChangeCause.MISSING, order=right.text, tick=due)
-    return replace(missing, came=came)
+    # what a flight says
 
+    def gain(self, edit: Edit, begin: int, end: int) -> float:
+        """Return the marks that an edit keeps at the end of a fall [%]."""
+        run = self.run
+        had, left = run.points[begin].marks, run.points[end].marks
+        steered = crew_of(run.at(self._last_before(begin, end)).here).crew.hands
+        if edit.by_hands:
+            return self._after(edit, begin, end, hands=edit.since) - left
+        gain = self._after(edit, begin, end) - left
+        if gain < MAIN_SHARE * (had - left) and steered:
+            # hands would have answered the boat that they then had
+            by_hands = self._after(edit, begin, end, hands=edit.since) - left
+            if by_hands > MAIN_SHARE * (had - left):
+                nothing = Edit(edit.told, edit.since)
+                alone = self._after(nothing, begin, end, hands=edit.since) - left
+                gain = max(gain, by_hands - max(alone, 0.0))
+        return gain
 
-def blame_parts(run: RunExplorer, stretch: MarkStretch, change: MarkChange) -> Iterator[MarkChange]:
-    """Yield a fall in parts, each of an overdue order or of hands."""
-    parts: list[MarkChange] = []
-    for before, after in pairwise(stretch.points):
-        marks = after.marks - before.marks
-        if marks < LEAST_SHARE * change.marks and before.tick in run.departures:
-            part = MarkChange(before.tick, after.tick, marks, change.cause)
-            if late := run.overdue(before.tick, after.tick):
-                parts.append(blame_rule(run, late, part))
+    def _after(self, edit: Edit, begin: int, end: int, hands: int | None = None) -> float:
+        """Return what could be had at a tick after an edit, by hands from a tick on."""
+        run = self.run
+        orders = self._edited(edit)
+        since = max(min(edit.since, begin), 0)
+        moment = run.with_orders(orders, since, min(end, run.last), hands)
+        if moment.here.tick < end or end >= run.last:
+            return point_of(end, run.judge(moment.past)).marks
+        marks = run.points[begin].marks
+        best = run.search.best(moment, marks, won=False).marks
+        rest = {tick: given for tick, given in orders.items() if tick >= end}
+        flown, there = fly(run.plan, moment.here, rest)
+        run.search.flown += there.tick - end
+        own = point_of(end, run.judge(join_runs(moment.past, flown.trajectory))).marks
+        return max(best, own)
+
+    def _edited(self, edit: Edit) -> OrdersByTick:
+        orders = dict(orders_without(self.run.recorded, edit.left_out))
+        for tick, text in edit.put_in:
+            orders[tick] = [*orders.get(tick, ()), order_at(tick, self.giver, text)]
+        return orders
+
+    def _repaired(self, edit: Edit, begin: int) -> float:
+        """Return what a rule's order, given when a fall begins, has over the run without it."""
+        run, index = self.run, edit.rule
+        assert index is not None  # noqa: S101 (asked of edits of a rule)
+        moment, kind = run.at(begin), ContinuationKind.ONE_ORDER
+        given = run.search.point(moment, Continuation(kind, (self.rules[index].text,)))
+        if given.marks < run.points[begin].marks - WORTH_MARKS:
+            return 0.0
+        return given.marks - run.search.point(moment, Continuation(kind, (), (index,))).marks
+
+    # the edits
+
+    def edits(self, begin: int, end: int) -> Iterator[Edit]:
+        """Yield the edits that may have kept the marks of a fall."""
+        blank = MarkChange(begin, end, 0.0, FaultKind.STEERING)
+        last = self._last_before(begin, end)
+        if hands := crew_of(self.run.at(last).here).crew.hands:
+            yield Edit(self._steered(replace(blank, begin=last), hands), last, by_hands=True)
+        for index, rule in enumerate(self.rules):
+            due = self.run.due_tick(index)
+            if rule.name not in (*CREW_HANDS, *SAID_ORDERS) and due is not None and due < end:
+                yield from self._edits_of_rule(blank, index, due)
+        before = [(e, o) for e, o in self.orders if e.tick < end and not self._by_own_hand(o)]
+        before = before[-MOST_LEFT_OUT:]
+        for entry, order in before:
+            if not self._of_rules(order):
+                told = replace(blank, fault=FaultKind.NEEDLESS, order=entry.text, tick=entry.tick)
+                told = replace(told, who=entry.who)
+                yield Edit(told, entry.tick, frozenset({entry.id}))
+        ruled = [(e, o) for e, o in before if self._of_rules(o)]
+        for (one, first), (two, second) in pairwise(ruled):
+            if self._index(first) > self._index(second):
+                told = replace(blank, fault=FaultKind.TURNED, order=one.text, tick=one.tick)
+                told = replace(told, right=two.text, who=one.who)
+                swapped = ((one.tick, two.text), (two.tick, one.text))
+                yield Edit(told, one.tick, frozenset({one.id, two.id}), swapped)
+
+    def _steered(self, blank: MarkChange, hands: Iterable[str]) -> MarkChange:
+        """Return how surfaces were worked that are in the crew's hands when a fall begins.
+
+        It has the order that stood there from then, or when the first one came after all.
+        """
+        worked = frozenset().union(*(HAND_CONTROLS[hand][1] for hand in hands)) & ANGLE_ORDERS
+        given = [entry for entry, _ in self.orders if entry.name in worked]
+        since = blank.begin - round(JOINED_S / self.run.step)
+        before = [each for each in given if since <= each.tick <= blank.begin]
+        if before:
+            last = before[-1]
+            return replace(blank, order=last.text, tick=last.tick, who=last.who)
+        return replace(blank, came=next((e.tick for e in given if e.tick > blank.begin), None))
+
+    def _edits_of_rule(self, blank: MarkChange, index: int, due: int) -> Iterator[Edit]:
+        """Yield the edits about a rule: its order in time, or instead of another."""
+        run, rule, end = self.run, self.rules[index], blank.end
+        early, late = round(EARLY_S / run.step), round(LATE_S / run.step)
+        same = [e for e, o in self.orders if is_same_order(o, rule)]
+        done = next((e for e in same if e.tick < end), None)
+        came = next((e for e in same if due - early <= e.tick < end), None)
+        after = next((e for e in same if e.tick >= end), None)
+        told = replace(blank, order=rule.text, tick=due)
+        if done is None and after is None:
+            yield Edit(
+                replace(told, fault=FaultKind.MISSING), due, put_in=((due, rule.text),), rule=index
+            )
+        elif (moved := came if done else after) is not None and moved.tick > due + late:
+            told = replace(told, fault=FaultKind.LATE, came=moved.tick, who=moved.who)
+            yield Edit(told, due, frozenset({moved.id}), ((due, moved.text),))
+        since, place = due - round(INSTEAD_S / run.step), round(PLACE_S / run.step)
+        for entry, order in self.orders:
+            if not since <= entry.tick < end or is_same_order(order, rule):
+                continue
+            meets = bool(self.controls.of(order) & self.controls.of(rule))
+            if not meets and order.name != rule.name:
+                continue
+            if self._own_due(entry, order) or self._after_hand(entry, order, due):
+                continue
+            told = replace(blank, order=entry.text, tick=entry.tick, right=rule.text, who=entry.who)
+            again = [e.id for e, _ in self.orders if e.tick > entry.tick and e.text == rule.text]
+            instead = frozenset({entry.id, *again})
+            put: tuple[tuple[int, str], ...] = ((entry.tick, rule.text),)
+            if meets and done is not None and done.tick < entry.tick:
+                fault, put, instead = FaultKind.UNDONE, (), frozenset({entry.id})
+            elif meets:
+                fault = self._fault_of(order, rule)
+            elif abs(entry.tick - due) <= place:
+                fault = FaultKind.WRONG_PLACE
             else:
-                step = max((after.tick - before.tick) // HAND_LOOKS, 1)
-                ticks = range(before.tick, after.tick, step)
-                faults = [each for tick in ticks if (each := blame_hand(run, part, tick))]
-                steered = replace(part, cause=ChangeCause.STEERING)
-                other = steered if run.wanted(before.tick) else part
-                parts.append(max(faults, key=faults.count, default=other))
-    joined = join_changes(parts)
-    told = join_changes(each for each in joined if each.marks < -WORTH_MARKS)
-    told = told or sorted(joined, key=lambda each: each.marks)[:1]
-    whole = sum(each.marks for each in told)
-    for part in told:
-        marks = change.marks * part.marks / whole
-        falls = [each for each in change.falls if part.begin < each.tick <= part.end]
-        yield replace(part, marks=marks, falls=bound_falls(falls, -marks))
+                continue
+            yield Edit(replace(told, fault=fault), entry.tick, instead, put, index)
+
+    def _fault_of(self, order: Order, rule: Order) -> FaultKind:
+        """Return what is wrong with an order on the controls of a rule's."""
+        given, wanted = self.controls.setting(order), self.controls.setting(rule)
+        if self.controls.of(order) != self.controls.of(rule):
+            return FaultKind.WRONG_PLACE
+        if order.name in WATER_ORDERS or not self.controls.is_switch(rule):
+            turned = any(given.get(place, 0.0) * value < 0.0 for place, value in wanted.items())
+            return FaultKind.WRONG_WAY if turned else FaultKind.WRONG_AMOUNT
+        return FaultKind.WRONG_WAY
+
+    def _of_rules(self, order: Order) -> bool:
+        return any(is_same_order(order, rule) for rule in self.rules)
+
+    def _index(self, order: Order) -> int:
+        return next(i for i, rule in enumerate(self.rules) if is_same_order(order, rule))
+
+    def _own_due(self, entry: RecordedOrder, order: Order) -> bool:
+        """Return whether an order is that of a rule whose time had come."""
+        dues = (self.run.due_tick(i) for i, r in enumerate(self.rules) if is_same_order(order, r))
+        return any(due is not None and due <= entry.tick + 2 for due in dues)
+
+    def _by_own_hand(self, order: Order) -> bool:
+        """Return whether an order is an angle at a surface that is in the crew's hands."""
+        axis = "rudder" if order.name == "rudder" else "planes"
+        by_hand = order.name in ANGLE_ORDERS and order.word != "auto"
+        return by_hand and axis in self.run.plan.hand and not self._of_rules(order)
+
+    def _after_hand(self, entry: RecordedOrder, order: Order, due: int) -> bool:
+        """Return whether a hand of the reference crew would work that surface by then."""
+        early = round(EARLY_S / self.run.step)
+        begun = [
+            tick
+            for index, rule in enumerate(self.rules)
+            if rule.name in CREW_HANDS
+            and rule.word == "on"
+            and order.name in HAND_CONTROLS[rule.name][1] & ANGLE_ORDERS
+            and (tick := self.run.due_tick(index)) is not None
+        ]
+        switched = max(begin for begin in begun) if begun else None
+        return (
+            switched is not None
+            and switched <= entry.tick
+            and (due < switched or entry.tick > due + early)
+        )
 
 
-def blame_hand(run: RunExplorer, change: MarkChange, tick: int) -> MarkChange | None:
-    """Return a fall as that of a hand. None: no hand has anything to do.
-
-    It is late, goes the wrong way, or works otherwise, by what it has ordered up to a tick since
-    the last order to the crew or casualty, beside what the reference crew's would order then.
-    """
-    late = wrong = None
-    hands = run.wanted(tick)
-    for hand, texts in hands.items():
-        control, names = HAND_CONTROLS[hand]
-        asked = asked_of_hands(run.trajectory, tick)[hand]
-        worked = [each for each in run.crew if each.tick >= asked and each.name in names]
-        by_now = [each for each in worked if each.tick <= tick]
-        if not texts or any(run.hand_share(hand, each) >= ANSWER_SHARE for each in by_now):
-            continue
-        opposite = [each for each in by_now if run.hand_share(hand, each) <= -ANSWER_SHARE]
-        if opposite:
-            given = opposite[0]
-            wrong = replace(change, cause=ChangeCause.WRONG_WAY, order=given.text, right=texts[0])
-            wrong = replace(wrong, tick=given.tick, who=given.who)
-        came = next((e.tick for e in worked if share_of(e.text, texts[0]) >= ANSWER_SHARE), None)
-        if came is not None or not worked:
-            due = asked + round(run.answer_time(hand) / run.step)
-            late = replace(change, cause=ChangeCause.MISSING, tick=due, came=came, control=control)
-    otherwise = replace(change, cause=ChangeCause.STEERING) if any(hands.values()) else None
-    return wrong or late or otherwise
+def _rank(edit: Edit) -> int:
+    """Return the place of an edit's fault among the kinds."""
+    return list(FaultKind).index(edit.told.fault)

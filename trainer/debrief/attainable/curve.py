@@ -1,23 +1,16 @@
-"""The curve of what could still be earned in a run, with its changes."""
+"""What could still be earned over a run, and what made it fall."""
 
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import Final
 
-from trainer.debrief.attainable.causes import explain
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange, net_changes
-from trainer.debrief.attainable.explorer import RunExplorer
-from trainer.debrief.attainable.falls import lasting_points
-from trainer.debrief.attainable.stretches import (
-    IDLE_POINTS,
-    POINT_PERIODS,
-    WORTH_MARKS,
-    AttainablePoint,
-    changed_stretches,
-    without_luck,
-)
-from trainer.debrief.marks.rehearsal import last_tick
+from trainer.debrief.attainable.causes import FaultFinder
+from trainer.debrief.attainable.changes import FaultKind, MarkChange, join_changes
+from trainer.debrief.attainable.explorer import MAX_TICKS, RunExplorer
+from trainer.debrief.attainable.search import WORTH_MARKS, AttainablePoint
 from trainer.debrief.passage.episodes import ordered_beyond
 from trainer.io.recording.recording import RecordedOrder
+
+CURVE_SHARE: Final = 0.6  # [-] of the work, which the points take; the rest is what made the falls
 
 
 @dataclass(frozen=True)
@@ -41,41 +34,48 @@ class AttainableCurve:
 
 
 def attainable_curve(run: RunExplorer) -> AttainableCurve:
-    """Return what could be earned at each moment of a run.
+    """Return what could be earned at each moment of a run, and what cost it.
 
     The run has been flown again by ``RunExplorer.fly_again``.
     """
-    stride = IDLE_POINTS * POINT_PERIODS * run.finest
-    ticks = sorted({*range(0, run.last, stride), run.last} & {*run.departures, run.last})
-    for before, after in pairwise(ticks):
-        halve(run, before, after)
-        run.progress(1.0 - (1.0 - after / run.last) ** 2)  # from later moments less is flown
+    fly_points(run)
+    finder = FaultFinder(run)
+    falls = finder.falls()
+    changes: list[MarkChange] = []
+    for number, (begin, end) in enumerate(falls):
+        changes += sorted(finder.explain(begin, end), key=lambda each: each.told_at)
+        run.progress(CURVE_SHARE + (1.0 - CURVE_SHARE) * (number + 1) / len(falls))
     points = tuple(run.points[tick] for tick in sorted(run.points))
-    cut_short = run.last < last_tick(run.plan) and not points[-1].lost
-    flown = points[:-1] if cut_short else points
-    level = without_luck(flown, [each.tick for each in run.crew])
-    lasting = {each.tick: each for each in lasting_points(level)}
-    changes = net_changes(
-        change
-        for stretch in changed_stretches(level, run.step)
-        for change in sorted(explain(run, stretch, lasting), key=lambda each: each.told_at)
-    )
-    rest = points[-1].marks - flown[-1].marks
-    if abs(rest) > WORTH_MARKS:
-        cause = ChangeCause.RECORD_ENDS
-        changes.append(MarkChange(flown[-1].tick, points[-1].tick, rest, cause))
+    flown = points[:-1] if run.cut_short else points
+    rest = points[0].marks - flown[-1].marks + sum(each.marks for each in changes)
+    if rest > WORTH_MARKS:  # a little here and there
+        changes.append(MarkChange(0, flown[-1].tick, -rest, FaultKind.UNPROVED))
+    short = flown[-1].marks - points[-1].marks
+    if short > WORTH_MARKS:
+        fault = FaultKind.RECORD_ENDS
+        changes.append(MarkChange(flown[-1].tick, points[-1].tick, -short, fault))
+    run.progress(1.0)
     beyond = ordered_beyond(run.trajectory.orders)
-    return AttainableCurve(points, tuple(map(run.with_better, changes)), run.finest, beyond)
+    return AttainableCurve(points, tuple(join_changes(changes)), run.finest, beyond)
 
 
-def halve(run: RunExplorer, before: int, after: int) -> None:
-    """Find the points of a stretch, halved where its ends differ or orders lie."""
-    first, last, stride = run.point(before), run.point(after), run.finest
-    near = after - before <= POINT_PERIODS * stride
-    idle = near or not any(before <= each.tick < after for each in run.crew)
-    if abs(first.marks - last.marks) <= WORTH_MARKS and first.fate == last.fate and idle:
-        return
-    middle = before + stride * ((after - before) // stride // 2)
-    if middle > before and middle in run.departures:
-        halve(run, before, middle)
-        halve(run, middle, after)
+def fly_points(run: RunExplorer) -> None:
+    """Find the points between which marks fall, down to the finest period.
+
+    Marks never rise, so that between two of the same marks and fate nothing can differ.
+    """
+    end = max(run.departures) if run.cut_short else run.last
+    for tick in (run.last, 0, end):
+        run.point(tick)
+    stretches, covered = [(0, end)], 0
+    while stretches:
+        begin, after = stretches.pop()
+        first, last = run.points[begin], run.points[after]
+        middle = begin + run.finest * ((after - begin) // run.finest // 2)
+        alike = first.marks - last.marks <= WORTH_MARKS and first.fate == last.fate
+        if alike or not begin < middle < after or run.search.flown > MAX_TICKS:
+            covered += after - begin
+            run.progress(CURVE_SHARE * covered / end)
+        else:
+            run.point(middle, first.marks, won=first.won)
+            stretches += [(begin, middle), (middle, after)]

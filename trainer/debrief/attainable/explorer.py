@@ -1,12 +1,8 @@
-"""The marks that a careful crew could still earn, at each moment of a run.
+"""A recorded run, and what could still be earned at its moments.
 
-The recorded run is flown again with the reference crew aboard, mute. At each moment a copy of that
-crew takes over and flies the exercise to its end; its marks, with those of the past, are the
-moment's. Where they fall the crew has lost something for good: docs/debrief.md, "What each minute
-cost".
-
-``data`` asks for the curve for a debrief. ``evaluator`` flies moments of its own while the session
-goes on; of this module it uses ``refuse_plan`` and ``point_of``.
+The run is flown again to the bit with the reference crew aboard, mute. From any of its moments it
+can then go on otherwise (``search``), or with other orders up to there (``causes``). Marks that
+could still be earned never rise: the crew's own orders lead to whatever a later moment has.
 """
 
 import math
@@ -17,53 +13,43 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat.mute_crew import WATER_ORDERS, MuteCrew, is_same_order
-from trainer.boat.reference_crew import RuleProgress
-from trainer.config.exercise.outcome import Outcome
-from trainer.config.exercise.reference_crew import MARK_ORDER, SAID_ORDERS
-from trainer.debrief.attainable.changes import (
-    MarkChange,
-)
-from trainer.debrief.attainable.stretches import (
+from trainer.boat.mute_crew import MuteCrew, StrictCrew
+from trainer.config.exercise.reference_crew import MARK_ORDER
+from trainer.config.exercise.score_rules import ANSWER_ORDERS
+from trainer.debrief.attainable.continuations import Choices
+from trainer.debrief.attainable.search import (
     AttainablePoint,
-    finest_period,
+    ContinuationSearch,
+    NoCurve,
+    OpenMoment,
+    point_of,
+    refuse_plan,
 )
-from trainer.debrief.marks.reference import best_way, can_fly, join_runs
+from trainer.debrief.marks.reference import join_runs
 from trainer.debrief.marks.rehearsal import (
     ByReference,
     Departure,
     Flight,
     OrdersByTick,
-    Rehearsal,
-    depart,
     due_tick,
     fly,
+    last_tick,
     stretches,
     world_orders_in,
 )
 from trainer.debrief.marks.scoring import Scorecard
-from trainer.debrief.passage.controls import HAND_CONTROLS, opposite_order, share_of
 from trainer.debrief.passage.episodes import crew_orders
 from trainer.debrief.passage.trajectory import Trajectory, hole_words
-from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan
 
-SUSPECT_TIME_S: Final = 10.0  # [s] before a change begins, in which an order may have caused it
-BETTER_TIME_S: Final = 30.0  # [s] from a moment, for which the better orders are told
-MAX_BETTER_ORDERS: Final = 2  # told of one moment
-CAUSE_SHARE: Final = 0.5  # [-] of a change that a cause must account for
+FINEST_PERIOD_S: Final = 1.0  # [s] down to which a fall is halved, in a run that is not too long
+MAX_TICKS: Final = 400_000  # flown for one debrief: then the curve and its causes are as they are
+MAX_FINEST: Final = 4_000  # moments of a run from which to depart
 FILE_GIVER: Final = Giver(GiverKind.SCHEDULE, "schedule", "the file of orders")
 COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again
 OWN_KINDS: Final = (GiverKind.STATION, GiverKind.PLAN)  # who gives orders of people's own
-
-
-@dataclass(frozen=True)
-class NoCurve(Exception):  # noqa: N818 (it is an answer, not a fault)
-    """There is no curve, and why."""
-
-    why: str
 
 
 @dataclass
@@ -74,43 +60,51 @@ class RunExplorer:
     trajectory: Trajectory
     judge: Callable[[Trajectory], Scorecard]  # by the rules that count
     progress: Callable[[float], object] = field(default=lambda _: None)  # the share that is flown
-    finest: int = field(init=False)  # [ticks] between moments to depart from
     departures: dict[int, Departure] = field(init=False, default_factory=dict)  # by tick
-    ways: dict[int, Departure] = field(init=False, default_factory=dict)  # the best, by tick
+    strict: dict[int, StrictCrew] = field(init=False, default_factory=dict)  # by tick
     points: dict[int, AttainablePoint] = field(init=False, default_factory=dict)
-    better: dict[int, list[RecordedOrder]] = field(init=False, default_factory=dict)
-    hands: dict[int, dict[str, list[str]]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.crew = orders_of_people(self.trajectory, self.plan)
         self.plan = self.plan.alone()
         self.recorded = orders_by_tick(self.trajectory)
-        self.later = orders_beside_crew(self.trajectory, self.plan)
         self.step = self.plan.method.step
         self.last = int(self.trajectory.ticks[-1])
         self.finest = finest_period(self.last, self.step)
+        later = orders_beside_crew(self.trajectory, self.plan)
+        self.search = ContinuationSearch(self.plan, self.judge, Choices(self.plan), later)
 
     def fly_again(self) -> None:
         """Fly the recorded run again; keep moments to depart from.
 
         NoCurve for a run that has no curve.
         """
-        refuse_unfit(self.plan, self.trajectory)
+        refuse_plan(self.plan)
+        refuse_unfit(self.trajectory)
+        self.departures = self._fly_again(MuteCrew)
+        crew = max(self.departures.items())[1].crew
+        if crew is not None and crew.answered:
+            strict = self._fly_again(StrictCrew)
+            self.strict = {t: e.crew for t, e in strict.items() if isinstance(e.crew, StrictCrew)}
+
+    def _fly_again(self, kind: type[MuteCrew]) -> dict[int, Departure]:
         boat = self.plan.launch_boat()
-        crew = MuteCrew(boat, self.plan.crew)
+        crew = kind(boat, self.plan.crew)
         flight = Flight(self.plan, boat, ByReference(mute=crew, speaks_from=math.inf))
         to_world: list[Any] = []
+        found = {}
         moments = {*range(0, self.last, self.finest), *self.recorded}
         for tick, until in stretches(0, self.last, moments):
             if tick % self.finest == 0:
                 state = boat.snapshot()
-                self.departures[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
+                found[tick] = Departure(tick, state, tuple(to_world), crew.aboard(boat))
             given = self.recorded.get(tick, ())
             to_world += world_orders_in(given, tick)
             flight.give_again(given)
             if not flight.fly_to(until):
                 break
         self._compare(flight.rehearsal().trajectory)
+        return found
 
     def _compare(self, flown: Trajectory) -> None:
         """Refuse a run that is not the recorded one to the bit."""
@@ -120,137 +114,95 @@ class RunExplorer:
                     "the run cannot be flown again to the bit: it is of another core or program"
                 )
 
-    def point(self, tick: int) -> AttainablePoint:
-        """Return what could be earned from a tick on."""
+    @property
+    def cut_short(self) -> bool:
+        """Return whether the record ends before the exercise does."""
+        return self.last < last_tick(self.plan) and not point_of(0, self.own_card).lost
+
+    @property
+    def own_card(self) -> Scorecard:
+        """Return the marks of the recorded run."""
+        if self._card is None:
+            self._card = self.judge(self.trajectory)
+        return self._card
+
+    _card: Scorecard | None = field(init=False, default=None)
+
+    def at(self, tick: int) -> OpenMoment:
+        """Return a moment of the recorded run."""
+        here = self.departure(tick)
+        strict = self.strict.get(tick)
+        if here.tick < tick:
+            _, here = fly(self.plan, here, self.recorded, until=tick)
+        own = tuple(each for each in self.crew if each.tick <= tick)
+        return OpenMoment(here, self.trajectory, own, strict)
+
+    def point(self, tick: int, marks: float = 100.0, *, won: bool = True) -> AttainablePoint:
+        """Return what could be earned from a tick on; search no further than these marks."""
         if tick not in self.points:
-            self.points[tick] = self._point(tick)
+            if tick >= self.last:
+                self.points[tick] = point_of(self.last, self.own_card)
+            else:
+                self.points[tick] = self.search.best_near(self.at(tick), marks, won=won)
+            self._lift()
         return self.points[tick]
 
-    def _point(self, tick: int) -> AttainablePoint:
-        if tick >= self.last:
-            return point_of(self.last, self.judge(self.trajectory))
-        run = self.from_moment(tick)
-        return point_of(tick, self.judge(join_runs(self.trajectory, run.trajectory)))
-
-    def from_moment(self, tick: int, until: int | None = None) -> Rehearsal:
-        """Return the reference crew's run from a tick on, to its end or ``until`` another."""
-        if tick not in self.ways:
-            here = self.departure(tick)
-            if here.tick < tick:
-                _, here = fly(self.plan, here, self.recorded, until=tick)
-            self.ways[tick] = best_way(self.plan, self.trajectory, here, self.later, self.judge)
-        return fly(self.plan, self.ways[tick], self.later, speaks_from=tick, until=until)[0]
-
-    def reference_orders(self, tick: int) -> list[RecordedOrder]:
-        """Return what the reference crew orders in BETTER_TIME_S from a tick on."""
-        if tick not in self.better:
-            until = tick + BETTER_TIME_S / self.step
-            given = self.from_moment(tick, math.floor(until) + 1).trajectory.orders
-            own = (each for each in given if each.giver.kind is GiverKind.REFERENCE)
-            self.better[tick] = [each for each in own if each.tick <= until]
-        return self.better[tick]
-
-    def with_better(self, change: MarkChange) -> MarkChange:
-        """Return a fall with what the reference crew orders from its moment on."""
-        if change.marks > 0.0 or not change.told_at < self.last:
-            return change
-        near = [(each.tick, each.text) for each in self.reference_orders(change.told_at)]
-        return replace(change, better=tuple(near[:MAX_BETTER_ORDERS]))
-
-    def soon_by_reference(self, tick: int) -> list[str]:
-        """Return what the reference crew orders in SUSPECT_TIME_S from a tick on."""
-        if tick >= self.last:
-            return []
-        until = tick + SUSPECT_TIME_S / self.step
-        return [each.text for each in self.reference_orders(tick) if each.tick <= until]
-
-    def without(self, order: RecordedOrder, end: int) -> float:
-        """Return the marks attainable at ``end`` if an order before it is left out.
-
-        Water that was moved back since is left where it was, too.
-        """
-        left_out = {order.id, *(each.id for each in self.taken_back(order))}
-        orders = {
-            tick: [each for each in given if each.id not in left_out]
-            for tick, given in self.recorded.items()
-        }
-        prefix, there = fly(self.plan, self.departure(order.tick), orders, until=end)
-        past = join_runs(self.trajectory, prefix.trajectory)
-        if there.tick < end:
-            return point_of(there.tick, self.judge(past)).marks
-        there = best_way(self.plan, past, there, self.later, self.judge)
-        run, _ = fly(self.plan, there, self.later, speaks_from=end)
-        return point_of(end, self.judge(join_runs(past, run.trajectory))).marks
-
-    def taken_back(self, order: RecordedOrder) -> list[RecordedOrder]:
-        """Return the order that has moved the water of an order back, if one has."""
-        text = opposite_order(order.text)
-        later = [each for each in self.crew if each.tick > order.tick and each.text == text]
-        return later[:1] if order.name in WATER_ORDERS else []
+    def _lift(self) -> None:
+        """Give each moment what any later one has: the crew itself goes there."""
+        best: AttainablePoint | None = None
+        for tick in sorted(self.points, reverse=True):
+            point = self.points[tick]
+            more = best and (best.marks > point.marks or (best.won and not point.won))
+            if best is not None and more and not (self.cut_short and best.tick == self.last):
+                self.points[tick] = point = replace(best, tick=tick)
+            best = point
 
     def departure(self, tick: int) -> Departure:
         """Return the last departure that is not after a tick."""
         return self.departures[max(each for each in self.departures if each <= tick)]
 
-    def pending(self, tick: int) -> list[RuleProgress]:
-        """Return the rules of the reference crew that were overdue at a tick."""
-        crew = self.departure(tick).crew
-        return crew.pending(tick * self.step) if crew else []
+    def with_orders(
+        self, orders: OrdersByTick, since: int, until: int, hands: int | None = None
+    ) -> OpenMoment:
+        """Return a moment of the run with other orders.
 
-    def overdue(self, begin: int, end: int) -> RuleProgress | None:
-        """Return the first rule that was overdue in a stretch and still to be given."""
-        known: list[str] = []  # that the reference crew would no longer give
-        for tick in sorted(each for each in self.departures if begin <= each <= end):
-            for late in self.pending(tick):
-                text = late.rule.order.text
-                if late.rule.order.name in SAID_ORDERS:  # no order of the boat's
-                    return late
-                if text not in known and tick < self.last:
-                    if any(each.text == text for each in self.reference_orders(tick)):
-                        return late
-                    known.append(text)
-        return None
+        From the tick ``hands`` on the reference crew's hands work planes and rudder.
+        """
+        if hands is None:
+            flown, there = fly(self.plan, self.departure(since), orders, until=until)
+            past = join_runs(self.trajectory, flown.trajectory)
+            self.search.flown += there.tick - since
+        else:
+            here = self.departure(since)
+            there, past = self.search.steer_on(here, self.trajectory, orders, hands, until)
+        crew = {each.id for each in self.crew}
+        given = (each for tick in sorted(orders) for each in orders[tick] if tick <= until)
+        own = tuple(e for e in given if e.id in crew or (not e.id and e.name in ANSWER_ORDERS))
+        return OpenMoment(there, past, own)
 
-    def due_tick(self, late: RuleProgress) -> int:
-        """Return the tick at which the order of a rule was due."""
-        return math.ceil((late.due or 0.0) / self.step - 1e-9)
+    def due_tick(self, index: int) -> int | None:
+        """Return the tick at which a rule's order was due, None if never."""
+        return self._due.get(index)
 
-    def wanted(self, tick: int) -> dict[str, list[str]]:
-        """Return what each hand of the reference crew would order at a tick."""
-        here = self.departure(tick)
-        if here.tick not in self.hands:
-            crew = here.crew and here.crew.aboard(depart(self.plan, here))
-            self.hands[here.tick] = dict(crew.hand_orders()) if crew else {}
-        return self.hands[here.tick]
+    @property
+    def _due(self) -> dict[int, int]:
+        if self._known_due is None:
+            self._known_due = {}
+            for tick in sorted(self.departures):
+                crew = self.departures[tick].crew
+                for index, each in enumerate(crew.crew.followed if crew else ()):
+                    seconds = each.due if each.due is not None else each.given
+                    if seconds is not None:
+                        due = math.ceil(seconds / self.step - 1e-9)
+                        self._known_due.setdefault(index, due)
+        return self._known_due
 
-    def by_hand(self, tick: int) -> frozenset[str]:
-        """Return the orders that hands of the reference crew give at a tick, by name."""
-        return frozenset().union(*(HAND_CONTROLS[hand][1] for hand in self.wanted(tick)))
-
-    def hand_share(self, hand: str, given: RecordedOrder) -> float:
-        """Return the share of what a hand of the reference crew wanted then [-]."""
-        shares = (share_of(given.text, each) for each in self.wanted(given.tick).get(hand, ()))
-        return next(filter(None, shares), 0.0)
-
-    def answer_time(self, hand: str) -> float:
-        """Return how long a hand of the reference crew takes to begin [s]."""
-        crew = self.plan.crew
-        return crew.planesman.answer_s if hand == "planesman" else crew.helmsman.answer_s
-
-    def came(self, order: Order, due: int) -> int | None:
-        """Return when [tick] an order that was due was given, None if never."""
-        for tick in sorted(each for each in self.recorded if each >= due):
-            given = (parse(each.text) for each in self.recorded[tick])
-            if any(isinstance(other, Order) and is_same_order(order, other) for other in given):
-                return tick
-        return None
+    _known_due: dict[int, int] | None = field(init=False, default=None)
 
 
-def point_of(tick: int, card: Scorecard) -> AttainablePoint:
-    """Return the point of a run's marks."""
-    outcome = card.verdict.outcome if card.verdict else Outcome.UNDECIDED
-    won, lost = outcome is Outcome.WON, outcome is Outcome.LOST
-    return AttainablePoint(tick, card.total or 0.0, won, lost, card)
+def finest_period(last: int, step: float) -> int:
+    """Return how many ticks lie between the nearest moments to depart from."""
+    return max(round(FINEST_PERIOD_S / step), math.ceil(last / MAX_FINEST), 1)
 
 
 def orders_by_tick(trajectory: Trajectory) -> OrdersByTick:
@@ -293,19 +245,8 @@ def orders_beside_crew(trajectory: Trajectory, plan: Plan) -> OrdersByTick:
     return by_tick
 
 
-def refuse_plan(plan: Plan) -> None:
-    """Raise NoCurve for an exercise without reference crew, end or marks."""
-    if not plan.crew.rules:
-        raise NoCurve("this exercise has no reference crew")
-    if not can_fly(plan):
-        raise NoCurve("this exercise has no end, or one that is too far away")
-    if not plan.judged_by_tasks:
-        raise NoCurve("this exercise has no tasks")
-
-
-def refuse_unfit(plan: Plan, trajectory: Trajectory) -> None:
+def refuse_unfit(trajectory: Trajectory) -> None:
     """Raise NoCurve for a run that has no curve."""
-    refuse_plan(plan)
     ticks = trajectory.ticks
     if ticks[0] != 0:
         raise NoCurve("the record does not begin at the start")

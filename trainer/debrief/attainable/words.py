@@ -5,25 +5,27 @@
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange
+from trainer.debrief.attainable.changes import FaultKind, MarkChange
 from trainer.debrief.attainable.curve import AttainableCurve
-from trainer.debrief.attainable.explorer import BETTER_TIME_S
-from trainer.debrief.attainable.falls import PassedKind, SteepFall
-from trainer.debrief.attainable.stretches import FINEST_PERIOD_S, POINT_PERIODS
+from trainer.debrief.attainable.explorer import FINEST_PERIOD_S
 from trainer.report.svg import TIME_STEPS_S, clock, step_of
 from trainer.report.svg import ticks as axis_ticks
 
 TEXT_COLUMNS: Final = 60  # [columns] of the curve in a terminal of 80
 MAX_TEXT_MOMENTS: Final = 6  # steps of time under it
-FALL_WORDS: Final = {
-    PassedKind.LOSS: "the reference crew loses ({})",
-    PassedKind.LIMIT: "the reference crew breaks a limit ({})",
-    PassedKind.RULE: 'the reference crew falls short in "{}"',
+FAULT_WORDS: Final = {  # of an order: what it did, as it goes on with "cost"
+    FaultKind.UNDONE: "undid {} and ",
+    FaultKind.WRONG_WAY: "given for {}, ",
+    FaultKind.WRONG_PLACE: "given for {}, ",
+    FaultKind.WRONG_AMOUNT: "given for {}, ",
+    FaultKind.TURNED: "given before {}, ",
+    FaultKind.MISSING: "",
+    FaultKind.NEEDLESS: "",
 }
 TEXT_ROWS_PERCENT: Final = (100.0, 80.0, 60.0, 40.0, 20.0, 0.0)  # [%] of marks, a row each
 
@@ -36,7 +38,7 @@ def until_words(curve: AttainableCurve, step: float) -> str:
     last = curve.points[-1].tick
     sentences = []
     if curve.until_won is None:
-        sentences.append("From its start this could not be won, even by the reference crew.")
+        sentences.append("From its start no flight wins this.")
     elif curve.until_won < last:
         sentences.append(f"Until {clock(curve.until_won * step)} this could still be won.")
     if curve.until_saved is not None and curve.until_saved < last:
@@ -48,77 +50,50 @@ def until_words(curve: AttainableCurve, step: float) -> str:
         by = f'"{order.text}", by {order.who} at {moment}'
         sentences.append(f"The marks are for the exercise's own orders, not for {by}.")
     if curve.finest * step >= 2.0 * FINEST_PERIOD_S:
-        near, far = (f"{each * curve.finest * step:g} s" for each in (1, POINT_PERIODS))
-        sentences.append(
-            f"The run is long: where orders are given a point each {far}, and down to {near} at a "
-            "change."
-        )
+        sentences.append(f"The run is long: moments are {curve.finest * step:g} s apart.")
     return " ".join(sentences)
 
 
 def change_words(change: MarkChange, step: float) -> str:
-    """Return one change of the attainable marks in words.
-
-    It is one sentence, one more for each of its steep falls, and one with the better order.
-    """
-    falls = _falls_words(change.falls, step)
-    return " ".join((_cause_words(change, step), *falls, *_better_words(change, step)))
-
-
-def _better_words(change: MarkChange, step: float) -> Iterator[str]:
-    """Yield what the reference crew orders from the moment of a change."""
-    if change.better is None:
-        return
-    orders = [f'"{text}" at {clock(math.floor(tick * step))}' for tick, text in change.better]
-    begin = clock(math.floor(change.told_at * step))
-    none = f"nothing for {BETTER_TIME_S:g} s from {begin} on"
-    yield f"The reference crew orders {' and '.join(orders) or none}."
+    """Return one change in words, and until when it could be put right."""
+    said = _fault_words(change, step)
+    if change.until is None:
+        return said
+    return f"{said} Until {_moment(change.until, step)} it could still be put right."
 
 
-def _falls_words(falls: Iterable[SteepFall], step: float) -> Iterator[str]:
-    """Yield what passes where marks fall within a second, because no order need come there.
-
-    The marks are rounded so that they add up to no more than the whole, as it is told.
-    """
-    whole = 0.0
-    for fall in falls:
-        marks, whole = round(whole + fall.marks) - round(whole), whole + fall.marks
-        what = FALL_WORDS[fall.kind].format(fall.text)
-        yield f"Of these, {marks} went at {clock(fall.tick * step)}: from there even {what}."
-
-
-def _cause_words(change: MarkChange, step: float) -> str:
+def _fault_words(change: MarkChange, step: float) -> str:
     """Return what a change came to, and why."""
     amount = f"{abs(change.marks):.0f} mark{'' if round(abs(change.marks)) == 1 else 's'}"
-    begin, end = clock(change.begin * step), clock(change.end * step)
-    if change.cause in (ChangeCause.ORDER, ChangeCause.WRONG_WAY):
-        way = f' the wrong way for "{change.right}",' if change.right else ""
-        back = "" if change.back is None else f" taken back at {_moment(change.back, step)},"
-        at = _moment(change.tick, step)
-        return f'{at}: "{change.order}", by {change.who},{way}{back} cost {amount}.'
-    if change.cause is ChangeCause.RECORD_ENDS:
+    begin, end = _moment(change.begin, step), _moment(change.end, step)
+    if change.fault is FaultKind.STEERING:
+        return f"{begin} to {end}: {amount} lost; {_steering_words(change, step)}."
+    if change.order and change.fault is not FaultKind.LATE:
+        order = f'{_moment(change.tick, step)}: "{change.order}"'
+        how = FAULT_WORDS[change.fault].format(f'"{change.right}"')
+        if change.fault is FaultKind.MISSING:
+            due = _moment(change.tick, step)
+            return f'"{change.order}" was due at {due} and did not come: {amount} lost.'
+        return f"{order}, by {change.who}, {how}cost {amount}."
+    if change.order:
+        late = math.ceil(((change.came or 0) - (change.tick or 0)) * step)
+        due, came = _moment(change.tick, step), _moment(change.came, step)
+        said = f'"{change.order}" was due at {due} and came {late} s late, at {came}'
+        others = change.late_orders - 1
+        more = f", and {others} order{'s' if others > 1 else ''} more came late" if others else ""
+        return f"{said}{more}: {amount} lost."
+    if change.fault is FaultKind.RECORD_ENDS:
         return f"{end}: {amount} not earned, the record ends."
-    if change.cause is ChangeCause.BETTER:
-        crew = "the crew did better than the reference crew"
-        return f'{begin} to {end}: {amount} won; by "{change.order}" {crew}.'
-    way = "more to be had" if change.marks > 0.0 else "lost"
-    why = {
-        ChangeCause.NO_ORDER: f"{way}; no one order did it",
-        ChangeCause.MISSING: f"lost; {_missing_words(change, step)}",
-    }
-    steered = "lost; planes or rudder were not worked as the reference crew would have"
-    return f"{begin} to {end}: {amount} {why.get(change.cause, steered)}."
+    return f"{begin} to {end}: {amount} lost; no flight shows by which order."
 
 
-def _missing_words(change: MarkChange, step: float) -> str:
-    """Return what did not come, or how late it came."""
-    late = math.ceil(((change.came or 0) - (change.tick or 0)) * step)
-    due, came = _moment(change.tick, step), _moment(change.came, step)
-    if not change.order:
-        until = f"until {came}, {late} s late" if came else f"from {due} on"
-        return f"nobody worked the {change.control} {until}"
-    end = f"came {late} s late, at {came}" if came else "did not come"
-    return f'"{change.order}" was due at {due} and {end}'
+def _steering_words(change: MarkChange, step: float) -> str:
+    if change.order:
+        since = f'from "{change.order}" at {_moment(change.tick, step)} on'
+        return f"{since} planes or rudder were not worked as the reference crew would have"
+    begin = _moment(change.begin, step)
+    when = f"from {begin} to {_moment(change.came, step)}" if change.came else f"from {begin} on"
+    return f"nobody worked planes or rudder {when}, which the reference crew would have"
 
 
 def _moment(tick: int | None, step: float) -> str:
@@ -167,16 +142,14 @@ def attainable_figures(curve: AttainableCurve, step: float) -> dict[str, Any]:
                 "from_s": each.begin * step,
                 "to_s": each.end * step,
                 "marks": each.marks,
-                "cause": each.cause.value,
+                "fault": each.fault.value,
                 "order": each.order,
                 "order_s": _seconds(each.tick, step),
                 "came_s": _seconds(each.came, step),
                 "by": each.who,
                 "right": each.right,
-                "taken_back_s": _seconds(each.back, step),
-                "better": [
-                    {"seconds": tick * step, "order": text} for tick, text in each.better or ()
-                ],
+                "until_s": _seconds(each.until, step),
+                "remedy": [{"seconds": tick * step, "order": text} for tick, text in each.remedy],
                 "told": change_words(each, step),
             }
             for each in curve.changes

@@ -2,8 +2,8 @@
 
 A session starts it as a process of its own (``session/exercise/evaluation``): python -m
 trainer.debrief.live.evaluator FILE. For each moment a line of JSON comes in, and one goes out. The
-orders up to it are read from the recording, and flown again with the reference crew mute; then that
-crew takes over (``attainable``).
+orders up to it are read from the recording, and flown again with the reference crew mute. What can
+be had from there is searched (``attainable``), and what to order (``advice``).
 """
 
 import base64
@@ -23,14 +23,23 @@ from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import CrewReaction
 from trainer.config.files import ConfigError
 from trainer.core.state import STATE
-from trainer.debrief.attainable.explorer import NoCurve, point_of, refuse_plan
-from trainer.debrief.marks.judgement import WIDTH_FACTORS, judge_run
-from trainer.debrief.marks.reference import best_way, join_runs
-from trainer.debrief.marks.rehearsal import ByReference, Departure, Flight, Rehearsal, due_tick, fly
+from trainer.debrief.attainable.continuations import Choices
+from trainer.debrief.attainable.search import (
+    ContinuationSearch,
+    NoCurve,
+    OpenMoment,
+    order_at,
+    refuse_plan,
+)
+from trainer.debrief.live.advice import Advisor
+from trainer.debrief.marks.judgement import FREEING_ORDERS, WIDTH_FACTORS, judge_run
+from trainer.debrief.marks.reference import join_runs
+from trainer.debrief.marks.rehearsal import ByReference, Departure, Flight, due_tick, fly
 from trainer.debrief.marks.scoring import Scorecard
 from trainer.debrief.page.data import events_of, find_branch, nobody_aboard
-from trainer.debrief.passage.episodes import ordered_beyond
+from trainer.debrief.passage.episodes import crew_orders, ordered_beyond
 from trainer.debrief.passage.trajectory import Trajectory
+from trainer.io.orders.grammar import Refused
 from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording
 from trainer.session.past.header import open_recording, plan_of
@@ -62,6 +71,7 @@ class RunFollower:
     stretches: list[FollowedStretch] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.choices = Choices(self.plan)
         boat = self.plan.launch_boat()
         crew = MuteCrew(boat, self.plan.crew, CrewReaction())
         start = Departure(0, boat.snapshot(), (), crew.aboard(boat))
@@ -109,12 +119,12 @@ class RunFollower:
         """Return the marks of a whole run."""
         return judge_run(trajectory, self.plan, self.nobody, self.width)
 
-    def go_on(
+    def advisor(
         self, past: Trajectory, end: Departure, orders: Sequence[RecordedOrder], text: str = ""
-    ) -> Rehearsal:
-        """Return the reference crew's run from a moment, the orders of its tick among them.
+    ) -> Advisor:
+        """Return who advises at a moment, the orders of its tick given.
 
-        With ``text`` that order is given too, before the crew's own.
+        With ``text`` that order is given there too.
         """
         later: dict[int, list[RecordedOrder]] = defaultdict(list)
         later[end.tick] += [each for each in orders if each.tick == end.tick]
@@ -122,23 +132,25 @@ class RunFollower:
         for index, entry in enumerate(self.plan.schedule):
             if index not in given:
                 tick, words = max(due_tick(self.plan, index), end.tick), entry.order.text
-                later[tick].append(
-                    RecordedOrder(0, 1, tick, SCHEDULE_GIVER, words, index, None, "")
-                )
+                later[tick].append(order_at(tick, SCHEDULE_GIVER, words, index))
+        own = list(crew_orders(replace(past, orders=tuple(orders))))
         if text:
-            later[end.tick].append(order_of(end.tick, ASKER, text))
-        best = best_way(self.plan, past, end, later, self.judge)
-        run, _ = fly(self.plan, best, later, speaks_from=end.tick)
-        return run
-
-
-def order_of(tick: int, giver: Giver, text: str, entry: int | None = None) -> RecordedOrder:
-    """Return an order that is still to be given, as a recording would have it."""
-    return RecordedOrder(0, 1, tick, giver, text, entry, None, "")
+            asked = order_at(end.tick, ASKER, text)
+            later[end.tick].append(asked)
+            own.append(asked)
+        search = ContinuationSearch(self.plan, self.judge, self.choices, later)
+        return Advisor(search, OpenMoment(end, past, tuple(own)))
 
 
 class FreeRun(NoCurve):
     """A branch has no marks; another one may have them."""
+
+
+def refuse_free(card: Scorecard | None) -> None:
+    """Raise FreeRun for the marks of a free run."""
+    if card is not None and card.verdict is not None and card.verdict.free:
+        since, _, _giver = card.verdict.reason.partition(", by ")
+        raise FreeRun(f"free run since {since}: backtrack for marks")
 
 
 @dataclass
@@ -168,26 +180,45 @@ class Evaluator:
         recording, branches = self.recording, self.recording.branches()
         events = events_of(recording, branches, find_branch(recording, self.source, branch))
         marks = [each for each in events if each.kind == "mark"]
+        if (wants := asked.get("wants", "marks")) != "marks":
+            return self._advise(wants, orders, marks, end)
         past = self.follower.past(orders, marks, tick)
         so_far = self.follower.judge(past) if tick else None
-        answer: dict[str, Any] = {"so_far": so_far.total if so_far else 0.0}
-        answer |= self._marks(past, self.follower.go_on(past, end, orders))
+        advisor = self.follower.advisor(past, end, orders)
+        refuse_free(advisor.best.card)
+        point = advisor.marks()
         beyond = ordered_beyond(orders)
-        answer["beyond"] = beyond[-1].text if beyond else ""
+        answer: dict[str, Any] = {
+            "so_far": so_far.total if so_far else 0.0,
+            "marks": point.marks,
+            "won": point.won,
+            "lost": point.lost,
+            "beyond": beyond[-1].text if beyond else "",
+        }
         if text := asked.get("order", ""):
-            run = self.follower.go_on(past, end, orders, text)
-            wrong = [each for each in run.refused if each.giver == ASKER and each.text == text]
-            answer["refused"] = wrong[0].answer if wrong else ""
-            answer["with"] = self._marks(past, run)["marks"]
+            advisor = self.follower.advisor(past, end, orders, text)
+            reply = advisor.answer()
+            answer["refused"] = reply.reason if isinstance(reply, Refused) else ""
+            answer["with"] = advisor.marks().marks
         return answer
 
-    def _marks(self, past: Trajectory, run: Rehearsal) -> dict[str, Any]:
-        card = self.follower.judge(join_runs(past, run.trajectory))
-        if card.verdict is not None and card.verdict.free:
-            since, _, _giver = card.verdict.reason.partition(", by ")
-            raise FreeRun(f"free run since {since}: backtrack for marks")
-        point = point_of(0, card)
-        return {"marks": point.marks, "won": point.won, "lost": point.lost}
+    def _advise(
+        self,
+        wants: str,
+        orders: Sequence[RecordedOrder],
+        marks: Sequence[RecordedEvent],
+        end: Departure,
+    ) -> dict[str, Any]:
+        """Return a hint or the way on, even in a free run: what freed it counts as planned."""
+        planned = [
+            replace(each, giver=SCHEDULE_GIVER) if each.name in FREEING_ORDERS else each
+            for each in orders
+        ]
+        past = self.follower.past(planned, marks, end.tick)
+        advisor = self.follower.advisor(past, end, planned)
+        if wants == "hint":
+            return {"hint": advisor.hint(), "marks": advisor.best.marks}
+        return {"way": advisor.way()}
 
     def _orders(self, branch: int, after: int) -> list[RecordedOrder]:
         """Return the accepted orders that a moment includes, once they are all in the file."""

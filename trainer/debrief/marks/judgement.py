@@ -406,3 +406,13 @@ def _marks(cost: float) -> str:
     if not whole:
         return "it cost less than a mark"
     return f"it cost {whole} mark{'s' if whole > 1 else ''}"
+
+
+def dearest_rule(before: Scorecard, after: Scorecard) -> str:
+    """Return the score that lost most between two runs, "" without scores."""
+    earned = [
+        {each.name: share_of(each, card) * (marks_given(each) or 0.0) for each in card.scores}
+        for card in (before, after)
+    ]
+    lost = {name: marks - earned[1].get(name, 0.0) for name, marks in earned[0].items()}
+    return max(lost, key=lambda name: lost[name], default="")

@@ -6,21 +6,13 @@ what that run could still earn (``attainable``). A passage is such a run as arra
 (``trajectory``).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from trainer.debrief.marks.judgement import judge_run
-from trainer.debrief.marks.rehearsal import (
-    Departure,
-    OrdersByTick,
-    Rehearsal,
-    fly,
-    fly_rehearsal,
-    last_tick,
-)
+from trainer.debrief.marks.rehearsal import Rehearsal, fly_rehearsal, last_tick
 from trainer.debrief.marks.scoring import Scorecard
 from trainer.debrief.passage.episodes import INSTRUCTOR_ROLE, crew_orders
 from trainer.debrief.passage.trajectory import Trajectory
@@ -57,26 +49,6 @@ def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
         return None
     rehearsal = fly_rehearsal(plan.alone(), plan.crew)
     return Reference(rehearsal, judge_run(rehearsal.trajectory, plan, nobody_of(card), width))
-
-
-def best_way(
-    plan: Plan,
-    past: Trajectory,
-    since: Departure,
-    orders: OrdersByTick,
-    judge: Callable[[Trajectory], Scorecard],
-) -> Departure:
-    """Return a moment with the reference crew that earns most from there.
-
-    Where that crew could go on in several ways, each is flown to its end.
-    """
-
-    def marks(way: Departure) -> float:
-        run, _ = fly(plan, way, orders, speaks_from=way.tick)
-        return judge(join_runs(past, run.trajectory)).total or 0.0
-
-    ways = [replace(since, crew=each) for each in since.crew.ways()] if since.crew else [since]
-    return ways[0] if len(ways) == 1 else max(ways, key=marks)
 
 
 def nobody_of(card: Scorecard) -> dict[str, float]:

@@ -20,7 +20,8 @@ from trainer.config.exercise.reference_crew import Crew
 from trainer.config.files import ConfigError
 from trainer.core.digest import same_core
 from trainer.debrief.attainable.curve import AttainableCurve, attainable_curve
-from trainer.debrief.attainable.explorer import NoCurve, RunExplorer
+from trainer.debrief.attainable.explorer import RunExplorer
+from trainer.debrief.attainable.search import NoCurve
 from trainer.debrief.attainable.words import attainable_figures
 from trainer.debrief.marks.changes import (
     OUTCOME_NAME,
@@ -353,7 +354,8 @@ def judge_as_changed(debrief: DebriefData, trajectory: Trajectory) -> Scorecard:
 
 def reference_from(debrief: DebriefData, run: RunExplorer, tick: int) -> Reference:
     """Return the reference crew's run from a tick on, judged with the past."""
-    rehearsal = run.from_moment(tick)
+    moment = run.at(tick)
+    rehearsal = run.search.fly(moment, run.search.best(moment).way)
     whole = join_runs(debrief.trajectory, rehearsal.trajectory)
     return Reference(rehearsal, judge_as_changed(debrief, whole), tick * debrief.step)
 

@@ -4,12 +4,11 @@
 ``station_marks`` tells whose a task is.
 """
 
-import math
 import re
 from collections.abc import Collection, Mapping
 from typing import Final
 
-from trainer.boat.mute_crew import AXES_OF_HANDS, WATER_ORDERS, is_same_order
+from trainer.boat.mute_crew import AXES_OF_HANDS, WATER_ORDERS
 from trainer.config.exercise.condition import PLANT_QUANTITIES, STATE_QUANTITIES
 from trainer.config.exercise.score_rules import ScoreRule
 from trainer.io.orders.grammar import Order, parse
@@ -53,7 +52,6 @@ MOVING_AXES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("time-to-detect", "time-to-report"), (SCOPE_AXIS,)),
 }
 ORDERED_AXES: Final = {**STEERED_BY_HAND, "speed": "speed"}  # that carry out an order to the crew
-ALIKE_RAD: Final = math.radians(2.0)  # estimate: less is not worth an order to most hands
 
 
 def opposite_order(text: str) -> str:
@@ -101,17 +99,6 @@ def _workers_of(axis: str) -> Collection[str]:
     return PERISCOPE_CONTROL.roles if axis == SCOPE_AXIS else workers(axis)
 
 
-def is_alike(text: str, other_text: str) -> bool:
-    """Return whether two orders say the same, of a surface within ALIKE_RAD."""
-    order, other = parse(text), parse(other_text)
-    if not (isinstance(order, Order) and isinstance(other, Order)):
-        return text == other_text
-    by_hand = order.name == other.name in SURFACE_ORDERS
-    by_hand = by_hand and not {"auto", "manual"} & {order.word, other.word}
-    near = by_hand and abs(order.value - other.value) <= ALIKE_RAD
-    return near or is_same_order(order, other)
-
-
 def is_wrong_way(text: str, right: str) -> bool:
     """Return whether an order works the control of the right one the other way."""
     said, wanted = (set(re.findall("[a-z]+", each)) for each in (text, right))
@@ -120,11 +107,3 @@ def is_wrong_way(text: str, right: str) -> bool:
         for one, other in WAY_WORDS
     )
     return turned and control_of(text) == control_of(right)
-
-
-def share_of(text: str, right: str) -> float:
-    """Return an order's share of the right angle [-]; 0 for another surface."""
-    order, wanted = parse(text), parse(right)
-    if not (isinstance(order, Order) and isinstance(wanted, Order)) or not wanted.value:
-        return 0.0
-    return order.value / wanted.value if order.name in (wanted.name, "lever") else 0.0

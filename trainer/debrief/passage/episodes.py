@@ -206,23 +206,6 @@ def axis_of(order: Order) -> str:
     return axis.replace("periscope", "depth")
 
 
-def asked_of_hands(trajectory: Trajectory, tick: int) -> dict[str, int]:
-    """Return the tick since which each hand has to act, up to a tick.
-
-    It is that of the last order to the crew that is for it, or of the last casualty; else 0.
-    """
-    asked = dict.fromkeys(HANDS_BY_AXIS.values(), 0)
-    for entry in trajectory.orders:
-        order = parse(entry.text)
-        if entry.accepted is False or entry.tick > tick or not isinstance(order, Order):
-            continue
-        if order.name == "casualty":
-            asked = dict.fromkeys(asked, entry.tick)
-        elif entry.crew.news is CrewNews.ORDERED and (axis := axis_of(order)) in HANDS_BY_AXIS:
-            asked[HANDS_BY_AXIS[axis]] = entry.tick
-    return asked
-
-
 def ordered_beyond(orders: Iterable[RecordedOrder]) -> tuple[RecordedOrder, ...]:
     """Return the instructor's orders to the crew that ask for something else than the exercise."""
     changed = (entry for axis, entry in changed_orders(orders) if axis in CREW_ORDERS)

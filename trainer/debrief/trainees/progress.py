@@ -16,7 +16,7 @@ import numpy as np
 from trainer.config.exercise.outcome import Outcome
 from trainer.config.exercise.progress import COST_KINDS, ProgressRun, add_run
 from trainer.config.files import ConfigError
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange
+from trainer.debrief.attainable.changes import FaultKind, MarkChange
 from trainer.debrief.marks.station_marks import marks_of_person
 from trainer.debrief.page.data import DebriefData, compare_debrief, standard_error_of
 from trainer.debrief.page.page import read_dossier
@@ -25,13 +25,10 @@ from trainer.io.orders.grammar import name_of
 from trainer.io.orders.words import ORDER_WORDS
 from trainer.session.past.header import exercise_of
 
-CAUSE_KINDS: Final[Mapping[ChangeCause, str]] = {
-    ChangeCause.MISSING: "late",
-    ChangeCause.STEERING: "overshoot",
-    ChangeCause.ORDER: "wrong way",
-    ChangeCause.WRONG_WAY: "wrong way",
-    ChangeCause.NO_ORDER: "other",
-    ChangeCause.RECORD_ENDS: "other",
+FAULT_KINDS: Final[Mapping[FaultKind, str]] = {
+    **dict.fromkeys((FaultKind.LATE, FaultKind.MISSING, FaultKind.TURNED), "late"),
+    **dict.fromkeys((FaultKind.STEERING, FaultKind.WRONG_AMOUNT), "overshoot"),
+    **dict.fromkeys((FaultKind.UNPROVED, FaultKind.RECORD_ENDS), "other"),
 }
 
 
@@ -63,25 +60,10 @@ def own_marks_of(debrief: DebriefData, name: str) -> float | None:
 
 
 def costs_of(changes: Iterable[MarkChange]) -> dict[str, float]:
-    """Return the marks [%] that were lost, by kind.
-
-    What came back is taken off what was lost last before it, so that they add up to the marks lost.
-    """
-    lost: list[tuple[str, float]] = []
-    won = 0.0  # that nothing lost before it is left for
-    for change in changes:
-        rise = max(change.marks, 0.0)
-        while rise and lost:
-            kind, marks = lost.pop()
-            rise, marks = max(rise - marks, 0.0), max(marks - rise, 0.0)
-            lost += [(kind, marks)] if marks else []
-        won += rise
-        fall = max(-change.marks - won, 0.0)
-        won = max(won + min(change.marks, 0.0), 0.0)
-        lost += [(kind_of(change), fall)] if fall else []
+    """Return the marks [%] that were lost, by kind."""
     costs = dict.fromkeys(COST_KINDS, 0.0)
-    for kind, marks in lost:
-        costs[kind] += marks
+    for change in changes:
+        costs[kind_of(change)] -= change.marks
     return {kind: round(marks, 1) for kind, marks in costs.items()}
 
 
@@ -89,18 +71,18 @@ def kind_of(change: MarkChange) -> str:
     """Return the kind of a fall, by what was done.
 
     The right order too late is late; an order the wrong way, or that nobody needs, is the wrong
-    way; what planes and rudder did else is overshoot. Water that was never moved, or moved without
-    need, is trim.
+    way; too much, and what planes and rudder did else, is overshoot. Water that was never moved,
+    too much of it, or moved without need, is trim.
     """
-    came_late = change.cause is ChangeCause.MISSING and change.came is not None
-    opposite = change.cause is ChangeCause.WRONG_WAY
+    timely = change.fault not in (FaultKind.LATE, FaultKind.WRONG_WAY)
     name = name_of(change.order)
-    trims = name in ORDER_WORDS and "ballast" in ORDER_WORDS[name].moves("")
-    if trims and not (came_late or opposite):
+    if timely and name in ORDER_WORDS and "ballast" in ORDER_WORDS[name].moves(""):
         return "trim"
-    if change.cause is ChangeCause.ORDER and name in SURFACE_ORDERS:
+    if change.fault is FaultKind.STEERING and not change.order:  # nobody steered in time
+        return "late"
+    if change.fault is FaultKind.NEEDLESS and name in SURFACE_ORDERS:
         return "overshoot"
-    return CAUSE_KINDS[change.cause]
+    return FAULT_KINDS.get(change.fault, "wrong way")
 
 
 def remember_run(path: Path, branch: int, how: Outcome) -> list[str]:

@@ -14,10 +14,10 @@ from typing import Final
 
 from trainer.config.exercise.outcome import Outcome
 from trainer.config.exercise.progress import ProgressRun, read_run
-from trainer.debrief.attainable.changes import ChangeCause, MarkChange
+from trainer.debrief.attainable.changes import FaultKind, MarkChange
 from trainer.debrief.attainable.curve import AttainableCurve
-from trainer.debrief.attainable.falls import dearest_rule
 from trainer.debrief.attainable.words import change_words
+from trainer.debrief.marks.judgement import dearest_rule
 from trainer.debrief.page.data import DebriefData
 from trainer.debrief.trainees.history import recording_stamp
 from trainer.debrief.trainees.progress import costs_of, own_marks_of, run_of
@@ -69,7 +69,7 @@ def summary_of(debrief: DebriefData) -> RunSummary:
 def losses_of(curve: AttainableCurve, step: float) -> Iterator[LostMarks]:
     """Yield what the crew lost; a record that ends early is no loss."""
     for change in curve.changes:
-        if change.marks < 0.0 and change.cause is not ChangeCause.RECORD_ENDS:
+        if change.marks < 0.0 and change.fault is not FaultKind.RECORD_ENDS:
             words = change_words(change, step)
             yield LostMarks(change.told_at * step, -change.marks, lost_task(curve, change), words)
 

@@ -251,7 +251,7 @@ FORMS = (
     Form("demonstrate", "have the reference crew show the way from here, for 2 min", value=120.0),
     Form("demonstrate for LENGTH", "for so long; then back to this moment, frozen"),
     Form("demonstrate off", "end that now"),
-    Form("hint", "what the reference crew would have done by now; it costs marks"),
+    Form("hint", "what to order now, and what it is worth; it costs marks"),
     Form("ghost on|off", "the reference crew's run from the start beside yours, or not"),
     Form("predictor REACH", "where depth, pitch and heading go, with the controls as they stand"),
     Form("predictor off", "no longer"),

@@ -14,6 +14,7 @@ from trainer.io.orders.grammar import Order
 from trainer.session.aside import BackgroundTask
 from trainer.session.exercise.aids import Aids
 from trainer.session.exercise.damage_watch import DamageWatch
+from trainer.session.exercise.evaluation import Evaluation
 from trainer.session.exercise.exercise import ExerciseEnd
 from trainer.session.exercise.hints import Hints
 from trainer.session.exercise.marks import Marks
@@ -56,7 +57,11 @@ class Conduct:
         self.ending.expect(terms.losses, terms.seconds)
         steps, after = plan.steps if plan else (), terms.following
         self.guide = StepGuide(control, log, self.work, shown, self.ending.end_lesson, after, steps)
-        self.hints = Hints(history, log, self.work, self.guide, self.aids)
+        self.evaluation = Evaluation(
+            *(history, log, self.work, shown.crew.work.refuse),
+            over=lambda: self.ending.over or control.failure,
+        )
+        self.hints = Hints(history, log, self.guide, self.aids, self.evaluation)
         self.damage_watch = DamageWatch(control, log, shown.show, self.ending)
         self.marks = Marks(
             *(control, log, self.work, self.ending, terms.debriefing, terms.kept),

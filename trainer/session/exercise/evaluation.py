@@ -14,6 +14,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO, Any, Final, cast
 
@@ -44,14 +45,18 @@ def why_unfit(plan: Plan) -> Refused | None:
     return None if plan.duration is not None else Refused("this exercise has no end")
 
 
+Heard = Callable[[Mapping[str, Any] | Refused], None]  # takes an answer, or why there is none
+
+
 @dataclass(frozen=True)
 class Question:
-    """A moment whose marks are asked, perhaps with an order more."""
+    """A moment of which marks, a ``hint`` or the ``way`` on are asked."""
 
     moment: Moment
     seconds: float
-    order: str = ""
-    asked: Request | None = None
+    wants: str = "marks"
+    order: str = ""  # with which the marks are asked too
+    heard: Heard | None = None  # None: the marks are told to the instructors
 
 
 class EvaluatorProcess:
@@ -69,6 +74,7 @@ class EvaluatorProcess:
             "tick": moment.tick,
             "after": moment.after,
             "state": base64.b64encode(moment.state).decode(),
+            "wants": question.wants,
             "order": question.order,
         }
         sending = cast("IO[bytes]", self._process.stdin)
@@ -152,14 +158,19 @@ class Evaluation:
     def ask(self, asked: Request) -> Reply | None:
         """Answer ``what if ORDER`` later, by what the process says; refuse what it cannot."""
         order = parse(asked.order.subject)
-        if self.why_none:
-            return Refused(f"no evaluation: {self.why_none.reason}")
         if not isinstance(order, Order) or order.name not in BOAT_ORDERS:
             return Refused(f"what if {asked.order.subject}: only of orders that move the boat")
         if refused := self.barred(order):
             return refused
-        question = Question(self.history.now(), self.history.boat.time, order.text, asked)
-        self._asked.append(question)
+        heard = partial(self._tell_what_if, asked, order.text, self.history.boat.time)
+        return self.consult(heard, order=order.text)
+
+    def consult(self, heard: Heard, wants: str = "marks", order: str = "") -> Refused | None:
+        """Have something found of this moment; refuse where there is no evaluation."""
+        if self.why_none:
+            return Refused(f"no evaluation: {self.why_none.reason}")
+        moment, seconds = self.history.now(), self.history.boat.time
+        self._asked.append(Question(moment, seconds, wants, order, heard))
         self._wake()
         return None
 
@@ -253,20 +264,22 @@ class Evaluation:
     def _take(self, question: Question, answer: Mapping[str, Any]) -> None:
         """Tell the instructors an answer."""
         if why := answer.get("why", ""):
-            if question.asked:
-                self._answer(question, Refused(f"no evaluation: {why}"))
+            self._refuse(question, why)
             self._give_up(why)
         elif free := answer.get("free", ""):
             self._take_free(question, free)
-        elif question.asked:
-            self._answer(question, answer_in_words(question, answer))
+        elif question.heard:
+            question.heard(answer)
         else:
             self._take_marks(question, answer)
 
+    def _refuse(self, question: Question, why: str) -> None:
+        if question.heard:
+            question.heard(Refused(f"no evaluation: {why}"))
+
     def _take_free(self, question: Question, why: str) -> None:
         """Tell once that a branch has no marks. After a jump back there may be marks again."""
-        if question.asked:
-            self._answer(question, Refused(f"no evaluation: {why}"))
+        self._refuse(question, why)
         branch = self.history.recording.branch
         if question.moment.branch == branch != self._free:
             self._free = branch
@@ -295,17 +308,19 @@ class Evaluation:
             self._tell(could + basis_text(beyond))
             self._best = branch, marks, seconds
 
-    def _answer(self, question: Question, reply: Reply) -> None:
+    def _tell_what_if(
+        self, asked: Request, text: str, seconds: float, answer: Mapping[str, Any] | Refused
+    ) -> None:
         """Answer ``what if``; the other instructors hear of it, and the recording keeps it."""
-        if question.asked is None:
-            return
-        question.asked.station.answer(question.asked, reply)
+        none = answer if isinstance(answer, Refused) else None
+        reply = none or answer_in_words(text, seconds, cast("Mapping[str, Any]", answer))
+        asked.station.answer(asked, reply)
         if not isinstance(reply, Refused):
-            self.log.tell("exercise", f"what if: {reply}", question.asked.station)
+            self.log.tell("exercise", f"what if: {reply}", asked.station)
 
     def _lost(self, question: Question, why: str) -> None:
-        if question.asked:
-            self._answer(question, Refused(f"{why}: ask again"))
+        if question.heard:
+            question.heard(Refused(f"{why}: ask again"))
         self._tell(f"{why}; it begins again")
 
     def _give_up(self, why: str) -> None:
@@ -315,7 +330,7 @@ class Evaluation:
         self._note(Fact("no-attainable", why))
         self._tell(f"no evaluation: {why}")
         while self._asked:
-            self._answer(self._asked.popleft(), Refused(f"no evaluation: {why}"))
+            self._refuse(self._asked.popleft(), why)
 
     def _note(self, fact: Fact) -> None:
         """Send programs of instructors a fact that nobody has to read."""
@@ -333,11 +348,11 @@ def basis_text(beyond: str = "") -> str:
     return f"; for the exercise's own orders, not for `{beyond}`" if beyond else ""
 
 
-def answer_in_words(question: Question, answer: Mapping[str, Any]) -> Reply:
+def answer_in_words(order: str, seconds: float, answer: Mapping[str, Any]) -> Reply:
     """Return the marks with and without an order in a line."""
     if why := answer.get("refused", ""):
-        return Refused(f"{question.order}: {why}")
+        return Refused(f"{order}: {why}")
     return (
-        f"with `{question.order}`: {answer['with']:.0f}, without: {answer['marks']:.0f} "
-        f"(from {clock(question.seconds)})"
+        f"with `{order}`: {answer['with']:.0f}, without: {answer['marks']:.0f} "
+        f"(from {clock(seconds)})"
     )

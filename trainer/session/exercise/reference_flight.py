@@ -8,28 +8,21 @@ A session flies it in a thread, so it rests after each tick: the session's own t
 long.
 """
 
-import math
 import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import instrument_readings
-from trainer.boat.depths import collapse_of, hull_depth
-from trainer.boat.due_orders import fly_ticks, orders_due, ticks_due
-from trainer.boat.grounding import GroundMonitor
+from trainer.boat.due_orders import fly_ticks, orders_due
 from trainer.boat.mute_crew import MuteCrew
 from trainer.boat.reference_crew import ReferenceCrew
-from trainer.boat.world.encounters import EncounterMonitor
 from trainer.config.exercise.reference_crew import MARK_ORDER
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder
-from trainer.io.status_line import clock
-from trainer.session.exercise.exercise import LossMonitor, loss_of
 from trainer.session.past.history import History
 from trainer.session.past.journal import order_of
 from trainer.session.past.plan import Plan
@@ -78,48 +71,6 @@ def follow_run(
         time.sleep(REST_S)
     mute.follow(given.get(boat.ticks, ()))
     return mute
-
-
-@dataclass(frozen=True)
-class WayAhead:
-    """How a way from a moment is judged, and up to which tick."""
-
-    plan: Plan
-    given: frozenset[int | None]  # entries of the schedule that were given before
-    last_tick: int
-    losses: Sequence[LossMonitor]  # of its own, as they stand at the moment
-
-    def fault(self, mute: MuteCrew) -> str:
-        """Fly on with the crew speaking; return what goes wrong and when, "" for nothing.
-
-        The mute crew, and its boat, are then as they were.
-        """
-        boat = mute.crew.boat
-        here = boat.snapshot()
-        try:
-            return self._first_fault(boat, mute.aboard(boat).speak())
-        finally:
-            boat.restore(here)
-
-    def _first_fault(self, boat: Boat, crew: ReferenceCrew) -> str:
-        met, ground = EncounterMonitor.over(boat), GroundMonitor(boat)
-        losses = [replace(each, ends=set()) for each in self.losses]
-        limit = boat.file.hull.test_depth_m or math.inf
-        limit = limit if hull_depth(boat) < limit else math.inf
-        due: dict[int, list[Order]] = defaultdict(list)
-        for entry, tick in enumerate(ticks_due(boat, self.plan.schedule)):
-            if entry not in self.given:
-                due[max(tick, boat.ticks)].append(self.plan.schedule[entry].order)
-        for tick in fly_ticks(boat, self.last_tick, due, lambda _: crew.look()):
-            time.sleep(REST_S)
-            met.look(boat)
-            aground = [call for call in ground.look() if call.aground and call.how == "end"]
-            struck = met.struck and f"runs into {met.struck}"
-            lost = "loses" if loss_of(losses, boat) or collapse_of(boat) or aground else ""
-            deep = "goes past test depth" if hull_depth(boat) > limit else ""
-            if wrong := struck or lost or deep:
-                return f"{wrong} at {clock(tick * boat.method.step)}, {hull_depth(boat):.0f} m deep"
-        return "" if boat.ticks >= self.last_tick else f"loses the boat at {clock(boat.time)}"
 
 
 def crew_so_far(plan: Plan, history: History) -> Callable[[], MuteCrew]:
