@@ -1,6 +1,7 @@
 """The shipped machine code: all that is called is in it, whole, and nothing else is needed."""
 
 import ast
+import gc
 import gzip
 import hashlib
 import importlib
@@ -26,7 +27,7 @@ from helpers.loops import in_a_loop
 from helpers.object_symbols import symbols
 from llvmlite import binding
 
-from trainer.boat import entries, machine_code, platforms
+from trainer.boat import entries, machine_code, object_image, platforms
 from trainer.boat.export import objects
 from trainer.boat.export.fmu import SOURCE_FOLDER
 from trainer.core import ballast, entry, kernel
@@ -383,6 +384,92 @@ def test_where_no_machine_code_may_be_made_that_is_said_and_how_to_allow_it(
         machine_code.Library(b"never read")
 
 
+on_linux = pytest.mark.skipif(
+    platforms.platform_name() != "linux-x86_64", reason="LLVM loads the object"
+)
+
+
+def _change(code: bytes, kind: int, field: str, value: int) -> bytes:
+    """Return an object with a field of its first full section of a kind, or of what is in it."""
+    changed = bytearray(code)
+    begin, count = (int.from_bytes(code[a:b], "little") for a, b in ((40, 48), (60, 62)))
+    sections = np.frombuffer(changed, object_image.SECTION, count, begin)
+    first = np.flatnonzero((sections["kind"] == kind) & (sections["size"] > 0))[0]
+    section = sections[first]
+    rows = {2: object_image.SYMBOL, 4: object_image.RELOCATION}[kind] if " " in field else None
+    if rows is not None:
+        number = int(section["size"]) // rows.itemsize
+        found = np.frombuffer(changed, rows, number, section["begin"])
+        found[field.removeprefix("last ")][-1] = value
+    else:
+        sections[field][first] = value
+    return bytes(changed)
+
+
+@on_linux
+@pytest.mark.parametrize(
+    ("kind", "field", "value"),
+    [
+        (object_image.RELOCATIONS, "last kind", 42),  # R_X86_64_REX_GOTPCRELX
+        (object_image.RELOCATIONS, "last place", 2**40),
+        (object_image.RELOCATIONS, "last added", -(2**40)),
+        (object_image.RELOCATIONS, "last symbol", 2**20),
+        (object_image.RELOCATIONS, "kind", 9),  # without what is added
+        (object_image.SYMBOLS, "last section", 0),  # of another object
+        (object_image.PLAIN, "kind", 14),  # functions to be called first
+        (object_image.PLAIN, "flags", 0x403),  # each thread's own
+        (object_image.PLAIN, "flags", 3),  # written while it runs
+        (object_image.PLAIN, "step", 4096),
+    ],
+)
+def test_an_object_that_asks_for_more_than_its_own_addresses_is_left_to_llvm(
+    kind: int, field: str, value: int
+) -> None:
+    with pytest.raises((ValueError, IndexError), match=r"unknown|out of bounds"):
+        object_image.ObjectImage(_change(unpacked(HERE), kind, field, value))
+
+
+@on_linux
+def test_machine_code_stays_for_good_and_no_memory_is_written_and_run_at_once() -> None:
+    address = machine_code.Library(unpacked(HERE)).address_of(entries.KERNEL_ENTRIES[0].name)
+    gc.collect()
+    rows = [line.split() for line in Path("/proc/self/maps").read_text("utf-8").splitlines()]
+    spans = [([int(each, 16) for each in row[0].split("-")], row[1]) for row in rows]
+    assert [way for (begin, end), way in spans if begin <= address < end] == ["r-xp"]
+
+
+@jitted
+def test_llvm_loads_what_the_image_refuses_and_neither_has_what_is_not_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(_: bytes) -> None:
+        raise ValueError("another system")
+
+    by_image = machine_code.Library(unpacked(HERE))
+    monkeypatch.setattr(machine_code, "ObjectImage", refuse)
+    by_llvm = machine_code.Library(unpacked(HERE))
+    for library in (by_image, by_llvm):
+        assert not library.address_of("nothing")
+        assert all(library.address_of(each.name) for each in entries.KERNEL_ENTRIES)
+
+
+@pytest.mark.process
+@on_linux
+@jitted
+def test_a_system_that_lets_no_memory_become_executable_is_told() -> None:
+    code = (
+        "import ctypes, trainer; from trainer.boat import machine_code\n"
+        "code = machine_code.shipped_object()\n"
+        "print(ctypes.CDLL(None).prctl(65, 1, 0, 0, 0))\n"  # PR_SET_MDWE, of Linux 6.3
+        "try: machine_code.Library(code)\n"
+        "except PermissionError as problem: print(problem)"
+    )
+    answer, *told = run_program([sys.executable, "-c", code]).stdout.splitlines()
+    if answer != "0":
+        pytest.skip("this kernel has no such rule")
+    assert "MemoryDenyWriteExecute=no" in told[0]
+
+
 def test_the_newest_processor_level_that_a_machine_has_is_taken(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -394,6 +481,19 @@ def test_the_newest_processor_level_that_a_machine_has_is_taken(
     assert platforms.fitting_name(all_of_them | {"popcnt": False}) is None
     monkeypatch.setattr(platforms, "platform_name", lambda: "linux-riscv64")
     assert platforms.fitting_name(all_of_them) is None
+
+
+def test_a_processor_has_what_the_compiler_says_that_it_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    by_compiler, flags = binding.get_host_cpu_features(), platforms.flags_of("x86-64-v4")
+    for facts in (platforms.CPU_FACTS, tmp_path / "none"):
+        monkeypatch.setattr(platforms, "CPU_FACTS", facts)
+        here = platforms.host_features()
+        assert all(
+            platforms.has_flag(here, flag) == platforms.has_flag(by_compiler, flag)
+            for flag in flags
+        )
 
 
 LANES = {

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat.assemble import Method, Records, fit_out
-from trainer.boat.machine_code import EMPTY_CHART, bind_tick
+from trainer.boat.machine_code import EMPTY_CHART, bind
 from trainer.boat.world.world import World
 from trainer.config.boat.casualties import load_casualties
 from trainer.config.boat.vessel import VesselFile
@@ -24,7 +24,7 @@ from trainer.config.world.sea import SeaFile, load_sea, sea_settings, step_probl
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.casualties import instruments
-from trainer.core.entry import fly
+from trainer.core.entry import fly, tick
 from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import DECK_REACH
@@ -270,7 +270,7 @@ class Boat:
     @functools.cached_property
     def advance(self) -> Callable[[], int]:
         """Advance by one step, the world as the state has it."""
-        return bind_tick(self.records, self.chart)
+        return bind(tick, self.records, EMPTY_CHART if self.chart is None else self.chart)
 
     def fly(self, offsets: NDArray[np.int64], rows: Numbers) -> int:
         """Advance by a step for each of ``rows``.

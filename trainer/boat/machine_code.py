@@ -3,7 +3,7 @@
 An object for the plainest processor of each platform comes with the package, so that nothing is
 compiled before a boat goes to sea: its bits are those of any other compilation. Where none fits, on
 another platform or with a core that was changed, the same object is made here once, in sight, and
-kept in the cache. It is chosen and its SHA-256 is checked before LLVM sees a byte of it, because a
+kept in the cache. It is chosen and its SHA-256 is checked before a byte of it is loaded, because a
 damaged one would end the process.
 
 Settings of numba that ask for other code are obeyed: then no object is used, and numba compiles, or
@@ -25,7 +25,6 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from trainer.boat.assemble import Records
 from trainer.boat.entries import (
     KERNEL_ENTRIES,
     NUMBER_PAIR,
@@ -36,10 +35,16 @@ from trainer.boat.entries import (
     entry_of,
     room_of,
 )
-from trainer.boat.platforms import CARD_FILE, SHIPPED_PLATFORMS, fitting_name, platform_name
+from trainer.boat.object_image import ObjectImage
+from trainer.boat.platforms import (
+    CARD_FILE,
+    SHIPPED_PLATFORMS,
+    fitting_name,
+    host_features,
+    platform_name,
+)
 from trainer.core.digest import core_digest
-from trainer.core.entry import tick
-from trainer.core.kernel import INTERPRETED, Kernel, Numbers
+from trainer.core.kernel import INTERPRETED, Kernel
 
 SHIPPED_FOLDER: Final = Path(__file__).with_name("shipped")
 HOST_NAME: Final = "host"
@@ -69,13 +74,9 @@ def shipped_card() -> dict[str, Any]:
 def shipped_object(platform_asked: str | None = None, room: str = "") -> bytes | None:
     """Return the shipped object for a platform or this machine, None if there is none.
 
-    It is the core's, or that of a room above.
-
-    One that is not whole is told, and not used.
+    It is the core's, or that of a room above. One that is not whole is told, and not used.
     """
-    from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
-
-    name, card = platform_asked or fitting_name(binding.get_host_cpu_features()), shipped_card()
+    name, card = platform_asked or fitting_name(host_features()), shipped_card()
     fits = card.get(room) == digest_room(room) if room else card.get("core") == core_digest()
     if not fits or name is None:
         return None
@@ -131,7 +132,16 @@ class Library:
 
     def __init__(self, code: bytes) -> None:
         """Load an object; PermissionError where memory may not be made executable."""
-        from llvmlite import binding  # noqa: PLC0415
+        try:
+            self.address_of: Callable[[str], int] = ObjectImage(code).address_of
+        except (ValueError, IndexError, OSError):
+            self.address_of = self._load_by_llvm(code)
+        # it stays for good: a thread may be in it, even while the process ends
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self))
+
+    def _load_by_llvm(self, code: bytes) -> Callable[[str], int]:
+        """Return what tells the address of a function in an object that LLVM has loaded."""
+        from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
         try:
             binding.check_jit_execution()
@@ -144,13 +154,10 @@ class Library:
         machine = binding.Target.from_triple(triple).create_target_machine(opt=3)
         empty = binding.parse_assembly("")
         empty.triple, empty.data_layout = triple, str(machine.target_data)
-        self._engine = binding.create_mcjit_compiler(empty, machine)
-        self._engine.add_object_file(binding.ObjectFileRef.from_data(code))
-        self._engine.finalize_object()
-
-    def address_of(self, name: str) -> int:
-        """Return the address of a function."""
-        return int(self._engine.get_function_address(name))
+        engine = binding.create_mcjit_compiler(empty, machine)
+        engine.add_object_file(binding.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+        return lambda name: int(engine.get_function_address(name))
 
 
 class _Way(NamedTuple):
@@ -188,12 +195,6 @@ def _find_library(room: str) -> Library | None:
 def way_name() -> str:
     """Return how kernels are computed: shipped, made here, compiled by numba, or interpreted."""
     return _find_way().name
-
-
-def find_addresses(*kernels: Callable[..., Any]) -> tuple[int, ...]:
-    """Return where the machine code of kernels is in this process; nothing where numba compiles."""
-    library = _find_way().library
-    return tuple(library.address_of(entry_of(each).name) for each in kernels) if library else ()
 
 
 def _address(array: Any) -> int:
@@ -273,20 +274,11 @@ def call_entry(entry: Entry, address: int) -> Callable[..., Any]:
     return call
 
 
-def bind_tick(records: Records, chart: Numbers | None = None) -> Callable[[], int]:
-    """Return ``entry.tick`` of these records and the chart of the ground, None for none.
-
-    The caller keeps the records, and does not move them, because only addresses are bound: taking
-    them apart at every call would cost more than the tick does.
-    """
-    return bind(tick, records, EMPTY_CHART if chart is None else chart)
-
-
 def bind(kernel: Callable[..., Any], *arguments: Any) -> Callable[[], int]:
-    """Return the call of a kernel with these arguments.
+    """Return the call of a kernel with these arguments, which stay where they are.
 
-    They stay where they are. Its entry is one that can be bound. TypeError if an argument is of
-    another kind than is said there.
+    Only addresses are bound: to take records apart at every call would cost more than a tick. The
+    kernel's entry is one that can be bound. TypeError if an argument is of another kind than there.
     """
     library = _find_way().library
     if library is None:

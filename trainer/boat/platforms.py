@@ -4,11 +4,14 @@
 machine; ``export/targets`` and ``export/wasm`` compile a boat's own core.
 """
 
+import contextlib
 import platform
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Final, NamedTuple
 
+CPU_FACTS: Final = Path("/proc/cpuinfo")  # of Linux
 CARD_FILE: Final = "card.json"  # what the objects were made from
 # what each level has over the one before it, by the names of Linux
 PROCESSOR_LEVELS: Final = {
@@ -83,9 +86,7 @@ SHIPPED_PLATFORMS: Final[Mapping[str, Platform]] = {
     "macos-arm64": Platform("arm64-apple-macosx11.0.0", "apple-m1"),
 }
 # fmt: on
-WASM_PLATFORM: Final = (
-    "wasm"  # of a unit as a component, by the draft fmi-ls-wasm, of FMI 3.0 alone
-)
+WASM_PLATFORM: Final = "wasm"  # of a unit as a component, by fmi-ls-wasm, of FMI 3.0 alone
 UNIT_PLATFORMS: Final[Mapping[str, Platform]] = {  # by the name for --platform
     **{name: kind for name, kind in SHIPPED_PLATFORMS.items() if kind.unit_folders},
     WASM_PLATFORM: CPU_TARGETS["wasm32"]._replace(
@@ -117,6 +118,18 @@ def flags_of(cpu: str) -> tuple[str, ...]:
 def has_flag(features: Mapping[str, bool], flag: str) -> bool:
     """Return whether features, by the compiler's names, have what Linux calls ``flag``."""
     return bool(features.get(LLVM_NAMES.get(flag, flag)))
+
+
+def host_features() -> Mapping[str, bool]:
+    """Return what this machine's processor has, by the compiler's names."""
+    with contextlib.suppress(OSError), CPU_FACTS.open(encoding="utf-8") as lines:
+        for line in lines:
+            if line.startswith("flags"):  # on x86, of each processor
+                return {LLVM_NAMES.get(flag, flag): True for flag in line.split()}
+    from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
+
+    features: Mapping[str, bool] = binding.get_host_cpu_features()
+    return features
 
 
 def platform_name() -> str:
