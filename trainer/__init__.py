@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from trainer.config.files import ConfigError as TrainerError
     from trainer.debrief.passage.recording_export import Recording, read_recording
 else:
-    _MODULE_BY_NAME = {  # the module of each name, and what it is called there
+    _MODULE_BY_NAME = {  # the module of each name; others are in calls
         **dict.fromkeys(
             ("Recording", "read_recording"), "trainer.debrief.passage.recording_export"
         ),
@@ -57,16 +57,22 @@ else:
         "Fleet": "trainer.api.fleet",
         "TrainerError": "trainer.config.files",
     }
-    _SOURCE_NAMES = {"TrainerError": "ConfigError"}
 
     def __getattr__(name: str) -> object:
         """Return a public name, its module imported now."""
         if name not in __all__:
             raise AttributeError(f"module 'trainer' has no attribute {name!r}")
-        from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
+        import gc  # noqa: PLC0415  a run on an exported core needs none
+        from importlib import import_module  # noqa: PLC0415  likewise
 
-        module = import_module(_MODULE_BY_NAME.get(name, "trainer.api.calls"))
-        found: object = getattr(module, _SOURCE_NAMES.get(name, name))
+        collecting = gc.isenabled()
+        gc.disable()  # what is imported stays: to look for garbage there is a tenth of a start
+        try:
+            module = import_module(_MODULE_BY_NAME.get(name, "trainer.api.calls"))
+        finally:
+            if collecting:
+                gc.enable()
+        found: object = getattr(module, "ConfigError" if name == "TrainerError" else name)
         globals()[name] = found
         return found
 

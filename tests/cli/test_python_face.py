@@ -5,6 +5,7 @@ import copy
 import json
 import math
 import pickle
+import platform
 import sys
 import threading
 from collections.abc import Callable
@@ -67,6 +68,34 @@ def test_importing_the_trainer_imports_nothing_else() -> None:
     done = run_program([sys.executable, "-S", "-c", code], env=environment())
 
     assert ast.literal_eval(done.stdout) == {"trainer"}
+
+
+@pytest.mark.process
+def test_a_boat_by_call_imports_no_room_that_it_does_not_call() -> None:
+    """Each would be paid for at every start: consoles, pages, recordings' exports, a compiler."""
+    code = "import sys, trainer; trainer.Boat('bb2'); print([*sys.modules])"
+    done = run_program([sys.executable, "-c", code], env=environment())
+    modules = ast.literal_eval(done.stdout)
+    rooms = [name for name in modules if name.startswith("trainer.")]
+    idle = ("cli", "debrief", "report", "analysis", "identify", "authoring", "console", "web")
+
+    assert not [name for name in rooms if name.split(".")[1] in idle]
+    assert not {"session.run", "session.rerun", "session.account", "session.doors.ports"} & {
+        name.removeprefix("trainer.") for name in rooms
+    }
+    assert not {"numba", "click", "statistics", "importlib.metadata"} & {*modules}
+    assert "llvmlite" not in modules or sys.platform != "linux" or platform.machine() != "x86_64"
+    assert len(rooms) <= 262
+
+
+@pytest.mark.process
+def test_garbage_is_collected_after_an_import_as_it_was_before() -> None:
+    code = (
+        "import gc, trainer; trainer.TrainerError; print(gc.isenabled())\n"
+        "gc.disable(); trainer.Boat; print(gc.isenabled())"
+    )
+    done = run_program([sys.executable, "-c", code], env=environment())
+    assert done.stdout.split() == ["True", "False"]
 
 
 def test_at_most_fifteen_names_are_public_and_all_are_there() -> None:

@@ -26,7 +26,6 @@ from trainer.config.files import ConfigError, quote, remembering
 from trainer.config.keywords import RUN_KEYWORDS, reading_keywords
 from trainer.config.schema import Kind, kinds_of
 from trainer.core.kernel import Numbers
-from trainer.debrief.passage.recording_export import frame_of
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.io.orders.words import BOAT_ORDERS, CREW_TALK
@@ -44,8 +43,10 @@ from trainer.session.past.history import History
 from trainer.session.past.layout import LAYOUT
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan, plan_run, refuse_depth
-from trainer.session.run import create_recording, crew_talk, open_publisher, ready_boat
+from trainer.session.ready import crew_talk, ready_boat
 from trainer.session.session import ColumnFile, Session
+from trainer.session.stations.subscriptions import PromptSender, Roster
+from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
@@ -137,6 +138,8 @@ class Boat:
         state = self._boat.records.state.tobytes()
         keeper: Recording | OrderMemory = OrderMemory()
         if chosen.record:
+            from trainer.session.run import create_recording
+
             header = header_of(chosen, texts, self._boat)
             _, keeper = create_recording((chosen.record,), header, state)
         self._keeper = keeper
@@ -154,7 +157,7 @@ class Boat:
             boat,
             time,
             History(boat, self._keeper),
-            open_publisher(boat, time, chosen),
+            PromptSender(Roster(StateReader(boat, time.ledger.summary))),
             Agenda(boat, plan.schedule),
             crew_talk(plan, boat),
             Monitors.over(boat, LimitMonitor.over(boat, plan.limits)),
@@ -272,6 +275,8 @@ class Boat:
 
         TrainerError where pandas is not installed; the extra ``pandas`` brings it.
         """
+        from trainer.debrief.passage.recording_export import frame_of
+
         return frame_of(self.columns)
 
     @property

@@ -114,7 +114,8 @@ class BoatByNumber:
         """Return values as a row of the orders; ConfigError if they are none."""
         given = numbers_of(values, "step()")
         if given.shape != self._shape:
-            raise ConfigError(f"step(): give {len(self.orders)} numbers, not {_shape_text(given)}")
+            shape = " by ".join(map(str, given.shape)) or "one"
+            raise ConfigError(f"step(): give {len(self.orders)} numbers, not {shape}")
         return given
 
     def clip(self, values: ArrayLike) -> Numbers:
@@ -228,7 +229,3 @@ def refuse_ticks(ticks: int) -> None:
     """Raise ConfigError if a step cannot have so many ticks."""
     if not (isinstance(ticks, int) and 0 < ticks <= MAX_TICKS):
         raise ConfigError(f"ticks must be 1 to {MAX_TICKS}, not {quote(ticks)}")
-
-
-def _shape_text(given: Numbers) -> str:
-    return " by ".join(map(str, given.shape)) if given.ndim else "one"

@@ -36,7 +36,7 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.io.orders.grammar import Order
 from trainer.io.recording.recording import Moment
 from trainer.session.past.plan import Plan
-from trainer.session.run import ready_boat
+from trainer.session.ready import ready_boat
 
 MAX_BOATS: Final = 1_000_000
 STATE_SIZE: Final = STATE.itemsize // 8
@@ -146,13 +146,8 @@ class Fleet:
         for begin, end in pairwise(ends):
             scratch = np.zeros(end - begin if own else 1, SCRATCH)
             scratch[:] = records.scratch
-            boats = (
-                records.vessel,
-                records.compact,
-                records.scheme,
-                self._states[begin:end],
-                scratch,
-            )
+            shared = records.vessel, records.compact, records.scheme
+            boats = (*shared, self._states[begin:end], scratch)
             rows = self._values[begin:end], self._offsets, ticks, out[begin:end]
             calls.append(bind(steer, (*boats, chart), rules, *rows))
         return calls

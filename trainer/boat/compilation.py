@@ -8,7 +8,6 @@ files only.
 
 import contextlib
 import hashlib
-import importlib.metadata
 import os
 import signal
 import sys
@@ -66,11 +65,13 @@ def interruptible() -> Iterator[None]:
 
 def mark_path(name: str, *folders: str) -> Path:
     """Return the path of a mark for the kernels in folders, else in the core."""
+    from importlib import metadata  # noqa: PLC0415  what is shipped does without
+
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
     from trainer.core.cache import cache_folder  # noqa: PLC0415  it claims the folder
 
-    facts = [importlib.metadata.version("numba"), sys.version, binding.get_host_cpu_name()]
+    facts = [metadata.version("numba"), sys.version, binding.get_host_cpu_name()]
     facts += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
     # numba asks a kernel's own file only; a mark speaks for all that is imported there
     for path in imported_sources(*(PACKAGE_FOLDER / each for each in folders or ("core",))):

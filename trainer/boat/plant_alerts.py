@@ -11,7 +11,6 @@ from collections import deque
 from collections.abc import Collection, Iterator
 from copy import copy
 from dataclasses import dataclass, field
-from statistics import fmean
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -198,7 +197,8 @@ class BatteryWatch:
 
     def reserve(self, numbers: Any) -> Reserve:
         """Return what is left by the numbers of a state."""
-        left, draw = self._full - float(numbers[SPENT_OFFSET]), fmean(self._draws)
+        left = self._full - float(numbers[SPENT_OFFSET])
+        draw = math.fsum(self._draws) / len(self._draws)
         return Reserve(left / self._full, left / draw / 60.0 if draw > 0.0 else math.inf)
 
 

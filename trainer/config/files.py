@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
 from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any, Final, NamedTuple, NoReturn
 
@@ -259,9 +258,9 @@ def relative_name(path: Path, name: str) -> str:
 @cache
 def _shipped_folder(kind: str) -> Path:
     """Return the folder inside the installed package, or the one of a source tree."""
-    installed = Path(str(resources.files("trainer").joinpath("configs")))
-    source = Path(__file__).parents[2] / "configs"
-    return (installed if installed.is_dir() else source) / kind
+    package = Path(__file__).parents[1]
+    installed = package / "configs"
+    return (installed if installed.is_dir() else package.parent / "configs") / kind
 
 
 def read_text(path: Path) -> str:

@@ -14,8 +14,6 @@ from itertools import count
 from pathlib import Path
 from typing import Final
 
-import platformdirs
-
 DEFAULT_HOST: Final = "127.0.0.1"
 DEFAULT_PORT: Final = 17800  # of a session, by TCP
 PAGES_PORT: Final = 17880  # the port of stations in a browser
@@ -91,6 +89,8 @@ def recordings_folder() -> Path:
         raise FileNotFoundError(
             errno.ENOENT, f"this user has no home folder: {_OTHER_FOLDERS}"
         ) from None
+    import platformdirs  # noqa: PLC0415  few ask where recordings go
+
     earlier = state / _FOLDER_NAME  # of all systems, once
     here = named or earlier.is_dir()
     folder = earlier if here else platformdirs.user_state_path(_FOLDER_NAME, appauthor=False)

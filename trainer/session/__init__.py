@@ -14,7 +14,7 @@ layout, or drive a session by hand.
 # The modules that other rooms may use.
 # fmt: off
 __all__ = [
-    "aside", "crew", "doors", "exercise", "jump", "nmea", "parts", "past", "people", "replay",
-    "rerun", "resume", "run", "session", "stations", "time",
+    "aside", "crew", "doors", "exercise", "jump", "nmea", "parts", "past", "people", "ready",
+    "replay", "rerun", "resume", "run", "session", "stations", "time",
 ]
 # fmt: on

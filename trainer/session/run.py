@@ -34,11 +34,9 @@ from trainer.io.tables import MOTION_COLUMNS, CsvFile, NoFile
 from trainer.session.account import SummaryOptions, account
 from trainer.session.attendance import Introduction
 from trainer.session.crew.agenda import Agenda
-from trainer.session.crew.crew import CrewTalk
-from trainer.session.crew.manning import HandWork, in_hand
 from trainer.session.doors.page_server import PageServer, serving_pages
 from trainer.session.doors.ports import PORT_TIMEOUT_S, Ports, keeps_no_time
-from trainer.session.doors.warm_up import refuse_unstable, set_garbage_aside, warm_boat
+from trainer.session.doors.warm_up import set_garbage_aside
 from trainer.session.exercise.aids import GHOST
 from trainer.session.exercise.marks import DebriefSource
 from trainer.session.exercise.terms import SINGLE_REFUSAL, Terms
@@ -48,6 +46,7 @@ from trainer.session.past.history import History
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import OVERRULED_SETTINGS, Plan, plan_run
 from trainer.session.people.briefing import Briefing
+from trainer.session.ready import crew_talk, ready_boat
 from trainer.session.rerun.batch import Subject
 from trainer.session.rerun.request import open_log
 from trainer.session.session import ColumnFile, Session
@@ -179,40 +178,11 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         raise
 
 
-def refuse_automatic(plan: Plan, path: Path | None) -> None:
-    """Raise ConfigError if orders from a file give the autopilot an axis of the crew."""
-    own_ids = {*map(id, plan.own_schedule)}
-    added = [each for each in plan.schedule if id(each) not in own_ids]
-    problems = [
-        f"{path and path.name}:{entry.line_number}: {entry.order.text}: {taken.why}"
-        for entry in added
-        if entry.seconds >= plan.hand_from
-        and (taken := in_hand(entry.order, plan.hand, plan.allowed))
-    ]
-    if problems:
-        raise ConfigError(*problems)
-
-
 def discard_recording(kept: Path | None) -> None:
     """Remove a recording that holds nothing."""
     for ending in ("", "-wal", "-shm", "-journal"):
         if kept is not None:
             kept.with_name(kept.name + ending).unlink(missing_ok=True)
-
-
-def ready_boat(plan: Plan, options: RunOptions) -> Boat:
-    """Return the boat as the plan starts it; ConfigError if it cannot be."""
-    refuse_automatic(plan, options.orders_file)
-    boat = Boat(plan.file, plan.method)
-    if options.serve:
-        click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
-    warm_boat(boat)
-    if not options.unsafe_step:
-        refuse_unstable(boat)
-    plan.start(boat)
-    if plan.note:
-        click.echo(f"trainer: {plan.note}", err=True)
-    return boat
 
 
 def create_recording(
@@ -334,12 +304,6 @@ def wind_up(session: Session) -> None:
     session.event_log.strangers.close()
     if not session.control.following:  # else whoever is there comes back for it
         session.event_log.tell("time", SESSION_OVER, fact=Fact("over"))
-
-
-def crew_talk(plan: Plan, boat: Boat) -> CrewTalk:
-    """Return the crew's talk before any word, with the axes that are worked by hand."""
-    hand, allowed = frozenset(plan.hand), frozenset(plan.allowed)
-    return CrewTalk(boat, HandWork(boat, hand, plan.hand_from, allowed, plan.guard))
 
 
 def terms_of(prepared: PreparedRun, options: RunOptions) -> Terms:

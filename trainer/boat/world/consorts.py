@@ -7,7 +7,6 @@ taken to have the hull of the session's own boat, as a box upright in the water.
 from dataclasses import replace
 from typing import Any, Final
 
-from trainer.config.exercise.class_file import DEPTH_ERROR_M, PLACE_ERROR_M
 from trainer.config.world.contacts import SHIP_TYPES, ShipType
 
 BOAT_NAME: Final = "boat-{}"  # as orders name it
@@ -40,10 +39,12 @@ def body_of(hull: ShipType) -> ShipType:
 
     So two boats that touch are told of it both, though each has the other a little elsewhere.
     """
+    from trainer.config.exercise import class_file  # noqa: PLC0415  of classes alone
+
     return replace(
         hull,
-        length=hull.length + 2.0 * PLACE_ERROR_M,
-        beam=hull.beam + 2.0 * PLACE_ERROR_M,
-        draught=hull.draught + DEPTH_ERROR_M,
-        height=hull.height + DEPTH_ERROR_M,
+        length=hull.length + 2.0 * class_file.PLACE_ERROR_M,
+        beam=hull.beam + 2.0 * class_file.PLACE_ERROR_M,
+        draught=hull.draught + class_file.DEPTH_ERROR_M,
+        height=hull.height + class_file.DEPTH_ERROR_M,
     )

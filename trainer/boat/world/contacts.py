@@ -24,7 +24,6 @@ from trainer.boat.world.hulls import Pose, read_pose
 from trainer.boat.world.lights import Light, lights_of
 from trainer.boat.world.ship_force import ShipPull
 from trainer.boat.world.steered import SteerableShip, SteeredContact, SteeredNomoto
-from trainer.boat.world.steered_ship import SteeredShip
 from trainer.boat.world.tracks import (
     Piece,
     Situation,
@@ -294,6 +293,8 @@ def _helmed(contact: Contact) -> SteerableShip | None:
     """Return the ship of a contact's file; None without one. ConfigError if it cannot sail."""
     if contact.nomoto:
         return SteeredNomoto(contact.nomoto)
+    from trainer.boat.world.steered_ship import SteeredShip  # noqa: PLC0415  few sail one
+
     return SteeredShip(contact.ship) if contact.ship else None
 
 

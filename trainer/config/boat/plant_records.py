@@ -7,7 +7,7 @@ the file.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 from trainer.config.schema import (
     Choice,
@@ -29,7 +29,6 @@ from trainer.core.plant.parts import (
 )
 
 NORMAL_MODE, EMERGENCY_MODE, HAND_MODE = MODE_NAMES
-PUMP_CONSUMERS: Final = tuple(f"hydraulic_{name}" for name in OIL_PUMPS)
 
 
 def _power(meaning: str) -> Any:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from trainer.config.files import (
     ConfigError,
@@ -37,9 +37,11 @@ from trainer.config.schema import (
     within,
 )
 from trainer.config.ship.nomoto import NomotoFile, is_nomoto, load_nomoto
-from trainer.config.ship.ship import ShipFile, is_ship, load_ship
 from trainer.io.orders.schedule import MAX_TIME_S
 from trainer.units import KNOT
+
+if TYPE_CHECKING:
+    from trainer.config.ship.ship import ShipFile
 
 MAX_CONTACTS: Final = 200  # contacts of an exercise
 MAX_CONTACT_RANGE_M: Final = 200_000.0  # [m] from the origin
@@ -193,7 +195,7 @@ class Contact:
     row: ContactRow
     position: Position
     nomoto: NomotoFile | None = None  # the ship that answers its rudder,
-    ship: ShipFile | None = None  # or one that is not linear
+    ship: "ShipFile | None" = None  # or one that is not linear
 
     @property
     def type(self) -> ShipType:
@@ -276,8 +278,10 @@ def read_encounters(value: object, position: Position, path: Path) -> Encounters
     return read_record(Encounters, value, position, ("note",))
 
 
-def _ship(row: ContactRow, path: Path) -> ShipFile:
+def _ship(row: ContactRow, path: Path) -> "ShipFile":
     """Return the ship of a contact that is not linear; ConfigError if its file is of none."""
+    from trainer.config.ship.ship import load_ship  # noqa: PLC0415  few exercises have one
+
     ship_path = path_named(relative_name(path, str(row.ship)), "ships")
     if is_nomoto(ship_path):
         raise ConfigError(f"{ship_path.name}: is a Nomoto ship: {row.name} has it as nomoto")
@@ -286,6 +290,8 @@ def _ship(row: ContactRow, path: Path) -> ShipFile:
 
 def _nomoto(row: ContactRow, path: Path) -> NomotoFile:
     """Return the identified ship of a contact; ConfigError if it cannot be steered."""
+    from trainer.config.ship.ship import is_ship  # noqa: PLC0415  likewise
+
     nomoto_path = Path(relative_name(path, str(row.nomoto)))
     if is_ship(nomoto_path):
         raise ConfigError(

@@ -38,17 +38,10 @@ class NoRecording:
     ) -> None:
         """Drop it."""
 
-    def state(self, _tick: int, _state: bytes) -> None:
+    def _drop(self, *_: object) -> None:
         """Drop it."""
 
-    def timing(self, _tick: int, _lateness: int, _work: int) -> None:
-        """Drop it."""
-
-    def event(self, _tick: int, _kind: str, _who: str, _text: str, _role: str = "") -> None:
-        """Drop it."""
-
-    def snapshot(self, _name: str, _moment: Moment) -> None:
-        """Drop it."""
+    state = timing = event = snapshot = flush = close = _drop
 
     def fork(self, _moment: Moment, _why: str, _cause: BranchCause = BranchCause.JUMP) -> int:
         """Return the number of the branch that begins; drop its moment."""
@@ -59,9 +52,6 @@ class NoRecording:
         """Return that nothing is recorded."""
         return False
 
-    def flush(self) -> None:
-        """Do nothing."""
-
     def branches(self) -> list[Branch]:
         """Return none."""
         return []
@@ -70,9 +60,7 @@ class NoRecording:
         """Return nothing."""
         return iter(())
 
-    def notes(self) -> Iterator[RecordedEvent]:
-        """Return nothing."""
-        return iter(())
+    notes = events
 
     def last_tick(self, _branch: int) -> int:
         """Return the tick of the start, since no later one is recorded."""
@@ -93,9 +81,6 @@ class NoRecording:
     def snapshots(self) -> list[tuple[str, Moment]]:
         """Return none."""
         return []
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 class OrderMemory(NoRecording):

@@ -5,10 +5,9 @@ boat.
 """
 
 import gc
+import sys
 from functools import partial
 from typing import Final
-
-import click
 
 from trainer.boat import casualties, compilation, machine_code
 from trainer.boat.boat import Boat
@@ -28,7 +27,7 @@ def warm_boat(boat: Boat) -> None:
     if machine_code.way_name() != machine_code.BY_NUMBA:
         try_out(boat)
         return
-    with compilation.announce_compiling(BOAT_TEXT, partial(click.echo, err=True)):
+    with compilation.announce_compiling(BOAT_TEXT, partial(print, file=sys.stderr)):
         try_out(boat)
 
 
