@@ -14,6 +14,7 @@ from helpers.nursery import run_trainer
 from helpers.places import CHECKOUT, environment
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
+from trainer.io.paths import PAGES_PORT
 
 Done = subprocess.CompletedProcess[str]
 TIMEOUT = 600.0  # [s] on a machine that is busy
@@ -70,7 +71,8 @@ def ran(line: str, folder: Path) -> Done:
     if "--priority" in line:
         line = f"{line} --speed max"
     if "serve" in line:
-        line = f"{line} --duration 1 --listen 127.0.0.1:0"
+        usual = str(PAGES_PORT)  # another test may have it now
+        line = f"{line.replace(usual, '0')} --duration 1 --listen 127.0.0.1:0"
     beside = {"PYTHONPATH": CHECKOUT} if "python -m tests." in line else {}
     return typed(line, folder, "status\nquit\n", **beside)
 

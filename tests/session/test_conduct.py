@@ -371,8 +371,9 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(drill: Cr
     assert "quit, then trainer run backing" in drill.refused("next backing")
 
     drill.allow_next()
+    drill.fly(2)
     assert "end exercise" in drill.refused("next backing")
-    drill.fly(20)
+    drill.fly(18)
     assert 'no exercise "nothing"' in drill.refused("next nothing")
     drill.order("next")
     assert drill.said[:2] == ["first-depth-change", "steady-course"]  # the course's order
@@ -420,7 +421,10 @@ def test_next_is_for_who_trains_what_is_weakest_and_longest_ago(
     assert ship.session.control.following == course()[0].name
 
     (passed,) = (each for each in ship.facts(ship.comes("trainee"), "exercise") if "done=" in each)
-    assert passed == "done=" + ",".join(f"{each.name}:done" for each in lessons())
+    assert (
+        passed
+        == "done=" + ",".join(f"{each.name}:done:passed" for each in lessons()) + ",exercise-9:12"
+    )
     assert not any("done=" in each for each in ship.facts(ship.comes("helm"), "exercise"))
 
     progress_path("Ann").write_text("{", encoding="utf-8")

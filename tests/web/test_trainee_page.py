@@ -118,15 +118,17 @@ def test_who_sails_freely_takes_any_chair_or_a_lesson_and_sees_which_are_done(
         add_run("Ann", ProgressRun("a", branch, name, "t", "2026", 60.0, outcome, None))
 
     page = open_by_clock(look, session, "trainee")
-    expect(page.locator("#briefing-title")).to_have_text("Free sailing")
+    expect(page.locator("#briefing-title")).to_have_text("What do you want to train?")
     offered, kept = page.locator("#lessons b"), page.locator("#lessons small")
-    expect(offered).to_have_text([each.title for each in lessons()])
+    expect(offered).to_have_text([each.title for each in (*lessons(), *course())])
     expect(kept.nth(0)).to_have_text(f"{lessons()[0].steps} steps, done")
     expect(kept.nth(1)).to_have_text(f"{lessons()[1].steps} steps, begun")
     expect(kept.nth(2)).to_have_text(f"{lessons()[2].steps} steps")
     chosen = page.locator("#lessons [aria-current=step]")
     expect(chosen).to_have_attribute("data-name", lessons()[1].name)
-    expect(page.locator("#lessons summary")).to_contain_text(f"1 of {len(lessons())} done")
+    expect(page.locator("#lessons summary")).to_contain_text(
+        f"1 of {len(lessons()) + len(course())} passed"
+    )
     for place in lighted_places().values():
         expect(page.locator(place)).to_have_count(1)
 

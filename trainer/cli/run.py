@@ -5,7 +5,6 @@
 """
 
 import gc
-import getpass
 import json
 import math
 import mmap
@@ -116,7 +115,7 @@ def run(*, teletype: bool, **options: Any) -> None:
         fly_and_debrief(choices, choices.debrief)
     if choices.browse or choices.web:
         refuse_other_screens(choices)
-        take_to_sea(without_console(with_pages(replace(choices, browse=True))))
+        take_to_sea(without_console(with_pages(trained(replace(choices, browse=True)))))
     with_pages(choices)
     set_out(choices, take_to_sea, choose, teletype=teletype)
 
@@ -258,18 +257,10 @@ def trained(asked: RunOptions) -> RunOptions:
     """
     if not asked.train:
         return asked
-    names = asked.trainee or (() if asked.no_record else account_names())
+    from trainer.session.past.header import learners_of
+
+    names = learners_of(asked)
     return replace(asked, frozen=asked.frozen or bool(asked.exercise), trainee=names)
-
-
-def account_names() -> tuple[str, ...]:
-    """Return the name of the user's account, none where none can be kept."""
-    from trainer.session.past.header import names_of
-
-    try:
-        return tuple(names_of([getpass.getuser()]))
-    except (ConfigError, OSError, KeyError, ImportError):
-        return ()
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:
@@ -430,7 +421,7 @@ def resume(
     chosen = run_options(options)
     refuse_both(chosen)
     header = header_from(path)
-    from trainer.session.past.header import ALONE_KEY, trainees_of
+    from trainer.session.past.header import ALONE_KEY, account_names, trainees_of
 
     if chosen.train or (ALONE_KEY in header and not chosen.instruct):
         names = trainees_of(header) or account_names()

@@ -14,7 +14,7 @@ import threading
 from pathlib import Path
 
 from trainer.io.line import CHUNK_BYTES, Inbox, JoinedLine, Line, Outbox
-from trainer.io.orders.sentences import MAX_ANSWER_LETTERS
+from trainer.io.orders.sentences import MAX_ANSWER_LETTERS, parse_sentence
 from trainer.io.serial_line import LinkError, SerialLine
 
 ANSWER_TIMEOUT_S = 5.0  # [s]  for a session to answer
@@ -40,6 +40,17 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
         inbox = Inbox(wire.read, arrived, longest=MAX_ANSWER_LETTERS)
         return JoinedLine(url, inbox, Outbox(wire.write), wire)
     return over_serial(url, SerialLine(url, baud), arrived, MAX_ANSWER_LETTERS)
+
+
+def answer_of(line: Line, arrived: threading.Event, tag: str) -> tuple[str, str]:
+    """Return "ok" or "no", and the text, by which a session answers an order; LinkError."""
+    while arrived.wait(ANSWER_TIMEOUT_S) and not line.ended:
+        arrived.clear()
+        for said in line.take(1000):
+            sentence = parse_sentence(said) if isinstance(said, str) else None
+            if sentence and sentence.tag == tag and sentence.fields[0] in ("ok", "no"):
+                return sentence.fields[0], sentence.fields[-1]
+    raise LinkError(f"{line.name}: no answer: is that a session?")
 
 
 def reach(url: str) -> socket.socket:

@@ -146,8 +146,8 @@ class Attendance:
         role, seconds = station.role, self.history.boat.time
         facts = [*self.introduction.exercise.facts(role, seconds)]
         facts += self.crew.work.conditions(role.name)
-        if role is TRAINEE_ROLE and (done := self.conduct.training.lessons_done()):
-            facts.append(("done", done))
+        if role is TRAINEE_ROLE:
+            facts += self.conduct.training.progress_facts()
         return facts
 
     def _briefed(self, station: Station) -> tuple[str, ...]:

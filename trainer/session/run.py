@@ -41,7 +41,7 @@ from trainer.session.exercise.aids import GHOST
 from trainer.session.exercise.marks import DebriefSource
 from trainer.session.exercise.terms import SINGLE_REFUSAL, Terms
 from trainer.session.parts import Monitors
-from trainer.session.past.header import header_of
+from trainer.session.past.header import header_of, learners_of
 from trainer.session.past.history import History
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import OVERRULED_SETTINGS, Plan, plan_run
@@ -69,10 +69,11 @@ BATCH_ROWS = 200  # [rows] of a CSV file written at once by a run that keeps no 
 
 
 class RunResult(NamedTuple):
-    """The result of a run: its exit code, and the exercise that follows."""
+    """The result of a run: its exit code, and what follows, chosen by whom."""
 
     code: int
     following: str
+    trains: bool  # who trains chose it
 
 
 @dataclass(frozen=True)
@@ -112,8 +113,10 @@ def run_boat(
 def run_following(ended: RunResult, options: RunOptions, begun: LastingParts) -> int:
     """Run the exercises that follow a run until none does; return the last exit code."""
     while ended.following:
-        options = following_options(options, ended.following)
-        ended = run_once(options, begun)
+        chosen = following_options(options, ended.following)
+        if ended.trains and options.browse:
+            chosen = replace(chosen, train=True, trainee=learners_of(options))
+        ended = run_once(chosen, begun)
     return ended.code
 
 
@@ -230,11 +233,11 @@ def lives_on(options: RunOptions) -> bool:
 def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
     """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
-    method = boat.method
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH_ROWS)
     endless = plan.duration is None or lives_on(options)
-    last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
-    time = Timekeeping.at(prepared.begun.clock, method.step, options.speed, Policy(options.overrun))
+    step = boat.method.step
+    last_tick = math.inf if endless else round((plan.duration or 0.0) / step)
+    time = Timekeeping.at(prepared.begun.clock, step, options.speed, Policy(options.overrun))
     time.punctuality = Punctuality(realtime=options.priority == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
@@ -275,12 +278,12 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
         ports = Ports(wake, sending, session.event_log.log, stack, report)
         open_lines(ports, session, options)
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
-        quiet = np.errstate(all="ignore")
         with end_on_interrupt(session):
             open_door(ports, session, options, prepared.begun.pages)
+            stands = options.browse and not plan.visitors and "duration" not in options.given
             started = time.clock.now()
-            with quiet, shown as session.progress, time.attended():
-                session.run(frozen=options.frozen)
+            with np.errstate(all="ignore"), shown as session.progress, time.attended():
+                session.run(frozen=options.frozen or stands)
         wall = (time.clock.now() - started) / SECOND_NS
         wind_up(session)
         sending.close(PORT_TIMEOUT_S)
@@ -288,11 +291,15 @@ def fly_session(prepared: PreparedRun, options: RunOptions) -> RunResult:
             station.close(PORT_TIMEOUT_S)
         recorder.close()
         history.recording.close()
-        summary = SummaryOptions(prepared.kept, options.verbose, aside=not options.headless)
+        kept = prepared.kept
+        if stands and not (boat.ticks or options.record):  # a choice alone is nothing to keep
+            discard_recording(Path(kept) if kept else None)
+            kept = ""
+        summary = SummaryOptions(kept, options.verbose, aside=not options.headless)
         code = account(session, wall, summary)
         if log:
             code = max(code, log.account())
-        return RunResult(code, session.control.following)
+        return RunResult(code, session.control.following, session.control.trains)
 
 
 def wind_up(session: Session) -> None:
@@ -315,6 +322,7 @@ def terms_of(prepared: PreparedRun, options: RunOptions) -> Terms:
         kept=Path(prepared.kept) if prepared.kept else None,
         debriefing=prepared.begun.debriefing,
         trainees=options.trainee,
+        learners=learners_of(options),
         course=prepared.begun.course,
         barred=prepared.barred,
     )
@@ -327,9 +335,8 @@ def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
     if options.url is not None:
         session.event_log.stations.append(ports.console_line(options.url, baud))
     elif not options.headless:
-        quick = keeps_no_time(options)
         role = (TRAINEE_ROLE if options.train else INSTRUCTOR_ROLE).name
-        session.event_log.stations.append(ports.terminal(role, unhurried=quick))
+        session.event_log.stations.append(ports.terminal(role, unhurried=keeps_no_time(options)))
     if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 
@@ -393,9 +400,10 @@ def introduction_of(prepared: PreparedRun, options: RunOptions) -> Introduction:
     """Return what newcomers are told: the briefing, and where the boat is."""
     plan, boat = prepared.plan, prepared.boat
     briefing, here = briefing_of(plan, options), situation(plan, boat)
+    computed = f"computed by the {boat.method.equations} set, step {boat.method.step:g} s"
     briefing = replace(briefing, course=prepared.begun.course.told(briefing.name))
     return Introduction(
-        (*briefing.heading(INSTRUCTOR_ROLE), *here, method_line(boat)),
+        (*briefing.heading(INSTRUCTOR_ROLE), *here, computed),
         (*briefing.heading(STRANGER_ROLE), *here),
         briefing,
     )
@@ -410,11 +418,6 @@ def situation(plan: Plan, boat: Boat) -> tuple[str, ...]:
         f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}{sea}",
         *filter(None, (plan.note,)),
     )
-
-
-def method_line(boat: Boat) -> str:
-    """Return how the boat is computed, for the instructor."""
-    return f"computed by the {boat.method.equations} set, step {boat.method.step:g} s"
 
 
 @contextlib.contextmanager

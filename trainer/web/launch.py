@@ -23,7 +23,6 @@ import click
 
 from trainer.config.files import ConfigError
 from trainer.io import client, paths
-from trainer.io.line import Line
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Refused
 from trainer.io.serial_line import LinkError
@@ -33,7 +32,6 @@ from trainer.web.bridge import Reach
 from trainer.web.front import Front
 from trainer.web.server import Certificate, application, serve_at_socket
 
-TOKEN_TIMEOUT_S: Final = 5.0  # [s] for a session to say whether it asks for a token
 # X509_V_ERR_CERT_NOT_YET_VALID, X509_V_ERR_CERT_HAS_EXPIRED of OpenSSL
 CERTIFICATE_DATE_ERRORS: Final = (9, 10)
 HANDSHAKE_ROUNDS: Final = 5  # in memory; three are needed, and a limit ends the loop
@@ -243,17 +241,6 @@ def asks_token(url: str) -> bool:
     try:
         # A session with a token refuses even this harmless question of a stranger.
         line.send(sentences.order_sentence("who", "1"))
-        return answer_of(line, arrived) == "no"
+        return client.answer_of(line, arrived, "1")[0] == "no"
     finally:
-        line.close(TOKEN_TIMEOUT_S)
-
-
-def answer_of(line: Line, arrived: threading.Event) -> str:
-    """Return "ok" or "no", as a session answers the first question; LinkError for no answer."""
-    while arrived.wait(TOKEN_TIMEOUT_S) and not line.ended:
-        arrived.clear()
-        for said in line.take(100):
-            sentence = sentences.parse_sentence(said) if isinstance(said, str) else None
-            if sentence and sentence.tag == "1" and sentence.fields[0] in ("ok", "no"):
-                return sentence.fields[0]
-    raise LinkError(f"{line.name}: no answer: is that a session?")
+        line.close(client.ANSWER_TIMEOUT_S)

@@ -122,7 +122,6 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.globals |= {"order_words": order_words, "lessons": lessons, "mastheads": mastheads}
-    environment.globals["led_lessons"] = led_lessons
     return environment
 
 
@@ -143,23 +142,15 @@ def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
 
 @cache  # each page is rendered twice
 def lessons() -> list[dict[str, Any]]:
-    """Return the exercises in the course's order, without the names of their files.
+    """Return the lessons, then the exercises in the course's order, without their files' names.
 
     A file name tells what will break, and trainees read this page. The instructor's line tells the
     names, by the order ``next``.
     """
     return [
-        {"title": exercise.title, "briefing": " ".join(exercise.briefing.split())}
-        | {"seconds": exercise.seconds, "hand": exercise.hand, "vessel": exercise.vessel}
-        for exercise in course()
-    ]
-
-
-@cache
-def led_lessons() -> list[dict[str, Any]]:
-    """Return the lessons that lead step by step; their names tell nothing that is hidden."""
-    return [
-        {"name": each.name, "title": each.title, "steps": each.steps} for each in step_lessons()
+        {"word": each.word, "title": each.title, "briefing": " ".join(each.briefing.split())}
+        | {"seconds": each.seconds, "hand": each.hand, "vessel": each.vessel, "steps": each.steps}
+        for each in (*step_lessons(), *course())
     ]
 
 

@@ -37,6 +37,12 @@ class Lesson(NamedTuple):
     steps: int = 0  # that lead through it
 
     @property
+    def word(self) -> str:
+        """Return what chooses it and tells nothing: ``exercise-5``, or the name of a lesson."""
+        numbered = not self.steps and math.isfinite(self.number)
+        return f"exercise-{self.number:.0f}" if numbered else self.name
+
+    @property
     def length(self) -> str:
         """Return how long it is, in minutes, in steps without an end by the clock."""
         if self.seconds is None:

@@ -8,13 +8,14 @@ import os
 import re
 import signal
 import threading
+from collections.abc import Callable
 from typing import Final
 
 import click
 
 from trainer.config.files import ConfigError
 from trainer.io import paths
-from trainer.io.client import dial
+from trainer.io.client import answer_of, dial
 from trainer.io.line import Inbox, Line, Outbox, reader, writer
 from trainer.io.lines import OverlongLine
 from trainer.io.orders import sentences
@@ -23,6 +24,11 @@ from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
 CLOSING_FACTS: Final = ("over", "left", "next")  # facts after which the line is to be gone
+CHOICE_FORM: Final = re.compile(r" *(?:run|end exercise|next(?: +[a-z0-9-]+)?) *")
+CHOICE_TEXT: Final = (
+    "choose in the browser, or type here: next (what you train next), "
+    "next exercise-5, or run (sail freely); Ctrl-C ends"
+)
 FLUSH_TIMEOUT_S: Final = 2.0  # [s] for the last lines to go out at the end
 
 
@@ -46,6 +52,41 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
         return 0
     click.echo(f"trainer: {line.name}: the session is gone: {line.trouble or 'closed'}", err=True)
     return 1
+
+
+def offer_choice(url: Callable[[], str], token: str) -> None:
+    """Let this terminal choose, as who trains, what the session at ``url()`` does."""
+    if not os.isatty(0):
+        return
+    if hasattr(signal, "SIGTTIN"):  # a shell may put this program aside
+        signal.signal(signal.SIGTTIN, signal.SIG_IGN)
+    click.echo(CHOICE_TEXT, err=True)
+
+    def hear() -> None:
+        wake = threading.Event()
+        typed = Inbox(reader(0), wake)
+        while not typed.ended or typed.waiting:
+            wake.wait()
+            wake.clear()
+            for words in map(str, typed.take()):
+                chooses = CHOICE_FORM.fullmatch(words)
+                click.echo(choose(url(), token, words) if chooses else CHOICE_TEXT, err=True)
+
+    threading.Thread(target=hear, name="choice", daemon=True).start()
+
+
+def choose(url: str, token: str, words: str) -> str:
+    """Give one order as who trains, and leave; return the answer."""
+    arrived = threading.Event()
+    try:
+        line = dial(url, arrived)
+        line.send(sentences.order_sentence(f"role trainee {token}".strip()))
+        line.send(sentences.order_sentence(words, "1"))
+        answer = answer_of(line, arrived, "1")[1]
+        line.close(FLUSH_TIMEOUT_S)
+    except LinkError as error:
+        return f"? {error}"
+    return answer
 
 
 def carry_lines(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:

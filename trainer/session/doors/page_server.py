@@ -19,9 +19,10 @@ from typing import IO, Final, cast
 from trainer.io import paths
 from trainer.io.serial_line import LinkError
 from trainer.io.server import listen_at, parse_address
+from trainer.session.doors.attach import offer_choice
 from trainer.session.doors.ports import refusing
 from trainer.session.past.options import RunOptions
-from trainer.session.stations.roles import read_tokens, refuse_open_door
+from trainer.session.stations.roles import ANY_ROLE, TRAINEE_ROLE, read_tokens, refuse_open_door
 
 # [s] until a dead server is begun again, twice as long each time after
 FIRST_RESTART_S: Final = 0.25
@@ -122,6 +123,10 @@ class PageServer:
             self._begin(opens=self.options.browse)
             self._thread = threading.Thread(target=self._keep, name="pages", daemon=True)
             self._thread.start()
+            if self.options.browse and "duration" not in self.options.given:
+                words = read_tokens(self.options.token)
+                token = words.get(TRAINEE_ROLE.name, words.get(ANY_ROLE, ""))
+                offer_choice(lambda: self._url, token)
         elif url != before and self._process is not None:
             self._process.ask_to_end()  # and it is begun again, for this one
 

@@ -30,6 +30,7 @@ class Terms:
     kept: Path | None = None  # where it is recorded
     debriefing: DebriefSource | None = None
     trainees: tuple[str, ...] = ()  # whose progress is kept
+    learners: tuple[str, ...] = ()  # whose is shown to who may train here
     course: ClassCourse = NO_COURSE  # of its class; without rows the shipped course holds
     barred: Refused | None = SINGLE_REFUSAL  # why another exercise needs another process
 

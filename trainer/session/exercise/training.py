@@ -6,6 +6,7 @@ the session ends. From these files ``next`` suggests to who trains what is weake
 
 import contextlib
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Final
@@ -89,14 +90,15 @@ class Training:
             names = [each.name for each in course()]
             return LongAnswer(names, "type next NAME to begin one of these")
         row = self.terms.course.row_of(name)
-        file = row.exercise if row else name
+        numbered = (each.name for each in course() if each.word == name)
+        file = row.exercise if row else next(numbered, name)
         if refused := self._problem(file):
             return refused
         self.log.tell("time", "the next exercise is being made ready")
         for station in self.log.stations:  # the file's name may tell what is hidden
             name_told = name if station.role is INSTRUCTOR_ROLE else ""
             self.log.note(station, [Fact("next", name_told)])
-        self.control.following, self.control.ended = file, True
+        self.control.following, self.control.trains, self.control.ended = file, trains, True
         return f"next: {reason or asked.order.subject}"
 
     def _next_of_course(self, asked: str, role: Role) -> str | Refused:
@@ -116,12 +118,17 @@ class Training:
             return self.marks.short_of(row.reach, role) or name
         return name
 
-    def lessons_done(self) -> str:
-        """Return the lessons of who trains, as ``planes-and-bubble:done``; "" for none."""
-        if not (progress := self._progress()):
-            return ""
-        best = ((each.name, progress.best(each.name)) for each in lessons())
-        return ",".join(f"{name}:{how}" for name, how in best if how)
+    def progress_facts(self) -> Iterator[tuple[str, str]]:
+        """Yield what who trains has done, as ``exercise-5:71:passed``, and what is next."""
+        progress, offered = self._progress() or Progress(""), [*lessons(), *course()]
+        done = [
+            f"{each.word}:{progress.best(each.name)}{':passed' * progress.passed(each.name)}"
+            for each in offered
+            if progress.of(each.name)
+        ]
+        yield from (("done", ",".join(done)) for _ in done[:1])
+        if suggestion := progress.suggest(offered, datetime.now(UTC).date()):
+            yield "suggested", suggestion.lesson.word
 
     def _suggested(self) -> tuple[str, str]:
         """Return what is best flown next, and why; "" for none.
@@ -139,7 +146,8 @@ class Training:
     def _progress(self) -> Progress | None:
         """Return the progress of who trains; None for nobody, or a file that cannot be read."""
         with contextlib.suppress(ConfigError):
-            return read_progress(self.terms.trainees[0]) if self.terms.trainees else None
+            names = self.terms.trainees or self.terms.learners
+            return read_progress(names[0]) if names else None
         return None
 
     def _problem(self, name: str) -> Refused | None:
@@ -149,7 +157,8 @@ class Training:
             elsewhere = Refused("this session has lines of its own")
         if elsewhere:
             return Refused(f"{elsewhere.reason}: quit, then trainer run {name}")
-        if not self.ending.over:
+        begun = self.terms.exercise or self.control.boat.ticks
+        if begun and not self.ending.over:
             return Refused("this exercise is not over: type end exercise first")
         try:
             load_exercise(name)

@@ -31,6 +31,7 @@ class Control:
     steps: int = 0  # ticks that a single-step order still allows
     ended: bool = False
     following: str = ""  # the exercise that begins when this session ends
+    trains: bool = False  # it was chosen by who trains
     deserted: str = ""  # why the session ended before its time: nobody was left to say run
     failure: str = ""  # where the numbers were lost
 

@@ -13,6 +13,7 @@ of the rules of marking.
 ``differences`` lists what has changed since and may change bits, before a replay or a resumed run.
 """
 
+import getpass
 import json
 import platform
 import re
@@ -151,6 +152,20 @@ def names_of(given: Iterable[str]) -> list[str]:
             raise ConfigError(wrong)
         file_stem(name)
     return list(dict.fromkeys(names))
+
+
+def learners_of(options: RunOptions) -> tuple[str, ...]:
+    """Return by which names the progress of who trains is kept."""
+    own = options.train or options.browse
+    return options.trainee or (account_names() if own and not options.no_record else ())
+
+
+def account_names() -> tuple[str, ...]:
+    """Return the name of the user's account, none where none can be kept."""
+    try:
+        return tuple(names_of([getpass.getuser()]))
+    except (ConfigError, OSError, KeyError, ImportError):
+        return ()
 
 
 def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:

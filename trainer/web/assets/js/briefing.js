@@ -50,7 +50,7 @@ export function furnishBriefing(session) {
   const show = () => {
     key.hidden = !session.exercise.title && !session.outcome && !trains;
     const { title = "" } = session.exercise;
-    write(one("#briefing-title"), title || say("Free sailing"));
+    write(one("#briefing-title"), title || (trains ? say("What do you want to train?") : say("Free sailing")));
     one("#briefing-text").replaceChildren(...text(session));
     const begins = session.state === "frozen" && session.seconds === 0;
     ready.hidden = !begins || trains || !session.may("ready");

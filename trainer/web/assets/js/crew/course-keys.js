@@ -1,10 +1,11 @@
-// What who trains alone may do before an exercise and after it: begin, the next, again, from where it went wrong.
+// What who trains alone may do before an exercise and after it.
 import { clock, html, one, write } from "../draw.js";
 import { say } from "../words.js";
 
-const LEAD = 15; // [s] before a moment that went wrong, from where it is flown again
+const LEAD = 15; // [s] before what went wrong, from where it is flown again
+/** @type {any} */
 const DONE = { done: say("done"), begun: say("begun") }; // a lesson has no marks
-const DEAF = 1000; // [ms] after the end in which a key that was meant for the boat does nothing
+const DEAF = 1000; // [ms] after the end in which keys are the boat's
 
 /** Furnishes the keys in the window of the briefing. @param {import("../model/session.js").Session} session */
 export function furnishCourse(session) {
@@ -23,32 +24,25 @@ export function furnishCourse(session) {
     dialog.close();
     /** @type {HTMLElement} */ (document.activeElement)?.blur(); // Enter is for the boat again
   };
-  const lead = (/** @type {string} */ name) => void order(...(session.outcome ? [] : ["end exercise"]), `next ${name}`);
-  const offered = /** @type {{ name: string, title: string, steps: number }[]} */ (JSON.parse(one("#led-lessons").textContent ?? "[]"));
-  one(".keys", lessons).append(
-    ...offered.map(({ name, title, steps }) =>
-      html(
-        "button",
-        { type: "button", "data-name": name, click: () => lead(name) },
-        html("b", {}, title),
-        " ",
-        html("small", {}, say("{0} steps", steps), html("span", { "data-done": "" })),
-      ),
-    ),
-  );
-  const showDone = () => {
-    for (const each of (session.exercise.done ?? "").split(",").filter(Boolean)) {
-      const [name, how] = /** @type {[string, keyof typeof DONE]} */ (each.split(":"));
-      write(one(`[data-name="${name}"] [data-done]`, lessons), `, ${DONE[how]}`);
-    }
-    chooseNext(session, lessons, offered.map(({ name }) => name));
-  };
+  const begun = () => session.exercise.title || session.seconds > 0;
+  const lead = (/** @type {string} */ word) =>
+    void order(...(begun() && !session.outcome ? ["end exercise"] : []), `next ${word}`);
+  const [led, marked] = lessons.querySelectorAll(".keys");
+  for (const each of JSON.parse(one("#offered").textContent ?? "[]")) {
+    (each.steps ? led : marked).append(keyOf(each, () => lead(each.word)));
+  }
+  let picked = new URLSearchParams(location.search).get("begin"); // on the first page
   const show = () => {
     const { outcome, exercise, judgement } = session;
     const undone = Boolean(exercise.steps) && outcome !== "done"; // of a lesson that is over
     const there = [begin, next, again].map((key) => key.hidden);
     if (outcome && again.hidden) ended = performance.now();
     begin.hidden = session.state !== "frozen" || session.seconds > 0;
+    write(begin, exercise.title ? say("Begin") : say("Sail freely"));
+    if (picked && session.state) {
+      if (!begun()) lead(picked);
+      picked = null;
+    }
     again.hidden = !outcome;
     next.hidden = again.hidden || (undone && !exercise.course); // the list below leads on all the same
     if (outcome && undone) lessons.open = true;
@@ -57,10 +51,11 @@ export function furnishCourse(session) {
     wrong.hidden = !outcome || moment === null;
     write(wrong, say("Again from {0}, where it went wrong", clock(from)));
     wrong.onclick = () => void order(`again from ${Math.max(session.seconds - from, 1).toFixed(0)} s`);
-    showDone();
+    showDone(session, lessons);
     if (!exercise.title) lessons.open = true;
     const shown = [begin, next, again].find((key, at) => there[at] && !key.hidden);
-    if (dialog.open) shown?.focus(); // Enter goes on
+    const key = exercise.title ? shown : shown && one("[aria-current=step]", lessons);
+    if (dialog.open) key?.focus(); // Enter goes on
   };
   begin.onclick = () => void order("run");
   next.onclick = () => void order("next");
@@ -68,21 +63,26 @@ export function furnishCourse(session) {
   for (const what of ["exercise", "marks", "state"]) session.on(what, show);
 }
 
-/**
- * Chooses the first lesson that is not done, as the terminal's list does.
- * @param {import("../model/session.js").Session} session
- * @param {HTMLElement} lessons
- * @param {string[]} offered names
- */
-function chooseNext({ exercise }, lessons, offered) {
-  const told = (exercise.done ?? "").split(",").map((each) => each.split(":"));
-  const done = told.filter(([, how]) => how === "done").map(([name]) => name);
-  const first = offered.find((name) => !done.includes(name));
-  for (const key of lessons.querySelectorAll("[data-name]")) {
-    const chosen = /** @type {HTMLElement} */ (key).dataset.name === first;
-    key.classList.toggle("main", chosen);
-    if (chosen) key.setAttribute("aria-current", "step");
-    else key.removeAttribute("aria-current");
+/** Returns the key of a lesson or an exercise. @param {any} of @param {() => void} click */
+function keyOf({ word, title, steps, seconds, hand }, click) {
+  const length = steps ? say("{0} steps", steps) : [say("{0} min", Math.round(seconds / 60)), ...hand].join(", ");
+  const small = html("small", {}, length, html("span", { "data-done": "" }));
+  return html("button", { type: "button", "data-name": word, click }, html("b", {}, title), " ", small);
+}
+
+/** Shows what is passed, and chooses the next. @param {any} session @param {HTMLElement} lessons */
+function showDone({ exercise }, lessons) {
+  const keys = lessons.querySelectorAll("[data-name]");
+  /** @type {string[][]} */
+  const told = (exercise.done?.split(",") ?? []).map((/** @type {any} */ each) => each.split(":"));
+  for (const [word, how, passed] of told) {
+    const marks = passed ? say("passed, {0} marks of 100", how) : say("{0} marks of 100", how);
+    write(one(`[data-name="${word}"] [data-done]`, lessons), `, ${DONE[how] ?? marks}`);
   }
-  if (done.length) write(one("summary", lessons), say("Lessons: {0} of {1} done; the next is chosen", done.length, offered.length));
+  for (const key of keys) {
+    const next = /** @type {HTMLElement} */ (key).dataset.name === exercise.suggested;
+    key.setAttribute("aria-current", next ? "step" : "false");
+  }
+  const done = told.filter((each) => each[2]).length;
+  if (done) write(one("summary", lessons), say("{0} of {1} passed; the next is chosen", done, keys.length));
 }

@@ -135,7 +135,9 @@ function showExercise() {
   if (!time) return;
   const seconds = readings.latest.get("time")?.seconds ?? 0;
   const end = exercise.duration ? ` / ${clock(Number(exercise.duration))}` : "";
-  write(one("#title"), exercise.title ?? say("The boat sails freely"));
+  const sails = seconds || time === "running";
+  one("#scenarios").hidden = Boolean(exercise.title || sails);
+  write(one("#title"), exercise.title ?? (sails ? say("The boat sails freely") : say("It stands until somebody chooses")));
   write(one("#time"), `${clock(seconds)}${end}`);
   write(one("#says"), saysOf(time, seconds));
   const facts = [
