@@ -112,6 +112,17 @@ def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None
     )
 
 
+def test_the_package_s_page_is_made_of_lines_that_are_there() -> None:
+    """Without one of them nothing is built, and nobody can install."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    made_of = project["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
+    marks = [
+        (each["path"], mark) for each in made_of for key, mark in each.items() if key != "path"
+    ]
+    assert len(marks) == 6
+    assert [(p, mark) for p, mark in marks if mark not in (ROOT / p).read_text("utf-8")] == []
+
+
 def test_the_page_types_what_the_container_understands() -> None:
     (entry,) = re.findall(r"^ENTRYPOINT (.*)$", CONTAINERFILE, re.MULTILINE)
     lines = re.findall(r"^podman run .* trainer ((?:serve|class) .*)$", PAGE, re.MULTILINE)
