@@ -99,6 +99,10 @@ STATE_QUANTITIES: Final[Mapping[str, Quantity]] = {
         for name in COMPARTMENTS
     },
     **{
+        name: Quantity(f"{name}_mid", SHARE_UNITS, f"100 while the {name} amidships is open")
+        for name in ("vent", "blow")
+    },
+    **{
         f"bank_{name}": Quantity(
             f"bank_{name}", PRESSURE_UNITS, "absolute pressure in that air bank"
         )

@@ -217,7 +217,7 @@ def amount_of(order: Order) -> float:
 
 def water_text(tank: str, mass: float) -> str:
     """Return the order that moves so much [kg] into that tank, or out of it."""
-    tonnes = f"{abs(mass) / 1000.0:g}"
+    tonnes = f"{max(round(abs(mass) / 1000.0, 1), 0.1):g}"
     if tank.startswith("trim"):
         return f"pump trim {'aft' if mass > 0.0 else 'forward'} {tonnes}"
     return f"{'flood' if mass > 0.0 else 'pump'} {tank.replace('_', '-')} {tonnes}"

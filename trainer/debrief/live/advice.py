@@ -73,7 +73,7 @@ class Advisor:
         worth = {each: self._worth(each) for each in missing}
         text = max(worth, key=lambda each: worth[each], default="")
         if text and worth[text] > WORTH_MARKS:
-            return f"{text}{self._why(text)}: {_marks(worth[text])} lost without it, none so far"
+            return f"{text}{self._why(text)}: {_marks(worth[text])} hang on it"
         crew = crew_of(self.moment.here).crew
         broken = broken_gauges(depart(self.search.plan, self.moment.here))
         if any(hand.gauge in broken for hand in crew.hands.values()):

@@ -45,7 +45,8 @@ MOVING_AXES: Final[Mapping[str, tuple[str, ...]]] = {
     **{
         name: ("ballast",)
         for name in ("heavy", "reserve-air", *STATE_QUANTITIES)
-        if name.partition("_")[0] in ("heavy", "reserve-air", "water", "flood", "bank")
+        if name.partition("_")[0]
+        in ("heavy", "reserve-air", "water", "flood", "bank", "vent", "blow")
         or name in PLANT_QUANTITIES
     },
     "hand-travel": ("planes", "rudder"),
