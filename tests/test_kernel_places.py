@@ -43,7 +43,6 @@ EXEMPT: Final = {
     "core/compact.inertia": AS_IN_THE_REPORT,
     "core/compact.off_centre_inertia": AS_IN_THE_REPORT,
     "core/full.inertia": AS_IN_THE_REPORT,
-    "identify/kernels/likelihood._filter": "the sample before",
     "identify/kernels/sensitivity._rows": "the stage that was begun last",
     "identify/kernels/ship_models._start_variances": AS_IN_THE_REPORT,
     "identify/kernels/ship_models._model_1": AS_IN_THE_REPORT,

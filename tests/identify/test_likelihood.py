@@ -23,10 +23,10 @@ from trainer.identify.fitting.likelihood import (
     no_gain,
     no_limits,
     run_filter,
+    settle_filter,
     settled_gain,
 )
 from trainer.identify.judge.validation import draw_outputs, simulate_deterministic
-from trainer.identify.kernels.covariance_filter import settle_gain
 from trainer.identify.record.measurements import Samples
 
 PERIOD = TANKER.period
@@ -82,9 +82,10 @@ def started() -> Any:
 
 def settled_from_the_first() -> Any:
     problem = question(300)
-    mean, noise, start = problem.sampled(problem.start).at(0)
-    steady, gain = start[:, 1:].astype(complex), np.empty((3, 3), complex)
-    settle_gain(mean[0].astype(complex), noise[0].astype(complex), steady, 1e-15, 2000, gain)
+    sampled = problem.sampled(problem.start).as_complex()
+    settled = settle_filter(sampled.mean[:, 0], sampled.noise[:, 0], sampled.start[..., 1:])
+    assert settled is not None
+    steady = settled[0][0]
     P = {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 0), (1, 1), (2, 2))}
     P |= {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 1), (0, 2), (1, 2))}
     return TANKER.freed(**P).problem(TANKER_RUDDER[:300])

@@ -1,11 +1,11 @@
 """The costs of a problem: minus a log-likelihood, by covariances or by a predictor's errors.
 
 ``study_problem`` chooses one by the study's noise. Where it is "covariance" the sums over the
-samples are compiled, in ``kernels/likelihood`` and ``kernels/sensitivity`` (model document, 6.1,
-6.3 and 8.1). Else there is a predictor: output error, innovations, several steps (6.2-6.5). Where
-the model does not give the errors' covariance, the best one is put in its place. So the second
-derivatives of a cost are the inverse covariance of the estimates (8.3). Where a model is impossible
-(a covariance not positive definite) the cost is infinite, so that a search turns back.
+samples are compiled, in ``kernels/sensitivity`` (model document, 6.1, 6.3 and 8.1). Else there is a
+predictor: output error, innovations, several steps (6.2-6.5). Where the model does not give the
+errors' covariance, the best one is put in its place. So the second derivatives of a cost are the
+inverse covariance of the estimates (8.3). Where a model is impossible (a covariance not positive
+definite) the cost is infinite, so that a search turns back.
 """
 
 import math
@@ -25,23 +25,15 @@ from trainer.identify.kernels.covariance_filter import (
     Predictor,
     SampledSystem,
     run_predictor,
-    settle_gain,
     show_filter,
 )
-from trainer.identify.kernels.kernel import Entries
-from trainer.identify.kernels.likelihood import (
-    LOG_DETERMINANTS,
-    READINGS,
-    SQUARES,
-    is_possible,
-    likelihood_sums,
-)
-from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.kernels.kernel import Complexes, Entries
 from trainer.identify.kernels.sensitivity import ScoreRows, score_rows
 from trainer.identify.model.sampled import COMPLEX_STEP, SampledSystems
 from trainer.identify.record.measurements import Samples
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
+EIGENVALUE_SLACK: Final = 1e-9  # [-] below zero, that rounding may bring an eigenvalue
 PIECE_ROWS: Final = 256  # rows that are multiplied at once
 FLAG_REASONS: Final = ("counted", "missing", "rejected", "singular")
 Gains = Callable[[Problem, SampledSystems], Complexes | None]
@@ -54,7 +46,13 @@ def possible(sampled: SampledSystems) -> bool:
 
     A search may try parameters that are no model; it turns back where this is false.
     """
-    return bool(is_possible(*sampled.at(0)))
+    system = sampled.at(0)
+    if not all(np.isfinite(part).all() for part in system):
+        return False
+    P = system.start[:, 1:]
+    width = np.sqrt(np.maximum(np.diag(P), 1e-300))
+    sizes = np.linalg.eigvalsh(P / np.outer(width, width))
+    return bool(sizes[0] >= -EIGENVALUE_SLACK)
 
 
 def _gram(rows: Numbers) -> Numbers:
@@ -90,7 +88,8 @@ class Likelihood:
 
     def value(self, theta: Numbers) -> float:
         """Return -log L [-]."""
-        return sum(_cost(run, theta[at]) for run, at in self.problem.runs)
+        runs = ((run, run.sampled(theta[at])) for run, at in self.problem.runs)
+        return sum(_score(run, sampled).cost for run, sampled in runs)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return the cost and its exact gradient (f,)."""
@@ -115,7 +114,7 @@ class Likelihood:
         """
         key = theta.tobytes()
         if self._last.get("key") != key:
-            runs = [_score(run, theta[at]) for run, at in self.problem.runs]
+            runs = [_score(run, run.sloped(theta[at])) for run, at in self.problem.runs]
             gradient = np.zeros(len(theta))
             for one, (_, at) in zip(runs, self.problem.runs, strict=True):
                 gradient[at] += one.gradient
@@ -126,36 +125,24 @@ class Likelihood:
         return last_score
 
 
-def _cost(problem: Problem, theta: Numbers) -> float:
-    """Return -log L of one run."""
-    system, samples = problem.sampled(theta).at(0), problem.samples
-    if not is_possible(*system):
-        return math.inf
-    sums = np.empty(4)
-    likelihood_sums(*system, samples.table, samples.steps[1], sums)
-    cost = 0.5 * (sums[LOG_DETERMINANTS] + sums[SQUARES] + sums[READINGS] * LOG_2_PI)
-    return float(cost) if math.isfinite(cost) else math.inf
-
-
-def _score(problem: Problem, theta: Numbers) -> Score:
-    """Return cost, gradient and rows of one run."""
-    sampled, samples, count = problem.sloped(theta), problem.samples, len(theta)
+def _score(problem: Problem, sampled: SampledSystems) -> Score:
+    """Return cost, gradient and rows of one run; the last two are empty without slopes."""
+    samples, count = problem.samples, len(sampled.start) - 1
     impossible = Score(math.inf, np.full(count, math.nan), ())
     if not possible(sampled):
         return impossible
     length, readings = samples.outputs.shape
     slopes = sampled.slopes()
     wide = slopes.mean.shape[-1]  # with the zeros that fill up the processor's lanes
-    errors = np.empty((length, readings, wide))
-    covariances = np.empty((length, readings * readings, wide))
+    errors, covariances = (np.empty((length, n, wide)) for n in (readings, readings * readings))
     slope = np.empty(wide)
     out = ScoreRows(errors, covariances, slope)
     stages, cost = score_rows(sampled.at(0), slopes, samples.table, samples.steps[1], out)
     if not stages:
         return impossible
     constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
-    rows = errors.reshape(-1, wide), covariances[:stages].reshape(-1, wide)
-    return Score(float(cost + constant), slope[:count] * problem.scale, (rows,))
+    rows = errors.reshape(-1, max(wide, 1)), covariances[:stages].reshape(-1, max(wide, 1))
+    return Score(float(cost + constant), slope[:count] * problem.scale[:count], (rows,))
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,17 +238,38 @@ def settled_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:
             "a stationary gain needs one interval; this record has "
             f"{sampled.mean.shape[1]}: take the covariance form"
         )
-    sampled, gains = sampled.as_complex(), no_gain(problem, sampled)
-    for row, gain in enumerate(gains):
-        P = np.ascontiguousarray(sampled.start[row, :, 1:])
-        system = sampled.mean[row, 0], sampled.noise[row, 0]
+    del problem
+    sampled = sampled.as_complex()
+    settled = settle_filter(sampled.mean[:, 0], sampled.noise[:, 0], sampled.start[..., 1:])
+    return settled[1] if settled else None
+
+
+def settle_filter(
+    mean: Complexes, noise: Complexes, P: Complexes
+) -> tuple[Complexes, Complexes] | None:
+    """Return P (b, x, x) and gain (b, x, y) of settled filters, else None."""
+    states = P.shape[1]
+    Phi = mean[..., :states]
+    for _ in range(MAX_GAIN_STEPS):
+        J = Phi @ P @ Phi.swapaxes(1, 2) + noise
+        N, R = J[:, :states, states:], J[:, states:, states:]
         try:
-            settled = settle_gain(*system, P, COVARIANCE_TOLERANCE, MAX_GAIN_STEPS, gain) > 0
-        except ZeroDivisionError:  # of complex numbers, which compiled code raises
-            settled = False
-        if not settled:
+            np.linalg.cholesky(R.real)  # R must be positive definite
+            gain = N @ np.linalg.inv(R)
+        except np.linalg.LinAlgError:
             return None
-    return gains
+        before, P = P, J[:, :states, :states] - gain @ N.swapaxes(1, 2)
+        P = 0.5 * (P + P.swapaxes(1, 2))  # else rounding grows
+        moved, size = (_sizes(part) for part in (P - before, P))
+        if (moved <= COVARIANCE_TOLERANCE * size.max(axis=0)).all():
+            return P, gain
+    return None
+
+
+def _sizes(matrices: Complexes) -> Numbers:
+    """Return the sizes of the real parts, and of the derivatives in the imaginary ones (2, b)."""
+    parts = np.array([matrices.real, matrices.imag / COMPLEX_STEP])
+    return np.asarray(np.sqrt(np.sum(parts**2, axis=(2, 3))))
 
 
 def own_gain(problem: Problem, sampled: SampledSystems) -> Complexes | None:

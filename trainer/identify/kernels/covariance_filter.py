@@ -11,8 +11,7 @@ system that leads from each sample to the next. ``start`` (x, 1+x) is [x0 P0], a
 y+2u) has readings, old and new input; NaN is missing. All may be complex, because an imaginary step
 of 1e-100 in one parameter carries its exact derivative into the results.
 
-Here are the parts of a step, the filter and other predictors sample by sample (MI 6.2, 6.4, 6.5),
-and the gain of a settled filter.
+Here are the parts of a step, the filter and other predictors sample by sample (MI 6.2, 6.4, 6.5).
 """
 
 import math
@@ -23,7 +22,6 @@ from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import Entries, inline_kernel, kernel, put_vector
-from trainer.identify.kernels.sampling import Complexes
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -202,18 +200,6 @@ def has_settled(J: Numbers, P: Numbers) -> bool:
     return True
 
 
-@inline_kernel
-def run_length(which: Indices, first: int) -> int:
-    """Return the end of the samples from ``first`` on with the same system.
-
-    That system leads from each of them to the next.
-    """
-    k = first
-    while k < which.size and which[k] == which[first]:
-        k += 1
-    return k
-
-
 @kernel
 def show_filter(
     system: SampledSystem, table: Numbers, which: Indices, limits: Numbers, shown: FilterRun
@@ -285,54 +271,3 @@ def run_predictor(
             for c in range(readings):
                 if not np.isnan(table[k, c]):
                     z[i] += gain[i, c] * (table[k, c] - v[states + c])
-
-
-@kernel
-def _change(J: Complexes, P: Complexes) -> float:
-    """Return the relative change of P: ||new P - P|| / ||new P|| [-], Frobenius.
-
-    Imaginary parts are compared with their own size, because they are derivatives times 1e-100.
-    """
-    moved, size, moved_aside, aside = 0.0, 0.0, 0.0, 0.0
-    for i in range(P.shape[0]):
-        for j in range(P.shape[0]):
-            d = J[i, j] - P[i, j]
-            moved += d.real * d.real
-            size += J[i, j].real * J[i, j].real
-            # derivatives times 1e-100: scaled first, because their squares could underflow
-            moved_aside += (d.imag * 1e100) * (d.imag * 1e100)
-            aside += (J[i, j].imag * 1e100) * (J[i, j].imag * 1e100)
-    worst = moved / size if size > 0.0 else 0.0
-    if aside > 0.0:
-        worst = max(worst, moved_aside / aside)
-    return float(np.sqrt(worst))
-
-
-@kernel
-def settle_gain(
-    mean: Complexes, noise: Complexes, P: Complexes, tolerance: float, most: int, gain: Complexes
-) -> int:
-    """Return how many steps the filter took to settle.
-
-    The number is 0 if it did not settle within ``most`` steps, -1 if R is not positive definite.
-    Writes the last ``gain`` (x, y) and its ``P``.
-    """
-    rows, states = mean.shape[0], P.shape[0]
-    readings = rows - states
-    J = np.empty((rows, rows), np.complex128)
-    work = np.empty((rows, states), np.complex128)
-    error, present = np.zeros(readings, np.complex128), np.ones(readings, np.bool_)
-    for step in range(1, most + 1):
-        write_joint(mean, noise, P, work, J)
-        determinant = condition_on_readings(J, error, present)
-        if np.isnan(determinant):
-            return -1
-        change = _change(J, P)
-        for i in range(states):
-            for c in range(readings):
-                gain[i, c] = J[i, states + c]
-            for j in range(states):
-                P[i, j] = J[i, j]
-        if change <= tolerance:
-            return step
-    return 0

@@ -9,6 +9,7 @@ the compiler puts its code into that of its callers.
 from collections import namedtuple
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import LEAN_OPTIONS, compiled_with
@@ -18,6 +19,7 @@ lean_kernel = compiled_with(cache=True, error_model="numpy", **LEAN_OPTIONS)
 inline_kernel = compiled_with(error_model="numpy", forceinline=True, **LEAN_OPTIONS)
 
 
+Complexes = NDArray[np.complex128]
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 
 

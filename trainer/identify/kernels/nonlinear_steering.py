@@ -10,8 +10,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import indices, kernel
-from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.kernels.kernel import Complexes, indices, kernel
 from trainer.identify.kernels.ship_models import magnitude
 
 BENT: Final = indices("K T1 T2 T3 H1 H2 H3 delta_0")  # of a ship's numbers, SI

@@ -4,8 +4,8 @@ MI 8.1. Parameters are the last index of each array, because loops over contiguo
 Each sample gives rows: the standardised derivatives of the error and of its covariance. The inner
 products of these rows, summed, are the expected information; the rows with the error and its square
 make the gradient of -log L. The rows of covariance are the same for all samples of a stage: the
-samples in which the gain is constant. ``fitting/likelihood`` calls ``score_rows`` once for each
-step of a search.
+samples in which the gain is constant. ``fitting/likelihood`` calls ``score_rows`` for each point of
+a search, with no parameters where it wants the value alone.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 ``model/models.py`` names the parameters and calls these kernels for every cost of a fit, with many
 parameter vectors at once. Each kernel fills, for every row of ``theta``, the continuous blocks that
-``sampling`` takes.
+``model/sampled`` takes.
 
 ``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s; an output is one of the numbers
 below. Outputs are in knots, degrees and deg/s, the rudder in degrees, states in m/s, rad/s and rad.
@@ -16,8 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.kernel import indices, kernel
-from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.kernels.kernel import Complexes, indices, kernel
 from trainer.units import DEGREE
 
 STERN_SWAY, SWAY, YAW_RATE, HEADING = 1, 2, 3, 4  # outputs; 0 is the bow log
@@ -49,7 +48,7 @@ KNOTS_PER_M_S = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
 class ModelBlocks(NamedTuple):
     """The systems that a kernel fills, one for each parameter vector, from zeros."""
 
-    drift: Complexes  # (b, x+y, x+u+1), as are the next two in ``sampling``
+    drift: Complexes  # (b, x+y, x+u+1): [A B f; C D d]
     noise: Complexes  # (b, x+y, x+y)
     start: Complexes  # (b, x, 1+x) the first state and its covariance
     lag: Complexes  # (b,) [s]

@@ -170,7 +170,7 @@ class Ship:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Continuous systems, one for each row of parameters; see kernels.sampling for the blocks.
+    """Continuous systems, one for each row of parameters; see ship_models.ModelBlocks.
 
     They are complex where the parameters are: imaginary parts carry derivatives.
     """

@@ -85,7 +85,7 @@ class System:
         return tuple(pairs)
 
     def assemble(self, theta: Entries, ship: Numbers, blocks: ModelBlocks) -> Entries | None:
-        """Write the blocks, see kernels.sampling; return the gain (b, x, y) if it has one."""
+        """Write the blocks, see ModelBlocks; return the gain (b, x, y) if it has one."""
         del ship
         drift, noise, start, _ = blocks
         x, u = self.states, self.states + len(self.inputs)

@@ -15,13 +15,8 @@ import numpy as np
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import SampledSystem
-from trainer.identify.kernels.kernel import Entries
-from trainer.identify.kernels.sampling import (
-    Complexes,
-    ContinuousBlocks,
-    SampledBlocks,
-    sample_blocks,
-)
+from trainer.identify.kernels.kernel import Complexes, Entries
+from trainer.identify.kernels.sampling import propagate_blocks
 from trainer.identify.model.models import Blocks
 
 COMPLEX_STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
@@ -100,20 +95,58 @@ def sample_systems(
         return _sample_ramps(blocks, intervals, sampling)
     if not np.all(intervals > 0.0):
         raise ConfigError("times: each must be later than the one before")
-    batch, rows, columns = blocks.drift.shape
-    states = blocks.start.shape[1]
+    states, rows = blocks.start.shape[1], blocks.drift.shape[1]
+    moving = {"discrete": 0, "instantaneous": states, "integrating": rows}[sampling]
+    return _sample_steps(blocks, intervals, moving)
+
+
+def _sample_steps(blocks: Blocks, intervals: Numbers, moving: int) -> SampledSystems:
+    """Return ``blocks`` of which the first ``moving`` rows run over the interval (MI 7.2, 7.4).
+
+    The old input acts until the lag, then the new one. If only the states move (MEAS 0, MI 4), a
+    reading sees the input of its own instant. If the readings move too (MEAS 1), their rows of
+    ``drift`` are rates, which are summed from zero over the interval.
+    """
+    drift, states = blocks.drift, blocks.start.shape[1]
+    batch, rows, columns = drift.shape
     inputs = columns - states - 1
-    mean = np.zeros((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
-    noise = np.zeros((batch, intervals.size, rows, rows), blocks.drift.dtype)
-    if sampling == "discrete":
-        mean[..., :states] = blocks.drift[:, None, :, :states]
-        mean[..., states + inputs :] = blocks.drift[:, None, :, states:]
-        noise[:] = blocks.noise[:, None]
-    else:
-        parts = ContinuousBlocks(blocks.drift, blocks.noise, blocks.lag)
-        moving = rows if sampling == "integrating" else states
-        sample_blocks(parts, intervals, moving, SampledBlocks(mean, noise))
+    acts, now = moving + inputs, states + inputs  # columns: behind both, and of the new input
+    mean = np.zeros((batch, intervals.size, rows, columns + inputs), drift.dtype)
+    noise = np.zeros((batch, intervals.size, rows, rows), drift.dtype)
+    mean[..., moving:, :states] = drift[:, None, moving:, :states]
+    mean[..., moving:, now:] = drift[:, None, moving:, states:]
+    noise[..., moving:, moving:] = blocks.noise[:, None, moving:, moving:]
+    if moving:
+        stacked = np.zeros((batch, moving, acts + 1), drift.dtype)
+        stacked[..., :states] = drift[:, :moving, :states]
+        stacked[..., moving:] = drift[:, :moving, states:]
+        disturbed, lag = blocks.noise[:, :moving, :moving].copy(), _lag_within(blocks, intervals)
+        before, early = _propagate(stacked, disturbed, lag)
+        after, later = _propagate(stacked, disturbed, intervals - lag)
+        Phi = after[..., :moving]
+        whole = Phi @ before
+        mean[..., :moving, :states] = whole[..., :states]
+        mean[..., :moving, states:now] = whole[..., moving:acts]
+        mean[..., :moving, now:] = after[..., moving:]
+        mean[..., :moving, -1] += whole[..., -1]
+        noise[..., :moving, :moving] = later + Phi @ early @ Phi.swapaxes(2, 3)
     return SampledSystems(mean, noise, blocks.start, blocks.gain)
+
+
+def _propagate(drift: Entries, noise: Entries, h: Entries) -> tuple[Entries, Entries]:
+    """Return [Phi Gamma] and the noise over times ``h`` (b, m) [s]."""
+    size = drift.shape[1]
+    mean = np.empty((*h.shape, *drift.shape[1:]), drift.dtype)
+    covariance = np.empty((*h.shape, size, size), drift.dtype)
+    propagate_blocks(drift, noise, h, mean, covariance)
+    return mean, covariance
+
+
+def _lag_within(blocks: Blocks, intervals: Numbers) -> Entries:
+    """Return the lag (b, m) [s] within each interval, without a derivative at its ends."""
+    lag = blocks.lag[:, None]
+    inside = (lag.real > 0.0) & (lag.real < intervals)
+    return np.asarray(np.where(inside, lag, np.clip(lag.real, 0.0, intervals)))
 
 
 def _sample_ramps(blocks: Blocks, intervals: Numbers, sampling: str) -> SampledSystems:
@@ -138,9 +171,7 @@ def _sample_ramps(blocks: Blocks, intervals: Numbers, sampling: str) -> SampledS
     whole = sample_systems(ramps, intervals, sampling)
     mean = whole.mean[:, :, kept].copy()
     # what acts at a reading is the input of a lag before; readings of the instant have no lag
-    lag = blocks.lag[:, None]
-    inside = (lag.real > 0.0) & (lag.real < intervals)
-    late = np.where(inside, lag, np.clip(lag.real, 0.0, intervals))
+    late = _lag_within(blocks, intervals)
     moving = slice(None) if sampling == "integrating" else slice(states)
     early = late[..., None, None] * mean[:, :, moving, states:acts]
     mean[:, :, moving, acts : acts + inputs] -= early
