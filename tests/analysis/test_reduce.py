@@ -53,9 +53,9 @@ from trainer.analysis.reduce.reduction import (
 )
 from trainer.analysis.reduce.search import (
     SLACKEST_LEASH,
+    FactorPoint,
     Search,
     SearchAim,
-    SearchPoint,
     SearchState,
     Slopes,
     TermNeed,
@@ -382,7 +382,7 @@ def linear(size: int) -> tuple[Slopes, Numbers]:
 
 def test_a_dropped_term_is_made_up_for_as_a_fit_without_it_would() -> None:
     slopes, differences = linear(5)
-    here = SearchPoint(np.ones(5), differences)
+    here = FactorPoint(np.ones(5), differences)
     gone = without_terms(slopes, here, [3])
 
     # least squares of the weighted rows and the leash, by another way
@@ -401,7 +401,7 @@ def test_the_term_that_does_least_costs_least() -> None:
     slopes, differences = linear(4)
     slopes.table[:, 2] *= 1e-3
 
-    costs = cost_rises(slopes, SearchPoint(np.ones(4), differences))
+    costs = cost_rises(slopes, FactorPoint(np.ones(4), differences))
 
     assert int(np.argmin(costs)) == 2
 
@@ -412,7 +412,7 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
     def fly_all(several: Sequence[Numbers]) -> list[Numbers]:
         return [slopes.table @ (factors - 1.0) - np.array([0.0, 0.0, 1.0]) for factors in several]
 
-    start = SearchPoint(np.ones(3), fly_all([np.ones(3)])[0])
+    start = FactorPoint(np.ones(3), fly_all([np.ones(3)])[0])
     found = descend_slopes(fly_all, slopes, start, 3, 0.8)
 
     assert found.worst <= 0.8

@@ -16,7 +16,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.problem import Problem
 from trainer.identify.model.models import Ship
-from trainer.identify.monte_carlo import Rehearsal, SimulatedRun, one_run
+from trainer.identify.monte_carlo import KnownShip, SimulatedRun, one_run
 from trainer.units import DEGREE, KNOT
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
@@ -94,7 +94,7 @@ TANKER_BEGIN: Final = {
 }
 
 # Sea Splendour, Table 9.1, read every 5 s at the centre of mass: the ship of speed and coverage
-TANKER: Final = Rehearsal(
+TANKER: Final = KnownShip(
     "1",
     Ship(329.0, 15.9 * KNOT, 120.0, 130.0),
     ("sway", "yaw_rate", "heading"),
@@ -139,7 +139,7 @@ TANKER: Final = Rehearsal(
 TANKER_RUDDER: Final = sequence(2000, 30.0, 5.0, 5.0)
 
 # Compass Island, Tables 10.2 and 10.4
-ISLAND: Final = Rehearsal(
+ISLAND: Final = KnownShip(
     "1",
     Ship(160.93, 8.74 * KNOT),
     ("sway", "yaw_rate", "heading"),
@@ -180,7 +180,7 @@ ISLAND: Final = Rehearsal(
 )
 
 
-def zigzag_rudder(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
+def zigzag_rudder(rehearsal: KnownShip, angle: float, count: int) -> Numbers:
     """Return the rudder (n,) [deg] of a zig-zag angle/angle of the model without any noise."""
     problem = rehearsal.problem(np.zeros(count))
     mean, _, start = problem.sampled(problem.start).at(0)

@@ -42,7 +42,7 @@ from trainer.identify.kernels.nonlinear_steering import run_bent
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.model.models import Ship
 from trainer.identify.model.sampled import step_aside
-from trainer.identify.monte_carlo import Rehearsal
+from trainer.identify.monte_carlo import KnownShip
 from trainer.identify.record.measurements import Samples
 from trainer.units import DEGREE, KNOT
 
@@ -72,7 +72,7 @@ Change = Callable[[Samples], Samples]
 
 
 def _fit_records(
-    rehearsal: Rehearsal, rudder: Numbers, records: int, change: Change = lambda samples: samples
+    rehearsal: KnownShip, rudder: Numbers, records: int, change: Change = lambda samples: samples
 ) -> list[tuple[Problem, Numbers]]:
     """Return problem and estimate (f,) of each of so many simulated records."""
     problem, found = rehearsal.problem(rudder), []
@@ -118,7 +118,7 @@ def heading_only(records: int = RECORDS) -> Iterator[Figure]:
     truth["lag"] = math.asin(12.1 / 15.0)
     begin = {"a1": 0.7 * a1, "b1": 0.7 * truth["b1"], "lag": 0.5, "R1_2": 1e-7, "R2_psi": 0.2}
     free = ("a1", "b1", "f2", "R1_2", "R2_psi", "x2_0", "x3_0", "lag")
-    song = Rehearsal("3", ship, ("heading",), 15.0, truth, free, begin)
+    song = KnownShip("3", ship, ("heading",), 15.0, truth, free, begin)
 
     def read(samples: Samples) -> Samples:
         return replace(samples, outputs=np.round(samples.outputs))
@@ -137,7 +137,7 @@ def rate_only(records: int = RECORDS) -> Iterator[Figure]:
     begin = {"K": -0.05, "T1": 20.0, "T2": 4.0, "T3": 6.0, "R2_r": 2e-3, "lag": 0.1}
     free = ("a1", "a2", "b1", "b2", "delta_0", "R1_2", "R2_r", "x1_0", "x2_0", "lag")
     ship = Ship(115.7, 18.0 * KNOT)
-    bore = Rehearsal("nomoto2", ship, ("yaw_rate",), 1.0, truth, free, begin)
+    bore = KnownShip("nomoto2", ship, ("yaw_rate",), 1.0, truth, free, begin)
     found = []
     for problem, theta in _fit_records(bore, sequence(900, 7.0, 5.0, 1.0), records):
         f = nomoto_of(problem.plant.model, problem.whole(theta), ship)
@@ -194,7 +194,7 @@ def _linear(bent: BentShip, angle: float) -> dict[str, float]:
     truth = {"a1": (bent.T1 + bent.T2) * a2 * k, "a2": a2, "b2": bent.K * a2 / k}
     truth |= {"b1": bent.K * bent.T3 * a2, "R2_r": 1e-5, "R2_psi": 1e-2}
     free = ("a1", "a2", "b1", "b2", "f1", *STATE)
-    rehearsal = Rehearsal("3", ship, ("yaw_rate", "heading"), 5.0, truth, free, {})
+    rehearsal = KnownShip("3", ship, ("yaw_rate", "heading"), 5.0, truth, free, {})
     problem = rehearsal.problem(rudder)
     problem = problem.on(replace(problem.samples, outputs=motion))
     found = find_best_minimum(
@@ -216,7 +216,7 @@ def two_logs(records: int = RECORDS) -> Iterator[Figure]:
     outputs = ("bow_sway", "stern_sway", "yaw_rate", "heading")
     free = (*TANKER_SHIP, "Y_0", "N_0", "r_0", *noise, *reading, *STATE, "lag")
     free = tuple(name for name in free if name not in ("m11", "m22"))
-    sea = Rehearsal("1", TANKER.ship, outputs, 30.0, truth, free, begin)
+    sea = KnownShip("1", TANKER.ship, outputs, 30.0, truth, free, begin)
     calm = {"R1_Y": noise["R1_Y"] / 100.0, "R1_N": noise["R1_N"] / 100.0}
     rudder = sequence(100, 60.0, 5.0, 30.0)
     ranges = {"K'": (-1.80, -0.76), "T1'": (2.3, 4.0), "Y_v": (-1.68, -1.45), "tau": (5.1, 7.2)}
@@ -246,7 +246,7 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
     truth = {"a1": (T1 + T2) * a2, "a2": a2, "c1": c2 * T3v, "c2": c2}
     noise = {"R1_1": 1e-4, "R1_2": 1e-8, "R2_v": 0.01, "lag": ISLAND.truth["lag"]}
     free = (*truth, "f2", "R1_1", "R1_2", "R1_12", "R2_v", "x1_0", "x2_0", "lag")
-    alone = Rehearsal("2", ISLAND.ship, ("sway",), 6.0, truth | noise, free, {})
+    alone = KnownShip("2", ISLAND.ship, ("sway",), 6.0, truth | noise, free, {})
     rudder = zigzag_rudder(ISLAND, 20.0, 100)
     problem, island, inside = alone.problem(rudder), ISLAND.problem(rudder), []
     told = partial(_sway_numbers, problem)
@@ -319,7 +319,7 @@ WEAKENED: Final = 4.0  # [-] N_v of |v|/V: at a drift of 0.1 the moment is 0.6 o
 COUNT, PARTS = 300, 10  # samples, and steps of Runge and Kutta in each
 TRUTH: Final = {**TANKER_SHIP, "R2_v1": 1e-4, "R2_r": 1e-6, "R2_psi": 1e-4}
 FREE: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0", *STATE)
-HULL: Final = Rehearsal("1", TANKER.ship, TANKER.outputs, TANKER.period, TRUTH, FREE, {})
+HULL: Final = KnownShip("1", TANKER.ship, TANKER.outputs, TANKER.period, TRUTH, FREE, {})
 
 
 def zig_zag_of(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:

@@ -40,7 +40,7 @@ def inside(bands: tuple[FigureBand, ...], truth: FittedVessel) -> list[bool]:
     return [one.low <= one.truth <= one.high for one in told(bands, truth).values()]
 
 
-def scores(found: search.FitResult, truth: Numbers) -> Numbers:
+def scores(found: search.SearchEnd, truth: Numbers) -> Numbers:
     """Return how far each coefficient lies from the truth, in its own deviations."""
     moving = found.posterior.sd > 0.0
     return np.asarray((truth - found.posterior.values)[moving] / found.posterior.sd[moving])

@@ -130,11 +130,11 @@ IDENTIFICATION_RECORDS: Final = {
     "armax": study_records.ArmaxTable,
 }
 SWEEP_RECORDS: Final = {
-    "": sweep.StudyHeading,
+    "": sweep.SweepHeading,
     "method": sweep.MethodTable,
     "manoeuvre": sweep.ManoeuvreTable,
     "identification": sweep.IdentificationTable,
-    "[parameters]": sweep.ParameterRow,
+    "[parameters]": sweep.SweptParameter,
     "sample": sweep.Sample,
     "[vary]": sweep.VaryRow,
 }

@@ -11,7 +11,7 @@ from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting.armax import (
     Armax,
-    _Search,
+    _Orders,
     detrend,
     fit_armax,
     remove_delay,
@@ -77,7 +77,7 @@ def test_atlantic_song_is_found_as_exactly_as_the_report_says() -> None:
 
 def test_derivatives_of_the_errors_are_those_of_differences() -> None:
     y, u = simulated(SONG, 60, LAMBDA, 2)
-    search = _Search(y, u, 2)
+    search = _Orders(y, u, 2)
     theta = np.array([-1.5, 0.55, -0.1, -0.2, -0.5, 0.1, 1.0, 0.5])
     _, J = search.jacobian(theta)
     for i, column in enumerate(J.T):

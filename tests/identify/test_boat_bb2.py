@@ -35,7 +35,7 @@ SEEDS = (1, 2, 3)
 class Fitted(NamedTuple):
     """A fit of four trials of BB2, and a zig-zag held out."""
 
-    found: search.FitResult
+    found: search.SearchEnd
     bands: tuple[FigureBand, ...]
     held_out: Trial
 

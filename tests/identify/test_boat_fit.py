@@ -62,7 +62,7 @@ def prior_of(path: Path) -> Prior:
 
 
 @cache
-def fitted(path: Path) -> tuple[search.FitResult, tuple[float, ...]]:
+def fitted(path: Path) -> tuple[search.SearchEnd, tuple[float, ...]]:
     """Return a fit of two trials of a boat drawn from the prior, and the truth."""
     prior = prior_of(path)
     truth = prior.draw(TRUE_DRAW)

@@ -22,13 +22,13 @@ from trainer.identify.boat.noise import Noise, usual_noise
 from trainer.identify.boat.planned_trial import exercise_text, render_plan
 from trainer.identify.boat.prior import read_prior
 from trainer.identify.boat.trial import read_trial
-from trainer.identify.boat.trial_legs import TRIAL_LEGS, Leg, room_of, sail_legs, waters_of
+from trainer.identify.boat.trial_legs import TRIAL_LEGS, TrialLeg, room_of, sail_legs, waters_of
 from trainer.identify.boat.vessel import FittedVessel
 from trainer.units import DEGREE
 
 MINUTES = 6.0
 BY_NAME = {leg.name: leg for leg in TRIAL_LEGS}
-TURN_20 = Leg("turn at 20 deg", "rudder", 20.0)
+TURN_20 = TrialLeg("turn at 20 deg", "rudder", 20.0)
 # deviations after a quarter of an hour, of fits of BB2 by another program: diameters at 15 and
 # 25 deg [m], depth after a minute of 5 deg of planes [m], critical speed [m/s]; NaN: it has none
 FITTED_DEVIATIONS = {

@@ -17,7 +17,7 @@ from trainer.identify.record.evidence import (
     Course,
     compare_channels,
 )
-from trainer.identify.record.motion_laws import Channel
+from trainer.identify.record.motion_laws import Signal
 from trainer.identify.record.readings import find_hold
 
 QUANTITIES = CHANNEL_QUANTITIES | dict.fromkeys(("latitude", "longitude"), "place")
@@ -56,7 +56,7 @@ def judged(
         elif name == channel:
             units[name], factor = said, factor * sizes[said] / sizes[true]
         if name not in without:
-            channels[name] = Channel(log.t * clock, read * factor)
+            channels[name] = Signal(log.t * clock, read * factor)
     vessel = Course(log.length, log.speed, None)
     with np.errstate(all="raise"):
         return find_contradiction(compare_channels(channels, vessel, units), units)

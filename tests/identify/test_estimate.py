@@ -19,7 +19,7 @@ from trainer.identify.judge.fitted import resume_search, save_steps
 from trainer.identify.judge.uncertainty import hessian, inseparable, intervals, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.models import MODELS, Ship
-from trainer.identify.monte_carlo import Rehearsal
+from trainer.identify.monte_carlo import KnownShip
 
 
 def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:
@@ -207,13 +207,13 @@ def test_a_ship_quicker_than_its_readings_is_no_minimum() -> None:
     assert found.converged
 
 
-def nomoto_ship(K: float, T1: float) -> Rehearsal:
+def nomoto_ship(K: float, T1: float) -> KnownShip:
     """Return a second-order ship whose search begins at a stable one."""
     truth = {"K": K, "T1": T1, "T2": 13.4, "T3": 33.4, "R1_2": 1e-11, "R2_r": 1e-4, "R2_psi": 1e-2}
     free = ("K", "T1", "T2", "T3", "R1_2", "R2_r", "R2_psi", "x2_0", "x3_0")
     begin = {"K": -0.2, "T1": 300.0, "T2": 20.0, "T3": 30.0}
     ship, outputs = Ship(244.0, 7.3), ("yaw_rate", "heading")
-    return Rehearsal("nomoto2", ship, outputs, 2.0, truth, free, begin)
+    return KnownShip("nomoto2", ship, outputs, 2.0, truth, free, begin)
 
 
 @pytest.mark.parametrize(("K", "T1"), [(0.114, -304.0), (-0.114, 304.0)])
@@ -337,7 +337,7 @@ def test_flat_directions_of_the_other_models_are_found(
     truth = truth | {name: value for name, value in noise.items() if name in names}
     free = (*(n for n in truth if n[0] in "abc"), *group)
     free = tuple(name for name in names if name in free)
-    rehearsal = Rehearsal(kind, Ship(160.0, 4.5), outputs, 6.0, truth, free, {})
+    rehearsal = KnownShip(kind, Ship(160.0, 4.5), outputs, 6.0, truth, free, {})
     problem = rehearsal.problem(TANKER_RUDDER[:300])
     assert inseparable(problem) == (tuple(name for name in problem.names if name in group),)
 
@@ -363,7 +363,7 @@ def test_deviations_by_hand() -> None:
 def test_intervals_of_variances_are_by_the_logarithm_and_of_sure_coefficients_by_both() -> None:
     free = ("a1", "c1", "f2", "R1_1", "R2_v")
     truth = {"a1": 2.0, "c1": 0.2, "R1_1": 1e-4, "R2_v": 0.01}
-    sway = Rehearsal("2", Ship(160.93, 4.5), ("sway",), 6.0, truth, free, {})
+    sway = KnownShip("2", Ship(160.93, 4.5), ("sway",), 6.0, truth, free, {})
     problem = sway.problem(np.zeros(4))
     # a1 is known to a quarter, c1 not even by its sign, R1_1 to two thirds, R2_v is lost
     theta = np.array([2.0, -0.2, 1.0, 1e-4, 0.01])

@@ -21,7 +21,7 @@ from trainer.identify.judge.uncertainty import beside_bounds, uncertainty
 from trainer.identify.judge.validation import draw_outputs
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.model.models import MODELS, Ship
-from trainer.identify.monte_carlo import Rehearsal
+from trainer.identify.monte_carlo import KnownShip
 
 pytest.importorskip("scipy")
 
@@ -245,7 +245,7 @@ def sway_trial(folder: Path) -> Path:
     truth = {"a1": 3.6 * a2, "a2": a2, "c1": 1.0174 * a2 * 0.4265, "c2": 1.0174 * a2}
     truth |= {"R1_1": 1e-4, "R1_2": 1e-6, "R2_v": 0.01}
     rudder = np.resize(hold_bits(sequence(7), 10.0, 10), 600)
-    problem = Rehearsal("2", ship, ("sway",), 6.0, truth, ("a1",), {}).problem(rudder)
+    problem = KnownShip("2", ship, ("sway",), 6.0, truth, ("a1",), {}).problem(rudder)
     samples = draw_outputs(problem, problem.start, np.random.default_rng(2))
     rows = np.column_stack([samples.t, rudder, samples.outputs])
     np.savetxt(folder / "trial.csv", rows, delimiter=",", header="t,helm,sway", comments="")

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
     from trainer.analysis.manoeuvres.page import ManoeuvreReport
     from trainer.analysis.manoeuvres.vehicle import Measure
-    from trainer.analysis.sweep.report import Spread, SweepReport
+    from trainer.analysis.sweep.report import OutputSpread, SweepReport
     from trainer.identify.boat.figures import FigureBand
     from trainer.identify.boat.report import BoatFit
     from trainer.identify.boat.watch import BoatWatch, WatchedPart
     from trainer.identify.pages.record import ChannelSummary, RecordReport
-    from trainer.identify.pages.results import Estimate, ShipNumber
+    from trainer.identify.pages.results import FitNumber, ShipNumber
     from trainer.identify.pages.results import IdentifyReport as FitReport
 
 Report = TypeVar("Report")
@@ -98,7 +98,7 @@ def manoeuvre(
     )
 
 
-def sweep(study: File, **options: Any) -> "Answer[SweepReport, Spread]":
+def sweep(study: File, **options: Any) -> "Answer[SweepReport, OutputSpread]":
     """Fly a study, one boat many times, as ``trainer boat sweep`` does.
 
     ``members`` is how many there are, else the study's own number. With ``out`` the result is kept
@@ -137,7 +137,7 @@ def identify_ship(
 @overload
 def identify_ship(
     record: File, *, data_only: Literal[False] | None = None, **options: Any
-) -> "Answer[FitReport, Estimate | ShipNumber]": ...
+) -> "Answer[FitReport, FitNumber | ShipNumber]": ...
 
 
 def identify_ship(
@@ -168,7 +168,7 @@ def identify_ship(
             channels = {each.name: each for run in seen.runs for each in run.channels}
             return Answer(seen, channels, {}, record_page.render(seen))
         report = programs.fit_ship(study, wishes).report
-    figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
+    figures: dict[str, FitNumber | ShipNumber] = {each.name: each for each in report.parameters}
     figures |= {each.name: each for each in report.ship}
     return Answer(report, figures, {}, render(report))
 

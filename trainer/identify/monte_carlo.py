@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.sweep.job import COVERED_COLUMN, DEVIATION_COLUMN, Batch, Output, fly_each
-from trainer.analysis.sweep.records import PARAMETER_ROWS, IdentificationTable, ParameterRow
+from trainer.analysis.sweep.records import PARAMETER_ROWS, IdentificationTable, SweptParameter
 from trainer.analysis.sweep.study import Study
 from trainer.config.files import ConfigError, Position, nearest, offer_known, quote, raise_problems
 from trainer.config.schema import read_record
@@ -48,7 +48,7 @@ class SimulatedRun:
 
 
 @dataclass(frozen=True)
-class Rehearsal:
+class KnownShip:
     """A ship, its instruments, its true values, and an analyst's start.
 
     A trial is rehearsed with it before anybody sails. ``begin`` has the free parameters that do not
@@ -79,7 +79,7 @@ class Rehearsal:
         model = MODELS[self.kind]
         return model.vector(**{**self.truth, **self.begin})[list(model.indices(self.free))]
 
-    def freed(self, *names: str, **truth: float) -> "Rehearsal":
+    def freed(self, *names: str, **truth: float) -> "KnownShip":
         """Return the rehearsal with more free parameters, at values ``truth``."""
         return replace(self, free=(*self.free, *names), truth={**self.truth, **truth})
 
@@ -101,7 +101,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> SimulatedRun:
     )
 
 
-def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, IdentificationTable]:
+def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[KnownShip, IdentificationTable]:
     """Return ship, experiment and start of the search; ConfigError if the model has none."""
     tables = study.varied(drawn)
     position = Position(study.path.name, "identification")
@@ -113,11 +113,11 @@ def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, Ide
     free = tuple(row.name for row in rows if row.free is not False)
     truth = {row.name: row.truth for row in rows}
     begin = {row.name: row.start for row in rows if row.start is not None}
-    rehearsal = Rehearsal(table.model, ship, table.outputs, table.interval_s, truth, free, begin)
+    rehearsal = KnownShip(table.model, ship, table.outputs, table.interval_s, truth, free, begin)
     return rehearsal, table
 
 
-def _check(rows: tuple[ParameterRow, ...], table: IdentificationTable, file: str) -> None:
+def _check(rows: tuple[SweptParameter, ...], table: IdentificationTable, file: str) -> None:
     """Check names against the model; ConfigError with all faults."""
     model, problems = MODELS[table.model], []
     names = [row.name for row in rows]
@@ -137,7 +137,7 @@ def _check(rows: tuple[ParameterRow, ...], table: IdentificationTable, file: str
     raise_problems(problems)
 
 
-def pose_experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
+def pose_experiment(rehearsal: KnownShip, table: IdentificationTable) -> tuple[Problem, Numbers]:
     """Return the problem at its search's start, and the true values (f,) of free parameters."""
     bit = max(1, round(table.bit_s / table.interval_s))
     sequence = hold_bits(prbs(table.register_bits), table.amplitude_deg, bit)

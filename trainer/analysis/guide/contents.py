@@ -27,7 +27,7 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import findings, reasons
-from trainer.analysis.guide.findings import Finding, StepRun
+from trainer.analysis.guide.findings import GuideFinding, StepRun
 from trainer.analysis.guide.programme import (
     SET_METHODS,
     FlightTable,
@@ -177,7 +177,7 @@ class Guide:
     versions: dict[str, str]
     checksums: dict[str, str]  # sha256 of what it was made from
     sheets: tuple[LegSheet, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[GuideFinding, ...]
     steps: tuple[StepRun, ...]
     drops: tuple[reasons.DropEffect, ...]
     trials: tuple[TrialComparison, ...]

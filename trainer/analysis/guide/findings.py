@@ -174,7 +174,7 @@ def _ends(flight: Flight, name: str) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class Finding:
+class GuideFinding:
     """One finding of 1969, and whether it holds for this boat."""
 
     title: str
@@ -227,7 +227,7 @@ def finding_tasks(file: VesselFile) -> Iterator[Task]:
 
 def study_findings(
     file: VesselFile, flown: FlightTable, steps: tuple[StepRun, ...]
-) -> tuple[Finding, ...]:
+) -> tuple[GuideFinding, ...]:
     """Return all findings, judged."""
     return (
         reversal(file, flown),
@@ -238,13 +238,13 @@ def study_findings(
     )
 
 
-def reversal(file: VesselFile, flown: FlightTable) -> Finding:
+def reversal(file: VesselFile, flown: FlightTable) -> GuideFinding:
     """Return whether stern planes reverse at the critical speed of EC470."""
     title = "Stern planes reverse"
     claim = "below the critical speed of EC470, planes to dive make the boat rise"
     critical = critical_speed(file, "stern")
     if critical is None:
-        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull has no critical speed")
+        return GuideFinding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull has no critical speed")
     rates = {}
     for ratio in CRITICAL_SPEED_RATIOS:
         flight = flown[_offset(file, ratio * critical)]
@@ -270,14 +270,14 @@ def reversal(file: VesselFile, flown: FlightTable) -> Finding:
             f"be flown, and the depth rate turns {len(turns)} times between them"
         )
         verdict = ClaimVerdict.FAILS if len(rates) == wanted else ClaimVerdict.NOT_SHOWN
-        return Finding(title, claim, verdict, words, heads, rows)
+        return GuideFinding(title, claim, verdict, words, heads, rows)
     flies, says = turns[0] / KNOT, critical / KNOT
     verdict = _graded(holds=abs(flies - says) <= REVERSAL_TOLERANCE * says)
     words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
-    return Finding(title, claim, verdict, words, heads, rows)
+    return GuideFinding(title, claim, verdict, words, heads, rows)
 
 
-def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
+def depth_in_turns(file: VesselFile, flown: FlightTable) -> GuideFinding:
     """Return what six coefficients do for depth in a turn."""
     title = "Depth in turns"
     claim = (
@@ -288,7 +288,7 @@ def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
     heads = ("without", "its value here", "largest depth change [m]", "times", "")
     if isinstance(whole, str) or whole.lost:
         words = whole if isinstance(whole, str) else whole.lost
-        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, words)
+        return GuideFinding(title, claim, ClaimVerdict.NOT_SHOWN, words)
     base = largest_value(whole.change("z"))
     rows = [("nothing", "", f"{base:+.2f}", "1.00", "")]
     by_effect: dict[str, list[str]] = {}
@@ -302,7 +302,7 @@ def depth_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
         verdict = ClaimVerdict.NOT_SHOWN
     effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
     words = f"with all terms depth changes by {abs(base):.2f} m; without one of them, {effects}"
-    return Finding(title, claim, verdict, words, heads, tuple(rows))
+    return GuideFinding(title, claim, verdict, words, heads, tuple(rows))
 
 
 def _without(
@@ -321,14 +321,14 @@ def _without(
     return name, f"{value:.4g}", f"{deep:+.2f}", f"{ratio:.2f}", effect
 
 
-def roll_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
+def roll_in_turns(file: VesselFile, flown: FlightTable) -> GuideFinding:
     """Return what K_vav does to roll in a turn."""
     title, claim = "Roll in turns", "without K_vav the roll of a turn changes by about 70 %"
     whole, without = flown[_turn(file)], flown[_turn(file, "K_vav")]
     if not file.coefficients["K_vav"]:
-        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull's data have no K_vav")
+        return GuideFinding(title, claim, ClaimVerdict.NOT_SHOWN, "this hull's data have no K_vav")
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "the turn cannot be flown")
+        return GuideFinding(title, claim, ClaimVerdict.NOT_SHOWN, "the turn cannot be flown")
     before, after = largest_value(whole.change("phi")), largest_value(without.change("phi"))
     percent = 100.0 * (after - before) / abs(before)
     verdict = _graded(holds=abs(percent) >= 50.0, in_part=abs(percent) > 5.0)
@@ -337,16 +337,16 @@ def roll_in_turns(file: VesselFile, flown: FlightTable) -> Finding:
         f"the largest roll changes by {percent:+.0f} %; K_vav is {share:.1f} times K_v here, and "
         "counts by the drift angle"
     )
-    return Finding(title, claim, verdict, words)
+    return GuideFinding(title, claim, verdict, words)
 
 
-def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
+def nonlinear_terms(file: VesselFile, flown: FlightTable) -> GuideFinding:
     """Return what the nonlinear terms of the vertical plane do to a meander."""
     title = "Nonlinear vertical terms"
     claim = "without all of them pitch is off by 21 %, depth by 14 %"
     whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR_COEFFICIENTS)]
     if isinstance(whole, str) or isinstance(without, str):
-        return Finding(title, claim, ClaimVerdict.NOT_SHOWN, "the meander cannot be flown")
+        return GuideFinding(title, claim, ClaimVerdict.NOT_SHOWN, "the meander cannot be flown")
     percent = {}
     for name in ("theta", "z"):
         before, after = largest_value(whole.change(name)), largest_value(without.change(name))
@@ -359,19 +359,19 @@ def nonlinear_terms(file: VesselFile, flown: FlightTable) -> Finding:
         f"{percent['z']:+.1f} %; of these terms this hull's data have "
         f"{', '.join(present_terms) or 'none'}"
     )
-    return Finding(title, claim, verdict, words)
+    return GuideFinding(title, claim, verdict, words)
 
 
-def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
+def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[GuideFinding]:
     """Yield the findings of 1969 on integrators and steps, in this boat's own steps."""
     own_step = file.run.step_s
     euler, adams = _worst(steps, "Euler", 2.0 * own_step), _worst(steps, "Adams 2", own_step)
     useless = euler.verdict in (StepVerdict.LOST, StepVerdict.USELESS)
     claim = "Euler cannot be used at twice the step that Adams is used at"
-    yield Finding("Euler at 1 s", claim, _graded(holds=useless), _error(euler))
+    yield GuideFinding("Euler at 1 s", claim, _graded(holds=useless), _error(euler))
     fine = adams.verdict is StepVerdict.FINE
     claim = "second-order Adams is fine at the boat's own step"
-    yield Finding("Adams at 0.5 s", claim, _graded(holds=fine), _error(adams))
+    yield GuideFinding("Adams at 0.5 s", claim, _graded(holds=fine), _error(adams))
     yield _lag_costs(steps, own_step)
 
 
@@ -392,7 +392,7 @@ def _error(run: StepRun) -> str:
     )
 
 
-def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
+def _lag_costs(steps: tuple[StepRun, ...], own: float) -> GuideFinding:
     """Return whether lagged accelerations cost accuracy at the boat's own step."""
     pairs: dict[str, dict[str, float | None]] = {}
     for run in steps:
@@ -407,4 +407,4 @@ def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
     verdict = _graded(holds=whole and max(costs) <= 1.0)
     words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
     claim = "accelerations of the last cycle do no harm"
-    return Finding("Lagged accelerations", claim, verdict, words)
+    return GuideFinding("Lagged accelerations", claim, verdict, words)

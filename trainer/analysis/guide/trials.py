@@ -186,7 +186,7 @@ class Provenance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fit:
+class GuideFit:
     """Coefficients, and the figures by which they were chosen."""
 
     coefficients: tuple[str, ...] = required(Texts(Text(20, "name"), MAX_INPUTS))
@@ -210,7 +210,7 @@ class Published:
     path: Path
     text: str
     provenance: Provenance
-    fits: tuple[Fit, ...]
+    fits: tuple[GuideFit, ...]
     deviations: tuple[Deviation, ...]
     trials: tuple[Trial, ...]
     waves: tuple[HeadWaves, ...]
@@ -436,7 +436,7 @@ def _manoeuvre(row: Mapping[str, Any], position: Position, others: set[str]) -> 
 
 RowReader = Callable[[Mapping[str, Any], Position, list[int]], Any]
 ROW_READERS: Final[Mapping[str, RowReader]] = {  # tables of the file, as Published has them
-    "fits": lambda row, position, _lines: read_record(Fit, row, position, ()),
+    "fits": lambda row, position, _lines: read_record(GuideFit, row, position, ()),
     "deviations": _deviation,
     "trials": _trial,
     "waves": _waves,

@@ -52,16 +52,16 @@ ARRAY_COUNTS: Final[Mapping[str, tuple[str, str]]] = {
 _tables = lru_cache(maxsize=2)(tomllib.loads)  # of a vessel file, parsed once for all of its keys
 
 
-class Source(NamedTuple):
+class ConstantSource(NamedTuple):
     """Unit of a constant, and the key that it comes from. "= KEYS": derived from those."""
 
     unit: str
     key: str
 
 
-def _sources(unit: str, **keys: str) -> dict[str, Source]:
+def _sources(unit: str, **keys: str) -> dict[str, ConstantSource]:
     """Return sources of one unit by symbol."""
-    return {symbol: Source(unit, key) for symbol, key in keys.items()}
+    return {symbol: ConstantSource(unit, key) for symbol, key in keys.items()}
 
 
 HULL_SOURCES: Final = {
@@ -138,7 +138,7 @@ ENVELOPE_SOURCES: Final = {
     **_sources("m2", cross_arm="= vessel.length"),
     **_sources("1/m", stiffness="= coefficients"),
     **_sources("rad/s", still_mode="= righting moment and inertia"),
-    **{f"m{i}{i}": Source(unit, "= coefficients") for i, unit in MASS_UNITS.items()},
+    **{f"m{i}{i}": ConstantSource(unit, "= coefficients") for i, unit in MASS_UNITS.items()},
     **_sources("kg m", m26="= coefficients", m35="= coefficients", m24="= coefficients"),
     **_sources("kg m2", m46="= coefficients"),
     **_sources("kg/m, kg, kg m", lateral="= coefficients", vertical="= coefficients"),
@@ -196,7 +196,7 @@ PLANT_SOURCES: Final = {
     **_sources("s", fire_party="plant.fire.party_s", smoke_time="plant.fire.smoke_s"),
     **_sources("s", smoke_spread="plant.fire.spread_s", smoke_clear="plant.fire.clear_s"),
 }
-SOURCE_GROUPS: Final[Mapping[str, Mapping[str, Source]]] = {
+SOURCE_GROUPS: Final[Mapping[str, Mapping[str, ConstantSource]]] = {
     "SIZE, MASS AND BALANCE": HULL_SOURCES,
     "RUDDER, PLANES, ENGINE AND AUTOPILOT": CONTROL_SOURCES,
     "THE BOAT NEAR THE SURFACE": SURFACE_SOURCES,
@@ -265,7 +265,7 @@ def origin_of(file: VesselFile, key: str) -> str:
 
 
 def _constants(
-    file: VesselFile, record: Record, sources: Mapping[str, Source]
+    file: VesselFile, record: Record, sources: Mapping[str, ConstantSource]
 ) -> tuple[Constant, ...]:
     """Return the constants of a group."""
     constant_list = []

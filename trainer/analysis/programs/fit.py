@@ -37,7 +37,7 @@ TERM_HEADS: Final = (
 
 
 @dataclass(frozen=True)
-class Term:
+class FittedMode:
     """One fitted mode: exp(real t) amplitude cos(imaginary t + phase)."""
 
     real: float  # [1/s]
@@ -59,11 +59,11 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Fit:
+class ModeFit:
     """Starting values and result; terms in the order of the starting roots."""
 
-    start: tuple[Term, ...]
-    terms: tuple[Term, ...]
+    start: tuple[FittedMode, ...]
+    terms: tuple[FittedMode, ...]
     rms: float  # of what is left, in the unit of the response
     explained: float  # [-] share of the response's mean square
     converged: bool
@@ -81,7 +81,7 @@ class FitReport:
     samples: int
     about: float  # subtracted from the column before the fit
     roots_from: str  # where the starting roots come from
-    fit: Fit
+    fit: ModeFit
 
 
 def one_of_each(roots: Sequence[complex]) -> list[complex]:
@@ -205,21 +205,21 @@ def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
 
 def _terms(
     roots: Sequence[complex], factors: Numbers, errors: Sequence[float | None]
-) -> tuple[Term, ...]:
+) -> tuple[FittedMode, ...]:
     """Return the terms of fitted ``roots``, their amplitudes and standard errors."""
     factor, error = iter(factors), iter(errors)
     terms = []
     for s in roots:
         if s.imag == 0.0:
-            terms.append(Term(s.real, 0.0, float(next(factor)), 0.0, next(error), None))
+            terms.append(FittedMode(s.real, 0.0, float(next(factor)), 0.0, next(error), None))
             continue
         cosine, sine = float(next(factor)), math.copysign(1.0, s.imag) * float(next(factor))
         size, phase = math.hypot(cosine, sine), math.atan2(-sine, cosine)
-        terms.append(Term(s.real, abs(s.imag), size, phase, next(error), next(error)))
+        terms.append(FittedMode(s.real, abs(s.imag), size, phase, next(error), next(error)))
     return tuple(terms)
 
 
-def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
+def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> ModeFit:
     """Return the fit of ``y`` over ``t`` [s] from roots [1/s].
 
     There is one of each pair, imaginary > 0.
@@ -244,7 +244,7 @@ def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
     if free >= 1 and np.linalg.matrix_rank(slopes) == len(numbers):
         spread = float(residual @ residual) / free * np.linalg.inv(slopes.T @ slopes)
         errors = [math.sqrt(max(float(variance), 0.0)) for variance in np.diag(spread)]
-    return Fit(
+    return ModeFit(
         start=_terms(starts, amplitudes(starts, t, y), nothing),
         terms=_terms(roots, amplitudes(roots, t, y), errors),
         rms=math.sqrt(float(residual @ residual) / len(y)),
@@ -254,7 +254,7 @@ def fit_modes(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
     )
 
 
-def response_of(terms: Sequence[Term], t: Numbers) -> Numbers:
+def response_of(terms: Sequence[FittedMode], t: Numbers) -> Numbers:
     """Return the sum of ``terms`` over ``t`` [s] from the first sample."""
     parts = [
         term.amplitude * np.exp(term.real * t) * np.cos(term.imaginary * t + term.phase_rad)
@@ -283,7 +283,7 @@ def response_in(
     return series.t[inside], values[inside] - level, level
 
 
-def _row(label: str, term: Term) -> tuple[str, ...]:
+def _row(label: str, term: FittedMode) -> tuple[str, ...]:
     """Return one term as a line of the table."""
     errors = [term.real_error, *([term.imaginary_error] if term.imaginary else [])]
     return (

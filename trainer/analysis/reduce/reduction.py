@@ -45,9 +45,9 @@ from trainer.analysis.reduce.search import (
     FIT_LIMIT,
     FIT_STEPS,
     SLACKEST_LEASH,
+    FactorPoint,
     Search,
     SearchAim,
-    SearchPoint,
     SearchState,
     Slopes,
     TermNeed,
@@ -143,7 +143,7 @@ def passes_legs(checked: Sequence[LegVerdict]) -> bool:
 
 
 @dataclass(frozen=True)
-class TickCost:
+class TermCost:
     """The least time of a tick, the whole boat's, back to back."""
 
     full_ns: float
@@ -155,7 +155,7 @@ class TickCost:
         return self.compact_ns / self.full_ns
 
 
-def measure_cost(file: VesselFile) -> TickCost | None:
+def measure_cost(file: VesselFile) -> TermCost | None:
     """Return the cost of a tick, full set exact, compact lagged. None of a boat that cannot start.
 
     Both sets are integrated by Adams, at the boat's own step and speed.
@@ -167,7 +167,7 @@ def measure_cost(file: VesselFile) -> TickCost | None:
         )
     except ConfigError:
         return None
-    return TickCost(full, compact)
+    return TermCost(full, compact)
 
 
 def _nanoseconds(file: VesselFile, method: Method) -> float:
@@ -264,12 +264,12 @@ class Reduction:
     needs: tuple[TermNeed, ...]  # why terms stay, of a search
     sensitivity: tuple[DropEffect, ...]
     checked: tuple[LegVerdict, ...]
-    cost: TickCost | None
+    cost: TermCost | None
     passed: bool
 
 
 @dataclass(frozen=True)
-class SearchResult:
+class ReductionEnd:
     """The result of a search: factors by set and term, and why terms stay."""
 
     factors: dict[str, dict[str, float]]  # [-] 0: dropped
@@ -329,7 +329,7 @@ def search(
     step: Callable[[int], None],
     *,
     quick: bool = False,
-) -> SearchResult:
+) -> ReductionEnd:
     """Return the factors found; ``partial`` is the path that keeps an unfinished search.
 
     A ``quick`` search keeps a term whose loss takes long to make up for.
@@ -347,7 +347,7 @@ def search(
         aim = SearchAim((*aim.legs, *fast), FIRM_LEASH, stays, quick)
         standing, modified = _run_search(file, aim, cores, partial, step)
     basic = _basic(file, aim, cores, modified, standing.leash)
-    return SearchResult({"modified": modified, "basic": basic}, standing.needed)
+    return ReductionEnd({"modified": modified, "basic": basic}, standing.needed)
 
 
 def _run_search(
@@ -389,7 +389,7 @@ def _basic(
     with CandidatePool(file.path, "basic", aim.legs, cores) as pool:
         fixed = fixed_terms(file)
         free = [i for i, name in enumerate(names) if start[i] and name not in fixed]
-        here = SearchPoint(start, pool.differences([start])[0])
+        here = FactorPoint(start, pool.differences([start])[0])
         for _ in range(QUICK_ROUNDS if aim.quick else BASIC_ROUNDS):
             table = pool.slopes(here.factors, free, here.differences)
             slopes = Slopes(table, free, leash)

@@ -50,7 +50,7 @@ HOPELESS_DIFFERENCE: Final = 4.0  # [-] a difference that new slopes will not me
 FORESEEN_DIFFERENCE: Final = 3.0
 
 
-class SearchPoint(NamedTuple):
+class FactorPoint(NamedTuple):
     """Factors by term, and the differences by row that flights with them have."""
 
     factors: Numbers
@@ -89,7 +89,7 @@ def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Num
     return table.T @ (weights[:, None] * table) + slopes.leash * np.eye(table.shape[1]), weights
 
 
-def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> Numbers:
+def take_step(slopes: Slopes, here: FactorPoint, power: int, damping: float) -> Numbers:
     """Return the factors after one damped step of Gauss and Newton, within their limits."""
     indices = slopes.free
     matrix, weights = normal_matrix(slopes, here.differences, power)
@@ -102,8 +102,8 @@ def take_step(slopes: Slopes, here: SearchPoint, power: int, damping: float) -> 
 
 
 def descend_slopes(
-    fly: FlyCandidates, slopes: Slopes, here: SearchPoint, rounds: int, goal: float
-) -> SearchPoint:
+    fly: FlyCandidates, slopes: Slopes, here: FactorPoint, rounds: int, goal: float
+) -> FactorPoint:
     """Return the best point of ``rounds`` steps by the same slopes.
 
     Among points within the goal the best is the nearest to the hull's own coefficients. Without
@@ -114,7 +114,7 @@ def descend_slopes(
             break
         # every power with every damping: the flights show which pair helps most
         tried = [take_step(slopes, here, *pair) for pair in product(COST_POWERS, STEP_DAMPINGS)]
-        points = [SearchPoint(*pair) for pair in zip(tried, fly(tried), strict=True)]
+        points = [FactorPoint(*pair) for pair in zip(tried, fly(tried), strict=True)]
         reached = [one for one in points if one.worst <= goal]
         if reached:
             return min(reached, key=lambda one: one.departure)
@@ -125,7 +125,7 @@ def descend_slopes(
     return here
 
 
-def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Numbers:
+def without_terms(slopes: Slopes, here: FactorPoint, gone: Sequence[int]) -> Numbers:
     """Return the factors with those ``gone`` at zero. The others make up for it.
 
     The quadratic cost at this point says how: its minimum under the constraint that the factors
@@ -142,7 +142,7 @@ def without_terms(slopes: Slopes, here: SearchPoint, gone: Sequence[int]) -> Num
     return factors
 
 
-def cost_rises(slopes: Slopes, here: SearchPoint) -> Numbers:
+def cost_rises(slopes: Slopes, here: FactorPoint) -> Numbers:
     """Return the rise [-] of the weighted squares for each free factor alone at zero."""
     matrix, _ = normal_matrix(slopes, here.differences, DROP_POWER)
     return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))
@@ -234,15 +234,15 @@ class Search:
             return self._settle(standing, here, slopes)
         return self._drop(standing, here, slopes, step)
 
-    def _point(self, factors: Numbers) -> SearchPoint:
+    def _point(self, factors: Numbers) -> FactorPoint:
         """Return factors with the differences of flights with them."""
-        return SearchPoint(factors, self._pool.differences([factors])[0])
+        return FactorPoint(factors, self._pool.differences([factors])[0])
 
     def _free(self, kept: Sequence[int]) -> list[int]:
         """Return the indices of the factors that may change."""
         return [i for i in kept if self.terms[i] not in self._fixed]
 
-    def _slopes(self, here: SearchPoint, kept: Sequence[int], leash: float) -> Slopes:
+    def _slopes(self, here: FactorPoint, kept: Sequence[int], leash: float) -> Slopes:
         """Return the slopes at a point."""
         free = self._free(kept)
         return Slopes(self._pool.slopes(here.factors, free, here.differences), free, leash)
@@ -252,8 +252,8 @@ class Search:
         return slopes._replace(free=self._free(kept))
 
     def _fit(
-        self, slopes: Slopes, here: SearchPoint, kept: Sequence[int], goal: float
-    ) -> SearchPoint:
+        self, slopes: Slopes, here: FactorPoint, kept: Sequence[int], goal: float
+    ) -> FactorPoint:
         """Return the point that a fit by these slopes leads to."""
         among = self._among(slopes, kept)
         return descend_slopes(self._pool.differences, among, here, FIT_STEPS, goal)
@@ -266,7 +266,7 @@ class Search:
             self._proven = factors.copy(), differences
         return self._proven[1]
 
-    def _start(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
+    def _start(self, standing: SearchState, here: FactorPoint, slopes: Slopes) -> SearchState:
         """Return the state after a fit of the set with all terms.
 
         If the leash keeps the set from the limit, the search begins anew with a slacker one.
@@ -285,7 +285,7 @@ class Search:
             return self._begin(max(SLACKEST_LEASH, standing.leash / LEASH_FACTOR))
         return replace(tried, limit=max(FIT_LIMIT, here.worst), proof=max(PROOF_LIMIT, proof))
 
-    def _settle(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> SearchState:
+    def _settle(self, standing: SearchState, here: FactorPoint, slopes: Slopes) -> SearchState:
         """Return the state after the best fit, unless the guide's flights become worse by it."""
         next_point = self._fit(slopes, here, standing.kept, 0.0)
         worse = abs(self.proof(next_point.factors)).max() > standing.proof
@@ -295,7 +295,7 @@ class Search:
         return replace(standing, factors=factors, settled=standing.settled + 1)
 
     def _drop(
-        self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
+        self, standing: SearchState, here: FactorPoint, slopes: Slopes, step: Callable[[], None]
     ) -> SearchState:
         """Return the state after up to MAX_SLOPE_USES decisions by the same slopes.
 
@@ -326,7 +326,7 @@ class Search:
         return standing
 
     def _foresee(
-        self, standing: SearchState, here: SearchPoint, slopes: Slopes, step: Callable[[], None]
+        self, standing: SearchState, here: FactorPoint, slopes: Slopes, step: Callable[[], None]
     ) -> SearchState:
         """Return the state with the terms marked as needed that slopes alone show to be."""
         among = self._among(slopes, standing.kept)
@@ -340,7 +340,7 @@ class Search:
                 step()
         return standing
 
-    def _tighten(self, standing: SearchState, there: SearchPoint) -> SearchState:
+    def _tighten(self, standing: SearchState, there: FactorPoint) -> SearchState:
         """Return the state at a point with fewer terms, with the limits that this point keeps.
 
         The set with all terms may be beyond the limit because of a term that is now gone, such as
@@ -354,15 +354,15 @@ class Search:
             proof=max(PROOF_LIMIT, min(standing.proof, proof)),
         )
 
-    def _order(self, standing: SearchState, here: SearchPoint, slopes: Slopes) -> list[int]:
+    def _order(self, standing: SearchState, here: FactorPoint, slopes: Slopes) -> list[int]:
         """Return the indices of the terms that may be dropped, the cheapest first."""
         among = self._among(slopes, standing.kept)
         cost = dict(zip(among.free, cost_rises(among, here), strict=True))
         return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
 
     def _try(
-        self, standing: SearchState, here: SearchPoint, slopes: Slopes, gone: Sequence[int]
-    ) -> tuple[SearchPoint, TermNeed | None]:
+        self, standing: SearchState, here: FactorPoint, slopes: Slopes, gone: Sequence[int]
+    ) -> tuple[FactorPoint, TermNeed | None]:
         """Return the point without the terms ``gone``, and their need; None if they can go."""
         kept_indices = tuple(i for i in standing.kept if i not in gone)
         factors = without_terms(self._among(slopes, standing.kept), here, gone)
@@ -379,7 +379,7 @@ class Search:
         return point, need
 
     def _need(
-        self, standing: SearchState, there: SearchPoint, gone: Sequence[int]
+        self, standing: SearchState, there: FactorPoint, gone: Sequence[int]
     ) -> TermNeed | None:
         """Return the worst number without the terms ``gone``; None if all are within limits."""
         term = self.terms[gone[0]]

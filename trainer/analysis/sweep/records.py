@@ -87,7 +87,7 @@ class ValueList:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyHeading:
+class SweepHeading:
     """The subject of a study."""
 
     schema: str = required(Choice(("sweep/1",), "form of the file"))
@@ -169,7 +169,7 @@ class IdentificationTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ParameterRow:
+class SweptParameter:
     """One parameter of a model that is identified."""
 
     name: str = required(Text(20, "as the model calls it"))
@@ -222,4 +222,4 @@ class VaryRow:
 
 
 VARY_ROWS: Final = Rows(VaryRow, ("note",), 0, 200, "what is varied, below")
-PARAMETER_ROWS: Final = Rows(ParameterRow, ("note",), 1, 60, "of the model identified, below")
+PARAMETER_ROWS: Final = Rows(SweptParameter, ("note",), 1, 60, "of the model identified, below")

@@ -33,7 +33,7 @@ SHOWN_PERCENTILES: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of 
 
 
 @dataclass(frozen=True)
-class Spread:
+class OutputSpread:
     """How one measure is spread over the members that came to it, SI and radians."""
 
     name: str
@@ -45,7 +45,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Effect:
+class VariableEffect:
     """The effect of one variable on a measure: its mean at either end."""
 
     variable: str
@@ -71,8 +71,8 @@ class SweepReport:
     members: int
     troubled: int
     troubles: dict[str, int]  # the most frequent ones
-    spreads: tuple[Spread, ...]
-    effects: dict[str, tuple[Effect, ...]]  # by measure, widest first
+    spreads: tuple[OutputSpread, ...]
+    effects: dict[str, tuple[VariableEffect, ...]]  # by measure, widest first
     indices: dict[str, tuple[SobolIndex, ...]]  # by measure, of the plan sobol
 
 
@@ -112,19 +112,19 @@ def indices_of(study: Study, columns: dict[str, Numbers]) -> dict[str, tuple[Sob
     return {name: sobol_indices(names, values, sample.seed) for name, values in columns.items()}
 
 
-def spread_of(name: str, unit: str, values: Numbers) -> Spread:
+def spread_of(name: str, unit: str, values: Numbers) -> OutputSpread:
     """Return how a measure is spread; NaN counts as no member."""
     present = values[~np.isnan(values)]
     if len(present) < MIN_SPREAD_MEMBERS:
         mean = float(present[0]) if len(present) else float("nan")
-        return Spread(name, unit, len(present), mean, float("nan"), {})
+        return OutputSpread(name, unit, len(present), mean, float("nan"), {})
     at = np.percentile(present, SPREAD_PERCENTILES)
     percentiles = {f"{p:g}": float(x) for p, x in zip(SPREAD_PERCENTILES, at, strict=True)}
     deviation = float(present.std(ddof=1))
-    return Spread(name, unit, len(present), float(present.mean()), deviation, percentiles)
+    return OutputSpread(name, unit, len(present), float(present.mean()), deviation, percentiles)
 
 
-def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect, ...]:
+def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[VariableEffect, ...]:
     """Return the effect of each variable on a measure, the widest first."""
     present = ~np.isnan(values)
     if present.sum() < MIN_SPREAD_MEMBERS:
@@ -133,7 +133,7 @@ def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect,
     return tuple(sorted(effects, key=lambda effect: -effect.width))
 
 
-def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
+def _effect(name: str, of: NDArray[Any], values: Numbers) -> VariableEffect:
     """Return the mean ``values`` at both ends of a variable, or by its extreme words.
 
     An end is the tenth of members where the variable is lowest, or highest.
@@ -142,10 +142,10 @@ def _effect(name: str, of: NDArray[Any], values: Numbers) -> Effect:
         low = of <= np.quantile(of, END_SHARE, method="inverted_cdf")
         high = of >= -np.quantile(-of, END_SHARE, method="inverted_cdf")
         ends = (of[low], of[high], values[low], values[high])
-        return Effect(name, *(float(end.mean()) for end in ends))
+        return VariableEffect(name, *(float(end.mean()) for end in ends))
     means = {str(word): float(values[of == word].mean()) for word in np.unique(of)}
     least, most = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
-    return Effect(name, least, most, means[least], means[most])
+    return VariableEffect(name, least, most, means[least], means[most])
 
 
 def on_page(unit: str) -> tuple[float, str]:
@@ -182,7 +182,7 @@ def render(report: SweepReport) -> str:
     return "\n".join(lines)
 
 
-def _indices(report: SweepReport, spread: Spread) -> list[str]:
+def _indices(report: SweepReport, spread: OutputSpread) -> list[str]:
     """Return how much of a measure's variance each variable makes, as lines."""
     rows = [
         (
@@ -200,7 +200,7 @@ def _interval(ends: tuple[float, float]) -> str:
     return f"{ends[0]:.3f} to {ends[1]:.3f}"
 
 
-def _effects(report: SweepReport, spread: Spread) -> list[str]:
+def _effects(report: SweepReport, spread: OutputSpread) -> list[str]:
     """Return the variables with the widest effects, as lines."""
     effects = report.effects[spread.name]
     if not effects:
@@ -277,7 +277,7 @@ def panels(report: SweepReport, result: Any, measure: str | None) -> tuple[Panel
     return below, tornado, *grid_panels(report, result, spread)
 
 
-def grid_panels(report: SweepReport, result: Any, spread: Spread) -> tuple[Panel, ...]:
+def grid_panels(report: SweepReport, result: Any, spread: OutputSpread) -> tuple[Panel, ...]:
     """Return a measure over each variable of a grid. Each setting of the others has a curve.
 
     None of other plans, of one variable alone, and where there would be too many curves.

@@ -31,7 +31,7 @@ from trainer.analysis.sweep.records import (
     ManoeuvreTable,
     MethodTable,
     Sample,
-    StudyHeading,
+    SweepHeading,
     VaryRow,
 )
 from trainer.analysis.sweep.sobol import MIN_BASE_POINTS, SET_COUNT, SOBOL_SAMPLE
@@ -74,7 +74,7 @@ TEXT_DECIMALS: Final = 9  # of a number in a text
 MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY = "manoeuvre", "exercise", "identification"
 STUDY_KINDS: Final = (MANOEUVRE_STUDY, EXERCISE_STUDY, IDENTIFICATION_STUDY)
 STUDY_TABLES: Final = ("method", *STUDY_KINDS, "parameters", "sample", "vary")
-KNOWN_KEYS: Final = (*(item.name for item in fields(StudyHeading)), "note", *STUDY_TABLES)
+KNOWN_KEYS: Final = (*(item.name for item in fields(SweepHeading)), "note", *STUDY_TABLES)
 VARIED_TABLES: Final = {  # the tables whose numbers may be varied, by what every member is
     MANOEUVRE_STUDY: ("vessel", "manoeuvre"),
     EXERCISE_STUDY: ("vessel", "exercise"),
@@ -159,7 +159,7 @@ class Study:
     """The content of a study's file, read and checked."""
 
     path: Path
-    heading: StudyHeading
+    heading: SweepHeading
     kind: str
     method: MethodTable
     file: VesselFile | None  # of the boat; None of a ship
@@ -200,7 +200,7 @@ def parse_study(text: str, path: Path) -> Study:
     parts: dict[str, Any] = {}
     own = {key: table[key] for key in KNOWN_KEYS if key in table and key not in STUDY_TABLES}
     with collecting(problems):
-        parts["heading"] = read_record(StudyHeading, own, position, ("note",))
+        parts["heading"] = read_record(SweepHeading, own, position, ("note",))
     with collecting(problems):
         parts["kind"] = _kind(table, position)
     for name, record in (("method", MethodTable), ("sample", Sample)):
@@ -307,7 +307,7 @@ def _row_problems(row: VaryRow, sample: Sample, position: Position) -> list[str]
 
 
 def _subject(
-    kind: str, heading: StudyHeading, table: Mapping[str, Any], path: Path
+    kind: str, heading: SweepHeading, table: Mapping[str, Any], path: Path
 ) -> tuple[VesselFile | None, dict[str, Any]]:
     """Return the boat, if there is one, and the tables that may be varied."""
     position = Position(path.name, "")
@@ -339,7 +339,7 @@ def _subject(
     return file, {WHOLE_VESSEL: boat, kind: subject_table}
 
 
-def _exercise(own: dict[str, Any], heading: StudyHeading, path: Path) -> dict[str, Any]:
+def _exercise(own: dict[str, Any], heading: SweepHeading, path: Path) -> dict[str, Any]:
     """Return the tables of an exercise: of the file it names, over them the study's own."""
     position = Position(path.name, EXERCISE_STUDY)
     base: dict[str, Any] = {"schema": "exercise/1", "name": heading.name[:55], "briefing": "-"}
@@ -413,7 +413,7 @@ def with_members(study: Study, members: int) -> Study:
 def study_schema() -> dict[str, Any]:
     """Return the JSON Schema of a study. Every member is of one of three kinds."""
     named = {"file": {"type": "string", "description": "name or path of the exercise"}}
-    heading = record_schema(StudyHeading, ("note",))
+    heading = record_schema(SweepHeading, ("note",))
     keys = {
         **heading["properties"],
         "method": record_schema(MethodTable, ("note",)),

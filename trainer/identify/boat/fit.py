@@ -9,7 +9,7 @@ from trainer.identify.boat.figures import BAND_DRAWS
 from trainer.identify.boat.fitted_file import fitted_text
 from trainer.identify.boat.prior import Prior, read_prior
 from trainer.identify.boat.report import BoatFit, report_fit, turned_controls
-from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, FitResult, find_flaws, fit_trials
+from trainer.identify.boat.search import MOST_STEPS, STOPPED_TEXT, SearchEnd, find_flaws, fit_trials
 from trainer.identify.boat.sheet import html_page
 from trainer.identify.boat.trial import USUAL_INSTRUMENTS, Instruments, Trial, read_trial
 from trainer.identify.fitting.minimise import Progress, SearchOptions, ignore_news
@@ -54,7 +54,7 @@ def open_trials(
     return Trials(known, fitted, aside)
 
 
-def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
+def search_boat(trials: Trials, progress: Progress = ignore_news) -> SearchEnd:
     """Return the likeliest boat, and whether its surfaces are logged late.
 
     ConfigError where the prior's boat does not fly a record. A KeyboardInterrupt ends the search.
@@ -68,7 +68,7 @@ def search_boat(trials: Trials, progress: Progress = ignore_news) -> FitResult:
         return found
 
 
-def check_controls(found: FitResult) -> None:
+def check_controls(found: SearchEnd) -> None:
     """Check signs that only a fit tells; ConfigError with those that no boat has."""
     if turned := found.turned or turned_controls(found):
         raise ConfigError(f"{turned}; nothing is written; --anyway writes it")
@@ -76,7 +76,7 @@ def check_controls(found: FitResult) -> None:
 
 def judge_boat(
     trials: Trials,
-    found: FitResult,
+    found: SearchEnd,
     path: Path,
     draws: int = BAND_DRAWS,
     heard: Callable[[int], object] = lambda _: None,

@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError, toml_value
 from trainer.core.terms import COEFFICIENTS
 from trainer.identify.boat.regressors import HEIGHT_KEY, PARAMETER_NAMES
 from trainer.identify.boat.report import BoatFit
-from trainer.identify.boat.search import FitResult
+from trainer.identify.boat.search import SearchEnd
 from trainer.identify.boat.vessel import joined_row
 
 # tables of the prior that are of its own coefficients: a compact set is found anew
@@ -26,7 +26,7 @@ FILE_HEAD: Final = """\
 # and whether the records told it. [covariance] has what they know of each other."""
 
 
-def fitted_text(fit: FitResult, report: BoatFit, path: Path) -> tuple[str, str]:
+def fitted_text(fit: SearchEnd, report: BoatFit, path: Path) -> tuple[str, str]:
     """Return the text of a fitted boat's file, and why it lacks gains, if so.
 
     As an estimated boat it has the longest step that is stable and that gains hold, no longer than
@@ -47,7 +47,7 @@ def fitted_text(fit: FitResult, report: BoatFit, path: Path) -> tuple[str, str]:
     return text, problem
 
 
-def fitted_tables(fit: FitResult, report: BoatFit) -> dict[str, Any]:
+def fitted_tables(fit: SearchEnd, report: BoatFit) -> dict[str, Any]:
     """Return the tables of a fitted boat, without gains."""
     vessel = fit.prior.vessel
     kept = {key: one for key, one in fit.prior.tables.items() if key not in OUTDATED_TABLES}
@@ -64,7 +64,7 @@ def fitted_tables(fit: FitResult, report: BoatFit) -> dict[str, Any]:
     }
 
 
-def covariance_rows(fit: FitResult) -> dict[str, list[float]]:
+def covariance_rows(fit: SearchEnd) -> dict[str, list[float]]:
     """Return the covariance of the parameters that have a deviation, a row each."""
     root = fit.posterior.root
     moving = np.flatnonzero(fit.posterior.sd > 0.0)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from trainer.identify.boat.figures import FigureBand
-from trainer.identify.boat.report import VERDICT_WORDS, BoatFit, FittedCoefficient, RecordFit
+from trainer.identify.boat.report import VERDICT_WORDS, BoatFit, ParameterChange, RecordFit
 from trainer.report.columns import figure
 from trainer.report.text import ascii_text, items, table, titled_table, wrap
 
@@ -103,7 +103,7 @@ def _short(value: float | None, unit: str) -> str:
     return f"{math.degrees(value) if unit == 'rad' else value:.3g}"
 
 
-def coefficient_row(row: FittedCoefficient) -> tuple[str, ...]:
+def coefficient_row(row: ParameterChange) -> tuple[str, ...]:
     """Return a coefficient before and after as cells."""
     numbers = (f"{row.prior:.4g}", f"{row.prior_sd:.2g}", f"{row.value:.4g}", f"{row.sd:.2g}")
     return (row.name, *numbers, f"{row.learned:.2f}", row.verdict)

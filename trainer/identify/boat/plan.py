@@ -25,8 +25,8 @@ from trainer.identify.boat.search import run_pass
 from trainer.identify.boat.trial import without_unflown
 from trainer.identify.boat.trial_legs import (
     PLAIN_LEG,
-    Leg,
     SailedTrial,
+    TrialLeg,
     Waters,
     able_legs,
     limits_broken,
@@ -45,7 +45,7 @@ MAX_PASSED: Final = 4  # of them passed whole
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class TrialQuestion:
     """What trial is asked for: of which boat, of how many ``seconds`` [s], and where."""
 
     prior: Prior
@@ -102,7 +102,7 @@ class TrialPlan:
 
 def open_question(
     name_or_path: str, minutes: float, room: str | None, depth: str | None
-) -> Question:
+) -> TrialQuestion:
     """Return the question that words such as ``2000m`` and ``40:120`` ask; ConfigError."""
     prior, seconds = read_prior(name_or_path), 60.0 * minutes
     vessel = prior.vessel
@@ -112,7 +112,7 @@ def open_question(
             f"--minutes {minutes:.3g}: needs {least / 60.0:.2g} or more, in which this boat goes "
             f"{MIN_LEG_LENGTHS:g} of its lengths; three times that is better"
         )
-    return Question(prior, seconds, waters_of(vessel, room, depth))
+    return TrialQuestion(prior, seconds, waters_of(vessel, room, depth))
 
 
 def slopes_count(prior: Prior) -> int:
@@ -181,7 +181,7 @@ class _Planning:
     heard: Callable[[str], object]
     broken: dict[str, str] = field(default_factory=dict)  # what is not kept, by trial
 
-    def sail(self, legs: tuple[Leg, ...], seconds: float) -> SailedTrial | None:
+    def sail(self, legs: tuple[TrialLeg, ...], seconds: float) -> SailedTrial | None:
         """Return a trial of legs, each of ``seconds`` [s]; None beyond the waters."""
         sailed = sail_legs(self.prior.vessel, self.prior.values, legs, seconds, self.waters)
         words = limits_broken(sailed, self.waters)
@@ -193,9 +193,9 @@ class _Planning:
         """Return what is to be least: the mean of the logarithms of the deviations."""
         return float(np.mean(np.log(deviations_of(self.prior, self.figures, information))))
 
-    def ranked(self, count: int) -> list[tuple[Leg, ...]]:
+    def ranked(self, count: int) -> list[tuple[TrialLeg, ...]]:
         """Return choices of ``count`` legs, the best first by the sum of their information."""
-        told = dict[Leg, Numbers]()
+        told = dict[TrialLeg, Numbers]()
         for leg in able_legs(self.prior.vessel.file.surfaces):
             self.heard(f"sailing {leg.name}")
             sailed = self.sail((leg,), self.seconds / count)
@@ -233,7 +233,7 @@ class _Planning:
 
 
 def find_plan(
-    asked: Question, figures: FigureSlopes, heard: Callable[[str], object] = lambda _: None
+    asked: TrialQuestion, figures: FigureSlopes, heard: Callable[[str], object] = lambda _: None
 ) -> TrialPlan:
     """Return the trial that narrows figures most; ``heard`` has news.
 

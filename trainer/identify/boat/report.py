@@ -23,7 +23,7 @@ from trainer.identify.boat.filter import CHANNEL_NAMES, FilterResult, sail_contr
 from trainer.identify.boat.motion import MOTION_COUNT, STATE, STATE_NAMES
 from trainer.identify.boat.noise import SLOW_KINDS, slow_deviations
 from trainer.identify.boat.regressors import PARAMETER_NAMES
-from trainer.identify.boat.search import FitResult, run_pass
+from trainer.identify.boat.search import SearchEnd, run_pass
 from trainer.identify.boat.trial import USUAL_ERRORS, Trial
 from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD
 from trainer.units import DEGREE
@@ -52,7 +52,7 @@ FORETOLD_CHANNELS: Final = {  # what is foretold: unit, the state, and the chann
 
 
 @dataclass(frozen=True)
-class FittedCoefficient:
+class ParameterChange:
     """A parameter before and after a fit."""
 
     name: str
@@ -115,7 +115,7 @@ class BoatFit:
     conflict: float  # [-] z'z over what it should be
     records: tuple[RecordFit, ...]
     held_out: tuple[RecordFit, ...]
-    coefficients: tuple[FittedCoefficient, ...]
+    coefficients: tuple[ParameterChange, ...]
     disturbance: tuple[float, ...]  # [m/s2, rad/s2 per root of Hz]
     errors: Mapping[str, float]  # [SI] by channel
     before: tuple[FigureBand, ...]
@@ -124,7 +124,7 @@ class BoatFit:
 
 
 def report_fit(
-    fit: FitResult,
+    fit: SearchEnd,
     held_out: Sequence[Trial],
     draws: int = BAND_DRAWS,
     heard: Callable[[int], object] = lambda _: None,
@@ -163,13 +163,13 @@ def figures_count(draws: int = BAND_DRAWS) -> int:
     return 2 * (draws + 1)
 
 
-def _coefficients(fit: FitResult) -> Iterator[FittedCoefficient]:
+def _coefficients(fit: SearchEnd) -> Iterator[ParameterChange]:
     """Yield every parameter with what the records told of it."""
     prior, posterior = fit.prior, fit.posterior
     for i, name in enumerate(PARAMETER_NAMES):
         learned = float(fit.learned[i])
         verdict = VERDICT_WORDS[int(np.searchsorted(LEARNED_SHARES, learned, side="right"))]
-        yield FittedCoefficient(
+        yield ParameterChange(
             name,
             float(prior.values[i]),
             float(prior.sd[i]),
@@ -181,7 +181,7 @@ def _coefficients(fit: FitResult) -> Iterator[FittedCoefficient]:
 
 
 def _record_fit(
-    fit: FitResult, trial: Trial, found: FilterResult, explained: Mapping[str, tuple[float, float]]
+    fit: SearchEnd, trial: Trial, found: FilterResult, explained: Mapping[str, tuple[float, float]]
 ) -> RecordFit:
     """Return how a pass followed a record."""
     vessel, channels, slow = fit.prior.vessel, [], []
@@ -237,7 +237,7 @@ class Foretold(NamedTuple):
     prior: Numbers  # likewise, of the boat before the fit
 
 
-def foretell(fit: FitResult, trial: Trial) -> Foretold:
+def foretell(fit: SearchEnd, trial: Trial) -> Foretold:
     """Return what a record's controls alone lead to.
 
     Weight and trim are those that the filter found in this record: they are of the day, not of the
@@ -255,7 +255,7 @@ def foretell(fit: FitResult, trial: Trial) -> Foretold:
     return Foretold(t, own.states[begin:], sailed[1], sailed[0])
 
 
-def _held_out(fit: FitResult, trial: Trial) -> RecordFit:
+def _held_out(fit: SearchEnd, trial: Trial) -> RecordFit:
     """Return how a record is followed that had no part in the fit, and how far foretold."""
     one, explained = foretell(fit, trial), {}
     for name, (_, at, channel) in FORETOLD_CHANNELS.items():
@@ -274,7 +274,7 @@ def _explained(truth: Numbers, foretold: Numbers) -> float:
 
 
 def _warnings(
-    fit: FitResult, records: Sequence[RecordFit], errors: Mapping[str, float]
+    fit: SearchEnd, records: Sequence[RecordFit], errors: Mapping[str, float]
 ) -> Iterator[str]:
     """Yield what should make one doubt, each with what to do."""
     if not fit.found.converged:
@@ -330,7 +330,7 @@ def _warnings(
         )
 
 
-def turned_controls(fit: FitResult) -> str:
+def turned_controls(fit: SearchEnd) -> str:
     """Return which control coefficients have a sign that no boat has, "" if none."""
     values = dict(zip(PARAMETER_NAMES, fit.posterior.values.tolist(), strict=True))
     turned = [

@@ -58,7 +58,7 @@ UNSETTLED_FACTOR: Final = 2.0  # of the bands of a search that did not settle
 
 
 @dataclass(frozen=True, eq=False)
-class FitResult:
+class SearchEnd:
     """The end of a fit: parameters, how sure they are, and the noise."""
 
     prior: Prior
@@ -246,7 +246,7 @@ def _lost_text(prior: Prior, trial: Trial) -> str:
 
 def fit_trials(
     prior: Prior, trials: Sequence[Trial], options: SearchOptions = USUAL_SEARCH
-) -> FitResult:
+) -> SearchEnd:
     """Return the likeliest boat of records, with its deviations.
 
     A KeyboardInterrupt ends the search; what was found by then is the result. ConfigError if the
@@ -265,7 +265,7 @@ def fit_trials(
     root = np.einsum("ij,jk->ik", prior.root, root_of_covariance(V))
     found = SearchResult(search.z, search.cost, search.steps, settled, search.doubt)
     ends = tuple(search.passes(search.z, search.noise))
-    return FitResult(prior, tuple(trials), found, Knowledge(values, root), V, search.noise, ends)
+    return SearchEnd(prior, tuple(trials), found, Knowledge(values, root), V, search.noise, ends)
 
 
 def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
@@ -288,12 +288,12 @@ def find_noise(prior: Prior, trial: Trial, start: Noise) -> Noise:
     return search.noise
 
 
-def find_flaws(fit: FitResult, progress: Progress = ignore_news) -> FitResult:
+def find_flaws(fit: SearchEnd, progress: Progress = ignore_news) -> SearchEnd:
     """Return a fit with what its records read otherwise, or late."""
     return replace(fit, turned=find_turned(fit, progress), delay=find_delay(fit, progress))
 
 
-def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:
+def find_delay(fit: SearchEnd, progress: Progress = ignore_news) -> float:
     """Return how late [s] surfaces are logged; below 0 early, 0 if neither.
 
     The boat is fitted on with its controls moved by a reading or more. Innovations of a late log
@@ -313,7 +313,7 @@ def find_delay(fit: FitResult, progress: Progress = ignore_news) -> float:
     return 0.0
 
 
-def find_turned(fit: FitResult, progress: Progress = ignore_news) -> str:
+def find_turned(fit: SearchEnd, progress: Progress = ignore_news) -> str:
     """Return which signs or radians of OTHER_READINGS records contradict; "" for none.
 
     A boat is fitted to the records read so, from the prior on. No single channel tells how she
@@ -334,7 +334,7 @@ def find_turned(fit: FitResult, progress: Progress = ignore_news) -> str:
     return f"{found[least]}: so a boat is likelier"
 
 
-def _cost_anew(fit: FitResult, trials: Sequence[Trial], progress: Progress) -> float:
+def _cost_anew(fit: SearchEnd, trials: Sequence[Trial], progress: Progress) -> float:
     """Return the value of records after a few steps from the prior on, with the noise found."""
     search = _Search(fit.prior, trials, SearchOptions(OTHER_STEPS, progress))
     search.noise = fit.noise
@@ -343,7 +343,7 @@ def _cost_anew(fit: FitResult, trials: Sequence[Trial], progress: Progress) -> f
     return search.cost
 
 
-def _cost_with(fit: FitResult, delay: float, progress: Progress) -> float:
+def _cost_with(fit: SearchEnd, delay: float, progress: Progress) -> float:
     """Return the value after a few further steps, inputs moved by a ``delay`` [s]."""
     moved = [one.hastened(delay) for one in fit.trials]
     search = _Search(fit.prior, moved, SearchOptions(UNGATED_STEPS, progress))

@@ -24,7 +24,7 @@ from trainer.identify.boat.page import (
     render,
 )
 from trainer.identify.boat.report import FORETOLD_CHANNELS, VERDICT_WORDS, BoatFit, foretell
-from trainer.identify.boat.search import FitResult
+from trainer.identify.boat.search import SearchEnd
 from trainer.identify.boat.trial import Trial
 from trainer.identify.sheet import draw_screen, fill_sheet, listing, screens_of
 from trainer.report import html
@@ -42,7 +42,7 @@ SURFACES: Final = {
 SURE_LEVELS: Final = (-2.0, 0.0, 2.0)  # deviations of an innovation
 
 
-def html_page(fit: FitResult, held_out: Sequence[Trial], report: BoatFit) -> str:
+def html_page(fit: SearchEnd, held_out: Sequence[Trial], report: BoatFit) -> str:
     """Return the page; the same fit gives the same bytes."""
     groups: dict[str, Iterator[Panel]] = {}
     for trial in held_out:
@@ -120,7 +120,7 @@ def _record_panels(trial: Trial, states: Numbers, scaled: Numbers) -> Iterator[P
     yield Panel("readings less foretold", "time [s]", words, tuple(off), levels=SURE_LEVELS)
 
 
-def _foretold_panels(fit: FitResult, trial: Trial) -> Iterator[Panel]:
+def _foretold_panels(fit: SearchEnd, trial: Trial) -> Iterator[Panel]:
     """Yield what a held-out record's controls alone foretell, before the fit and after."""
     one = foretell(fit, trial)
     names = {"the boat": one.followed, "fit": one.fit, "prior": one.prior}

@@ -37,7 +37,7 @@ from trainer.identify.record.evidence import (
 from trainer.identify.record.findings import unwrap_heading
 from trainer.identify.record.logs import read_log
 from trainer.identify.record.measurements import FIN_CHANNELS, Record
-from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD, Channel
+from trainer.identify.record.motion_laws import FLOWN_PLANES_RAD, Signal
 from trainer.identify.record.sources import (
     BOAT_COLUMNS,
     Column,
@@ -437,7 +437,7 @@ def least_depth(vessel: FittedVessel) -> float | None:
     return None if width is None else MIN_DEPTH_DIAMETERS * width
 
 
-def channels_of(trial: Trial) -> dict[str, Channel]:
+def channels_of(trial: Trial) -> dict[str, Signal]:
     """Return the channels of a trial, each with its own readings."""
     t = trial.interval * np.arange(len(trial.readings))
     columns = {
@@ -446,7 +446,7 @@ def channels_of(trial: Trial) -> dict[str, Channel]:
     }
     known = {name: np.isfinite(values) for name, values in columns.items()}
     return {
-        name: Channel(t[known[name]], values[known[name]])
+        name: Signal(t[known[name]], values[known[name]])
         for name, values in columns.items()
         if np.count_nonzero(known[name]) > 1
     }

@@ -48,7 +48,7 @@ BOW_ORDER: Final = "bow planes zero"  # of a boat that has some
 OPEN_DEPTH_LENGTHS: Final = 1.0  # [L] below the shallowest depth, where none is said
 
 
-class Leg(NamedTuple):
+class TrialLeg(NamedTuple):
     """A part of a trial: which control is worked, and how."""
 
     name: str
@@ -72,13 +72,13 @@ class Leg(NamedTuple):
 
 
 TRIAL_LEGS: Final = (
-    Leg("turn at 15 deg", "rudder", 15.0),
-    Leg("turn at 25 deg", "rudder", 25.0),
-    Leg("zig-zag 10/10", "rudder", 10.0, 10.0),
-    Leg("zig-zag 20/20", "rudder", 20.0, 20.0),
-    Leg("vertical zig-zag 5/3", "stern", 5.0, 3.0),
-    Leg("vertical zig-zag 8/5", "stern", 8.0, 5.0),
-    Leg("acceleration", "turns", 0.6),
+    TrialLeg("turn at 15 deg", "rudder", 15.0),
+    TrialLeg("turn at 25 deg", "rudder", 25.0),
+    TrialLeg("zig-zag 10/10", "rudder", 10.0, 10.0),
+    TrialLeg("zig-zag 20/20", "rudder", 20.0, 20.0),
+    TrialLeg("vertical zig-zag 5/3", "stern", 5.0, 3.0),
+    TrialLeg("vertical zig-zag 8/5", "stern", 8.0, 5.0),
+    TrialLeg("acceleration", "turns", 0.6),
 )
 PLAIN_LEG: Final = next(leg for leg in TRIAL_LEGS if leg.name == "zig-zag 20/20")
 
@@ -104,7 +104,7 @@ class Ordered(NamedTuple):
 class SailedTrial(NamedTuple):
     """A trial as the boat of a prior sails it."""
 
-    legs: tuple[Leg, ...]
+    legs: tuple[TrialLeg, ...]
     seconds: float  # of each leg
     trial: Trial  # its readings are exact
     states: Numbers  # (n, STATE_COUNT)
@@ -144,7 +144,7 @@ def _metres(option: str, whole: str, text: str) -> float:
     return length
 
 
-def able_legs(surfaces: Surfaces) -> tuple[Leg, ...]:
+def able_legs(surfaces: Surfaces) -> tuple[TrialLeg, ...]:
     """Return the legs that the surfaces of a boat allow."""
     most = {"rudder": surfaces.rudder_limit_deg, "stern": surfaces.stern_plane_limit_deg}
     return tuple(leg for leg in TRIAL_LEGS if leg.angle <= most.get(leg.control, math.inf))
@@ -154,7 +154,7 @@ class _Watch:
     """The helmsman and the planesman of a trial: what they order, leg by leg."""
 
     def __init__(
-        self, vessel: FittedVessel, legs: Sequence[Leg], seconds: float, waters: Waters
+        self, vessel: FittedVessel, legs: Sequence[TrialLeg], seconds: float, waters: Waters
     ) -> None:
         self.vessel, self.legs, self.seconds, self.waters = vessel, legs, seconds, waters
         self.span = vessel.length / vessel.speed
@@ -195,7 +195,7 @@ class _Watch:
         off = abs(x[STATE.Z] - self.waters.depth) / self.vessel.length
         return level and off < STEADY_DEPTH_LENGTHS
 
-    def turn_back(self, leg: Leg, x: Numbers) -> None:
+    def turn_back(self, leg: TrialLeg, x: Numbers) -> None:
         """Set the course after a leg: as a turn ends, else back in small room."""
         if leg.control == "rudder" and math.isinf(leg.execute):
             self.course += round((x[STATE.PSI] - self.course) / DEGREE) * DEGREE
@@ -217,7 +217,7 @@ class _Watch:
 
 
 def sail_legs(
-    vessel: FittedVessel, values: Numbers, legs: Sequence[Leg], seconds: float, waters: Waters
+    vessel: FittedVessel, values: Numbers, legs: Sequence[TrialLeg], seconds: float, waters: Waters
 ) -> SailedTrial:
     """Return a trial of legs of ``seconds`` [s] each, as a boat sails it.
 

@@ -122,7 +122,7 @@ class ArmaxFit:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _Orders:
     """One search: the record, and the order of the model."""
 
     y: Numbers
@@ -207,7 +207,7 @@ def fit_armax(
         raise ConfigError(f"{len(y)} samples are too few for {len(names)} coefficients")
     if np.isnan(y).any() or np.isnan(u).any():
         raise ConfigError("ARMAX needs a record without missing values; give a part without any")
-    search = _Search(y, u, order)
+    search = _Orders(y, u, order)
     starts = _starts(search, len(names))
     if order > 1:
         below = lower or fit_armax(y, u, order - 1, initial=initial).model
@@ -230,7 +230,7 @@ def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
     return np.concatenate([a, b, c, d])
 
 
-def _starts(search: _Search, count: int) -> list[Numbers]:
+def _starts(search: _Orders, count: int) -> list[Numbers]:
     """Return coefficients to start from: least squares with c = 0, and with estimated errors."""
     zero, n = np.zeros(count), search.order
     eps, J = search.jacobian(zero)
@@ -245,7 +245,7 @@ def _starts(search: _Search, count: int) -> list[Numbers]:
     return [theta for theta in starts if np.isfinite(search.loss(theta))] or [zero]
 
 
-def _descend(search: _Search, theta: Numbers) -> tuple[Numbers, bool]:
+def _descend(search: _Orders, theta: Numbers) -> tuple[Numbers, bool]:
     """Return the coefficients where the loss no longer falls, and whether it has settled there."""
     loss = search.loss(theta)
     for _ in range(MAX_ROUNDS):
@@ -265,7 +265,7 @@ def _descend(search: _Search, theta: Numbers) -> tuple[Numbers, bool]:
     return theta, False
 
 
-def _account(search: _Search, names: tuple[str, ...], theta: Numbers, *, settled: bool) -> ArmaxFit:
+def _account(search: _Orders, names: tuple[str, ...], theta: Numbers, *, settled: bool) -> ArmaxFit:
     """Return the fit with deviations by its covariance lambda^2 (J^T J)^-1."""
     eps, J = search.jacobian(theta)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))

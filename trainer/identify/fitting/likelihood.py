@@ -22,7 +22,7 @@ from trainer.identify.fitting.problem import Problem
 from trainer.identify.kernels.covariance_filter import (
     FLAG_COUNTED,
     FilterRun,
-    Predictor,
+    FixedGain,
     SampledSystem,
     run_predictor,
     show_filter,
@@ -362,7 +362,7 @@ def _run(
     samples, states = problem.samples, sampled.start.shape[1]
     out = np.empty((len(samples.t), states + samples.outputs.shape[1]), complex)
     first = np.ascontiguousarray(sampled.start[row, :, 0])
-    system = Predictor(sampled.mean[row], gains[row], first)
+    system = FixedGain(sampled.mean[row], gains[row], first)
     run_predictor(system, samples.table, samples.steps[1], np.zeros((len(out), states)), out)
     return out[:, :states], samples.outputs - out[:, states:]
 

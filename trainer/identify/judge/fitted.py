@@ -33,7 +33,7 @@ from trainer.identify.fitting.problem import Problem, RecordCost
 from trainer.identify.fitting.study_problem import cost_of, dropped_names, pose_problem, table_of
 from trainer.identify.judge.uncertainty import (
     BOUNDED_PREFIXES,
-    Spread,
+    JointSpread,
     Uncertainty,
     beside_bounds,
     hessian,
@@ -78,7 +78,7 @@ class ModelFit:
         return tuple(quantity_units(self.problem.plant.model))
 
     @cached_property
-    def quantity_spread(self) -> Spread:
+    def quantity_spread(self) -> JointSpread:
         """Return the numbers that follow from the parameters, with their covariance.
 
         The covariance is NaN where that of the parameters is not known.
@@ -91,7 +91,7 @@ class ModelFit:
         )
         ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED_PREFIXES)]
         if np.isnan(np.diag(covariance)[ship]).any():
-            return Spread(spread.values, np.full_like(spread.covariance, math.nan))
+            return JointSpread(spread.values, np.full_like(spread.covariance, math.nan))
         return spread
 
     @property

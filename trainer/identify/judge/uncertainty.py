@@ -157,7 +157,7 @@ def intervals(problem: Problem, theta: Numbers, deviations: Numbers) -> Numbers:
     return np.where(ratio[:, None], both, ends)
 
 
-class Spread(NamedTuple):
+class JointSpread(NamedTuple):
     """Numbers and their covariance."""
 
     values: Numbers  # (m,)
@@ -169,7 +169,7 @@ class Spread(NamedTuple):
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
-def propagate_covariance(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
+def propagate_covariance(derived: Derived, theta: Numbers, covariance: Numbers) -> JointSpread:
     """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
 
     A step is a small part of the parameter's own standard deviation, because that is the scale on
@@ -185,7 +185,7 @@ def propagate_covariance(derived: Derived, theta: Numbers, covariance: Numbers) 
         aside[i] = step
         columns.append((derived(theta + aside) - derived(theta - aside)) / (2.0 * step))
     J = np.column_stack(columns)
-    return Spread(derived(theta), J @ covariance @ J.T)
+    return JointSpread(derived(theta), J @ covariance @ J.T)
 
 
 class Span(NamedTuple):

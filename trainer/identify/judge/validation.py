@@ -30,7 +30,7 @@ from trainer.identify.fitting.study_problem import INITIAL_STATE_NAMES, table_of
 from trainer.identify.judge.fitted import ModelFit, fit_study
 from trainer.identify.judge.residuals import aic_of_likelihood, ratio_test
 from trainer.identify.judge.uncertainty import covariance_root
-from trainer.identify.kernels.covariance_filter import Predictor, run_predictor
+from trainer.identify.kernels.covariance_filter import FixedGain, run_predictor
 from trainer.identify.model.derived import nomoto_of
 from trainer.identify.model.models import MODELS
 from trainer.identify.record.measurements import Record, Samples, samples_of
@@ -58,7 +58,7 @@ def _driven(samples: Samples, mean: Numbers, first: Numbers, driven: Numbers) ->
     """
     readings = samples.outputs.shape[1]
     out = np.empty((len(samples.t), len(first) + readings))
-    system = Predictor(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
+    system = FixedGain(mean, np.zeros((len(first), readings)), np.ascontiguousarray(first))
     run_predictor(system, samples.table, samples.steps[1], np.ascontiguousarray(driven), out)
     return out
 

@@ -43,7 +43,7 @@ class SampledSystem(NamedTuple):
     start: Entries
 
 
-class Predictor(NamedTuple):
+class FixedGain(NamedTuple):
     """A predictor whose gain is given."""
 
     mean: Entries
@@ -250,7 +250,7 @@ def show_filter(
 
 @kernel
 def run_predictor(
-    system: Predictor, table: Numbers, which: Indices, driven: Numbers, out: Entries
+    system: FixedGain, table: Numbers, which: Indices, driven: Numbers, out: Entries
 ) -> None:
     """Write states and predictions (n, x+y) of a predictor with a given gain to ``out``.
 

@@ -36,7 +36,7 @@ from trainer.boat.ship.motion import STAGE_TIMES, STAGE_WEIGHTS, is_ship, set_de
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.extended_slopes import (
     Accelerations,
-    Estimate,
+    Belief,
     Innovation,
     MatrixRoom,
     ReadingSlopes,
@@ -151,7 +151,7 @@ def _spread(
 
 
 @lean_kernel
-def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
+def _advance(system: System, record: Numbers, k: int, estimate: Belief, room: FilterRoom) -> None:
     """Advance the state and its derivatives from row ``k`` to the next by Runge and Kutta."""
     x, S = estimate.x, estimate.S
     states = states_of(system.driven)
@@ -186,7 +186,7 @@ def _advance(system: System, record: Numbers, k: int, estimate: Estimate, room: 
 
 @lean_kernel
 def _take_row(
-    system: System, row: Numbers, estimate: Estimate, lines: ReadingSlopes, sums: FilterSums
+    system: System, row: Numbers, estimate: Belief, lines: ReadingSlopes, sums: FilterSums
 ) -> float:
     """Return what a row's readings add to -log L, after taking them.
 
@@ -217,7 +217,7 @@ def _take_row(
 
 
 @lean_kernel
-def _predict(system: System, record: Numbers, k: int, estimate: Estimate, room: FilterRoom) -> None:
+def _predict(system: System, record: Numbers, k: int, estimate: Belief, room: FilterRoom) -> None:
     """Advance the covariance and its derivatives from row ``k`` to the next."""
     accelerations, matrices, driven = room.sloped, room.matrices, system.driven
     first = system.terms.shape[0] + NONLINEAR_COUNT
@@ -247,7 +247,7 @@ def filter_record(
     """
     count, n = gradient.size, states_of(system.driven)
     x = system.values[system.values.size - n :].copy()
-    estimate = Estimate(x, np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count)))
+    estimate = Belief(x, np.zeros((n, n)), np.zeros((n, count)), np.zeros((n, n, count)))
     for i in range(n if count > 0 else 0):
         estimate.S[i, count - n + i] = 1.0
     room, cost = _new_room(system.terms, n, count), 0.0
@@ -273,7 +273,7 @@ def sail_record(system: System, record: Numbers, out: Numbers) -> int:
     """
     n = states_of(system.driven)
     x = system.values[system.values.size - n :].copy()
-    estimate = Estimate(x, np.empty((n, n)), np.empty((n, 0)), np.empty((n, n, 0)))
+    estimate = Belief(x, np.empty((n, n)), np.empty((n, 0)), np.empty((n, n, 0)))
     room = _new_room(system.terms, n, 0)
     for k in range(record.shape[0]):
         for i in range(n):

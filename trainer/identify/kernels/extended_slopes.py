@@ -102,7 +102,7 @@ class Innovation(NamedTuple):
     variance: float
 
 
-class Estimate(NamedTuple):
+class Belief(NamedTuple):
     """The state of the filter, and its derivatives by the parameters."""
 
     x: Numbers
@@ -165,7 +165,7 @@ def _take(driven: DrivenStates, m: int, innovation: Innovation, x: Numbers, P: N
 
 @lean_kernel
 def take_slopes(
-    driven: DrivenStates, m: int, innovation: Innovation, estimate: Estimate, lines: ReadingSlopes
+    driven: DrivenStates, m: int, innovation: Innovation, estimate: Belief, lines: ReadingSlopes
 ) -> None:
     """Take one reading into state, covariance and both derivatives.
 

@@ -49,7 +49,7 @@ class SlopedState(NamedTuple):
     dP: Numbers  # (x, x, p)
 
 
-class Samples(NamedTuple):
+class SampleRows(NamedTuple):
     """The rows of a record, and the system that leads from each to the next."""
 
     table: Numbers
@@ -300,7 +300,7 @@ def _close_stage(room: ScoreRoom, counted: int, rows: Numbers, slope: Numbers) -
 def _rows(
     system: SampledSystem,
     slopes: SampledSystem,
-    samples: Samples,
+    samples: SampleRows,
     now: SlopedState,
     room: ScoreRoom,
     out: ScoreRows,
@@ -387,4 +387,4 @@ def score_rows(
         used,
     )
     clear_array(out.gradient)
-    return _rows(system, slopes, Samples(table, which), SlopedState(z, P, dx, dP), room, out)
+    return _rows(system, slopes, SampleRows(table, which), SlopedState(z, P, dx, dP), room, out)

@@ -17,7 +17,7 @@ from trainer.identify.judge.residuals import Residuals
 from trainer.identify.judge.validation import ValidationCheck, predict_alone
 from trainer.identify.model.models import OUTPUT_UNITS
 from trainer.identify.model.nomoto import scale
-from trainer.identify.pages.results import Direction, Estimate, Identification, IdentifyReport
+from trainer.identify.pages.results import Direction, FitNumber, Identification, IdentifyReport
 from trainer.identify.pages.series import LARGE_MANOEUVRE, Matrices, errors_of
 from trainer.identify.sheet import input_curve, listing, screens_of
 from trainer.report import html
@@ -140,7 +140,7 @@ def _parameter_table(report: IdentifyReport) -> list[str]:
     return table(heads, rows)
 
 
-def _span(one: Estimate) -> tuple[str, str]:
+def _span(one: FitNumber) -> tuple[str, str]:
     """Return the ends of an interval."""
     return format_number(one.low, ".4g"), format_number(one.high, ".4g")
 

@@ -42,7 +42,7 @@ from trainer.identify.options import IdentifyOptions
 from trainer.identify.pages.series import (
     Matrices,
     Series,
-    Term,
+    TermSize,
     bent_terms,
     errors_of,
     matrices_of,
@@ -59,7 +59,7 @@ SHOWN_LAGS: Final = 10  # [samples] over which residuals are tested and drawn
 
 
 @dataclass(frozen=True)
-class Estimate:
+class FitNumber:
     """One number, its standard deviation and its 95 % interval.
 
     They are None where the record does not determine the number. Where the two disagree the
@@ -74,7 +74,7 @@ class Estimate:
     high: float | None
 
 
-class ShipNumber(Estimate):
+class ShipNumber(FitNumber):
     """A gain or time constant, with an interval by draws.
 
     The deviation is by derivatives; the number is not linear in the parameters, and draws are right
@@ -155,7 +155,7 @@ class IdentifyReport:
     loss_1_alone: float  # V1 of the model by rudder alone
     simulated: bool  # nothing was estimated
     screened: tuple[Outlier, ...]
-    parameters: tuple[Estimate, ...]
+    parameters: tuple[FitNumber, ...]
     ship: tuple[ShipNumber, ...]
     monte_carlo: MonteCarlo
     derivatives: tuple[Derivative, ...]
@@ -169,7 +169,7 @@ class IdentifyReport:
     rivals: tuple[RivalModel, ...] = ()
     check: ValidationCheck | None = None
     bend: BendEstimate | None = None
-    terms: tuple[Term, ...] = ()
+    terms: tuple[TermSize, ...] = ()
     runs: tuple[RunNumbers, ...] = ()
     matrices: tuple[Matrices, ...] = ()
 
@@ -320,14 +320,14 @@ def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _parameters(fitted: ModelFit) -> tuple[Estimate, ...]:
+def _parameters(fitted: ModelFit) -> tuple[FitNumber, ...]:
     """Return the estimated parameters, unscaled."""
     problem, theta, known = fitted.problem, fitted.found.theta, fitted.known.deviations
     every = np.column_stack([theta, known, intervals(problem, theta, known)])
     rows = zip(problem.estimated, problem.names, every * problem.scale[:, None], strict=True)
     parameters = problem.plant.model.parameters
     return tuple(
-        Estimate(name, parameters[index].unit, float(value), *map(_finite, rest))
+        FitNumber(name, parameters[index].unit, float(value), *map(_finite, rest))
         for (_, index), name, (value, *rest) in rows
     )
 

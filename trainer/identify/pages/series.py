@@ -69,7 +69,7 @@ def errors_of(fitted: ModelFit, number: int = 0) -> PredictionRun:
 
 
 @dataclass(frozen=True)
-class Term:
+class TermSize:
     """One term of an equation of motion over a record, on the right-hand side."""
 
     equation: str
@@ -132,12 +132,12 @@ def bent_terms(bend: BendEstimate, record: Record) -> Series:
     return {(LARGE_MANOEUVRE, name, "deg/s"): part for name, part in parts.items()}
 
 
-def sizes_of(series: Series) -> tuple[Term, ...]:
+def sizes_of(series: Series) -> tuple[TermSize, ...]:
     """Return how large the terms are."""
     rms = {key: float(np.sqrt(np.mean(part**2))) for key, part in series.items()}
     sums = {key: sum(x for other, x in rms.items() if other[0] == key[0]) for key in rms}
     return tuple(
-        Term(*key, rms[key], float(np.max(np.abs(part))), rms[key] / (sums[key] or 1.0))
+        TermSize(*key, rms[key], float(np.max(np.abs(part))), rms[key] / (sums[key] or 1.0))
         for key, part in series.items()
     )
 

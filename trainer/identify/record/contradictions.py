@@ -23,7 +23,7 @@ from trainer.identify.record.evidence import (
 )
 from trainer.identify.record.findings import find_strange_rate
 from trainer.identify.record.measurements import Finding, Record
-from trainer.identify.record.motion_laws import Channel
+from trainer.identify.record.motion_laws import Signal
 from trainer.identify.record.sources import MAX_INTERVAL_S, Column, load_record
 from trainer.io.paths import RECORDING_SUFFIX
 
@@ -55,7 +55,7 @@ def compare_record(record: Record, vessel: Course) -> tuple[Ratio, ...]:
         return ()
     known = {name: np.isfinite(values) for name, values in record.values.items()}
     channels = {
-        name: Channel(record.t[known[name]], record.values[name][known[name]])
+        name: Signal(record.t[known[name]], record.values[name][known[name]])
         for name in (*CHANNEL_QUANTITIES, "latitude", "longitude", "roll", "pitch_rate")
         if name in known and np.count_nonzero(known[name]) > 1
     }

@@ -18,7 +18,7 @@ import numpy as np
 from trainer.config.units import UNIT_FACTORS
 from trainer.identify.record.motion_laws import (
     MIN_READINGS,
-    Channel,
+    Signal,
     climb_by_pitch,
     integrate,
     lay_together,
@@ -129,7 +129,7 @@ class Change(NamedTuple):
 
 
 def compare_channels(
-    channels: Mapping[str, Channel], vessel: Course, units: Mapping[str, str]
+    channels: Mapping[str, Signal], vessel: Course, units: Mapping[str, str]
 ) -> list[Ratio]:
     """Return what the channels allow to compare, each sure; ``units`` are those taken."""
     have, limit = dict(channels), vessel.rudder_limit or USUAL_LIMIT_RAD
@@ -209,7 +209,7 @@ def _left_by(
     return off
 
 
-def _unwrap(heading: Channel, unit: str) -> tuple[Channel, list[Ratio]]:
+def _unwrap(heading: Signal, unit: str) -> tuple[Signal, list[Ratio]]:
     """Return a heading that does not jump, and what its jumps say of its unit."""
     factor = UNIT_FACTORS["rad"].get(unit, 1.0)
     raw = heading.values / factor
@@ -225,7 +225,7 @@ def _unwrap(heading: Channel, unit: str) -> tuple[Channel, list[Ratio]]:
     return heading._replace(values=np.unwrap(heading.values)), []
 
 
-def _compare_rates(channels: Mapping[str, Channel]) -> Iterator[Ratio]:
+def _compare_rates(channels: Mapping[str, Signal]) -> Iterator[Ratio]:
     """Yield the yaw rate over the heading's change; both are noisy."""
     if not {"heading", "yaw_rate"} <= channels.keys():
         return
@@ -262,7 +262,7 @@ def _compare_rates(channels: Mapping[str, Channel]) -> Iterator[Ratio]:
 
 
 def _compare_turning(
-    channels: Mapping[str, Channel], limit: float, span: float | None
+    channels: Mapping[str, Signal], limit: float, span: float | None
 ) -> Iterator[Ratio]:
     """Yield how much a rudder to port turns her to port [U2/L2].
 
@@ -316,7 +316,7 @@ def _compare_turning(
             )
 
 
-def _compare_climb(channels: Mapping[str, Channel], span: float | None) -> Iterator[Ratio]:
+def _compare_climb(channels: Mapping[str, Signal], span: float | None) -> Iterator[Ratio]:
     """Yield how a boat climbs by her pitch, pitches by her planes, and that she is below."""
     if "depth" in channels and np.median(channels["depth"].values) < ABOVE_WATER_M:
         fault = "she sails above the water"
@@ -352,7 +352,7 @@ def _compare_climb(channels: Mapping[str, Channel], span: float | None) -> Itera
         )
 
 
-def _compare_track(channels: Mapping[str, Channel]) -> Iterator[Ratio]:
+def _compare_track(channels: Mapping[str, Signal]) -> Iterator[Ratio]:
     """Yield a track over what log and heading say, by complex numbers, in a steady current."""
     names = ("latitude", "longitude", "heading", "speed")
     if not channels.keys() >= {*names}:
@@ -404,7 +404,7 @@ def _compare_track(channels: Mapping[str, Channel]) -> Iterator[Ratio]:
     yield Ratio("track's north", off, (0.0, MAX_TRACK_RAD), aside, "", open_by="heading")
 
 
-def _compare_logs(channels: Mapping[str, Channel], vessel: Course) -> Iterator[Ratio]:
+def _compare_logs(channels: Mapping[str, Signal], vessel: Course) -> Iterator[Ratio]:
     """Yield the log over the command, or over the speed that was said."""
     if "speed" not in channels:
         return
@@ -420,7 +420,7 @@ def _compare_logs(channels: Mapping[str, Channel], vessel: Course) -> Iterator[R
 
 
 def _compare_limits(
-    channels: Mapping[str, Channel], limit: float, *, assumed: bool, sized: bool
+    channels: Mapping[str, Signal], limit: float, *, assumed: bool, sized: bool
 ) -> Iterator[Ratio]:
     """Yield largest angles over their limits, and how fast rudder and heading go.
 

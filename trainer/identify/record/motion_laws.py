@@ -21,14 +21,14 @@ MAX_PITCH_RAD: Final = 1.5  # [rad]
 MIN_READINGS: Final = 40
 
 
-class Channel(NamedTuple):
+class Signal(NamedTuple):
     """The readings of one instrument, at its own times."""
 
     t: Numbers  # [s]
     values: Numbers  # SI
 
 
-def lay_together(*channels: Channel) -> tuple[Numbers, list[Numbers]]:
+def lay_together(*channels: Signal) -> tuple[Numbers, list[Numbers]]:
     """Return even times [s], at the interval of the rarest channel, and the channels there."""
     step = max(float(np.median(np.diff(one.t))) for one in channels)
     t = np.arange(max(one.t[0] for one in channels), min(one.t[-1] for one in channels), step)
@@ -92,7 +92,7 @@ def turning_power(
 
 
 def climb_by_pitch(
-    channels: Mapping[str, Channel], ahead: Channel, span: float
+    channels: Mapping[str, Signal], ahead: Signal, span: float
 ) -> tuple[float, float]:
     """Return how surely depth falls with the bow up, 0: unsure, and by what factor.
 
@@ -116,7 +116,7 @@ def climb_by_pitch(
     return (sure if abs(sure) > SURE_CLIMB else 0.0), factor
 
 
-def _turn_squares(channels: Mapping[str, Channel], t: Numbers, span: float) -> Numbers:
+def _turn_squares(channels: Mapping[str, Signal], t: Numbers, span: float) -> Numbers:
     """Return the square of the yaw rate at times, smoothed."""
     heading = np.interp(t, *channels["heading"])
     half = min(max(1, round(0.5 * span / (t[1] - t[0]))), len(t) // 10)
@@ -125,7 +125,7 @@ def _turn_squares(channels: Mapping[str, Channel], t: Numbers, span: float) -> N
     return rate * rate
 
 
-def pitch_by_planes(channels: Mapping[str, Channel], ahead: Channel, span: float) -> float:
+def pitch_by_planes(channels: Mapping[str, Signal], ahead: Signal, span: float) -> float:
     """Return how surely positive stern planes put the bow down; 0 where nothing tells."""
     bow = [channels["bow"]] if "bow" in channels else []
     t, (pitch, depth, stern, *others) = lay_together(

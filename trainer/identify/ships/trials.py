@@ -124,7 +124,7 @@ class TrialOptions(HelmOptions):
 
 
 @dataclass(frozen=True)
-class Leg:
+class ShipLeg:
     """One trial of a plan.
 
     It has the helm, the speed at its begin, and the speed that its revolutions hold.
@@ -142,11 +142,11 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class TrialPlan:
+class ShipTrialPlan:
     """Legs one after another, and what is expected of fitting them together."""
 
     name: str
-    legs: tuple[Leg, ...]
+    legs: tuple[ShipLeg, ...]
     seconds: float  # of each leg
     samples: int  # of all
     executes: int
@@ -170,7 +170,7 @@ class TrialReport:
     outputs: tuple[str, ...]
     prior: str
     prior_strength: float
-    plans: tuple[TrialPlan, ...]
+    plans: tuple[ShipTrialPlan, ...]
     remarks: tuple[str, ...]
 
 
@@ -209,7 +209,7 @@ def design_trials(ship: ShipFile, options: TrialOptions) -> TrialDesign:
     usual = IdentifiedShip(ship)
     speeds = options.speeds or ((usual.speed_kn, usual.speed_kn),)
     helms = tuple(_helms(usual, options))
-    legs = [Leg(speed, held, helm) for helm in helms for speed, held in speeds]
+    legs = [ShipLeg(speed, held, helm) for helm in helms for speed, held in speeds]
     _check(ship, legs, options)
     ways = [(leg,) for leg in legs] + ([tuple(legs)] if len(legs) > 1 else [])
     interval = options.interval or STEPS_PER_SAMPLE * usual.step
@@ -258,7 +258,7 @@ def sensors_of(ship: ShipFile, asked: Sensors, given: Collection[str]) -> Sensor
     return replace(asked, **of_file)
 
 
-def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
+def _check(ship: ShipFile, legs: Sequence[ShipLeg], options: TrialOptions) -> None:
     """Check what is asked for; ConfigError with the limit."""
     most = ship.dimensions.rudder_limit_deg
     for leg in legs:
@@ -274,7 +274,7 @@ def _check(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> None:
         raise ConfigError("--output: such a ship is told by sway with yaw_rate or heading")
 
 
-def _flights(ship: ShipFile, legs: Sequence[Leg], options: TrialOptions) -> tuple[Flight, ...]:
+def _flights(ship: ShipFile, legs: Sequence[ShipLeg], options: TrialOptions) -> tuple[Flight, ...]:
     """Return the flights of a plan, which share its seconds. ConfigError if one is lost."""
     leg_time = options.seconds / len(legs)
     flown = []
@@ -338,12 +338,12 @@ def _noise(ship: ShipFile, speed: float, options: TrialOptions) -> Numbers:
 
 
 def _plan(
-    name: str, legs: tuple[Leg, ...], flights: Sequence[Flight], expected: ShipFit
-) -> TrialPlan:
+    name: str, legs: tuple[ShipLeg, ...], flights: Sequence[Flight], expected: ShipFit
+) -> ShipTrialPlan:
     """Return the plan with what is expected of it."""
     coefficients = coefficients_of(expected)[: len(expected.problem.model.free)]
     speeds = np.concatenate([flight.column("u") for flight in flights]) / KNOT
-    return TrialPlan(
+    return ShipTrialPlan(
         name=name,
         legs=legs,
         seconds=float(flights[0].t[-1]),
@@ -357,7 +357,7 @@ def _plan(
     )
 
 
-def _remarks(plans: Sequence[TrialPlan]) -> Iterator[str]:
+def _remarks(plans: Sequence[ShipTrialPlan]) -> Iterator[str]:
     """Yield which plan tells which coefficients best, and where a trial hardly turned."""
     for plan in plans:
         if plan.executes < 3 * len(plan.legs):
