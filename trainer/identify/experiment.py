@@ -8,7 +8,7 @@ and the flight becomes a record as a real trial does.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -54,17 +54,11 @@ BOAT_EQUATIONS: Final = "full"
 BOAT_INTEGRATOR: Final = "rk4"
 KEEP_COURSE_ORDER: Final = "rudder auto"
 TIME_FORM: Final = ".12g"  # a day of seconds to the microsecond, without noise of sums
-EXERCISE_TEXT: Final = '''\
-schema = "exercise/1"
-name = {name}
-vessel = {vessel}
-duration_s = {duration_s}
-equations = {equations}
-integrator = {integrator}
-briefing = """
-An experiment for identification: hands off, the helm is given by schedule and depth is
-kept by the planes. Record it, and give the recording to trainer identify."""'''
-INITIAL_TEXT: Final = "\n[initial]\nspeed_kn = {speed_kn}\ndepth_m = {depth_m}\ncourse_deg = 0"
+EXERCISE_BRIEFING: Final = (
+    "An experiment for identification: hands off, the helm is given by schedule and depth is kept "
+    "by the planes. Record it, and give the recording to trainer identify."
+)
+TimedOrders = tuple[tuple[float, str], ...]  # [s], and the order as it is typed
 FLOWN_COLUMNS: Final = {"t": "t", **TRAINER_COLUMNS}  # columns of the boat, by channel
 
 
@@ -134,7 +128,7 @@ class BinarySequence:
         """Return how long the sequence lasts [s]. Its lead and a last bit of rest are included."""
         return LEAD_TIME_S + self.hold_s * (self.periods * ((1 << self.bits) - 1) + 1)
 
-    def orders(self) -> tuple[tuple[float, str], ...]:
+    def orders(self) -> TimedOrders:
         """Return time [s] and order of each change, course 000 being kept before and after."""
         timed_orders: list[tuple[float, str]] = []
         last = 0.0
@@ -156,7 +150,7 @@ class BinarySequence:
         return tuple(timed_orders)
 
 
-def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[ScheduledOrder]:
+def schedule_orders(orders: TimedOrders) -> list[ScheduledOrder]:
     """Return orders in words as a schedule; ConfigError if a text is no order."""
     scheduled = []
     for i, (seconds, text) in enumerate(orders, start=1):
@@ -230,7 +224,7 @@ def zigzag_flight(
     return fly_manoeuvre(Submarine(file, method_of(file), Rig()), manoeuvre, speed)
 
 
-def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]:
+def zigzag_orders(flight: Flight, angle: float) -> TimedOrders:
     """Return time [s] and order of each execute, the first to starboard after the lead."""
     times = [mark.t for mark in flight.marks if mark.name == "execute"]
     late = LEAD_TIME_S - times[0] if times else 0.0
@@ -255,21 +249,28 @@ def measure_zigzag(flight: Flight, execute: float) -> dict[str, Any]:
     }
 
 
-def exercise_text(orders: tuple[tuple[float, str], ...], name: str, table: dict[str, Any]) -> str:
+def exercise_text(orders: TimedOrders, name: str, table: dict[str, Any]) -> str:
     """Return the text of an exercise that gives ``orders``.
 
     ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
     """
-    run = {**table, "name": name, "equations": BOAT_EQUATIONS, "integrator": BOAT_INTEGRATOR}
-    values = {key: toml_value(value, TIME_FORM) for key, value in run.items()}
-    lines = [EXERCISE_TEXT.format(**values)]
-    if "sea" in values:
-        lines.append(f"sea = {values['sea']}")
-    lines.append(INITIAL_TEXT.format(**values))
+    start = {"speed_kn": table["speed_kn"], "depth_m": table["depth_m"], "course_deg": 0}
+    heads = {"name": name, **{key: one for key, one in table.items() if key not in start}}
+    heads |= {"equations": BOAT_EQUATIONS, "integrator": BOAT_INTEGRATOR}
+    heads["briefing"] = EXERCISE_BRIEFING
+    return "\n".join(exercise_lines(heads, {"initial": start}, orders)) + "\n"
+
+
+def exercise_lines(
+    heads: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]], orders: TimedOrders
+) -> Iterator[str]:
+    """Yield the lines of an exercise file that gives ``orders``."""
+    for title, table in {"": {"schema": "exercise/1", **heads}, **tables}.items():
+        yield from ["", f"[{title}]"] if title else []
+        yield from (f"{key} = {toml_value(one, TIME_FORM)}" for key, one in table.items())
     for seconds, order in orders:
-        at = toml_value(seconds, TIME_FORM)
-        lines += ["", "[[orders]]", f"at_s = {at}", f"order = {toml_value(order)}"]
-    return "\n".join(lines) + "\n"
+        yield from ("", "[[orders]]", f"at_s = {toml_value(seconds, TIME_FORM)}")
+        yield f"order = {toml_value(order)}"
 
 
 def fly_trial(

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config.exercise.exercise import ORDER_ROWS, parse_exercise
-from trainer.config.files import ConfigError, toml_value
+from trainer.config.files import ConfigError
 from trainer.identify.boat.motion import STATE
 from trainer.identify.boat.plan import PlannedFigure, TrialPlan
 from trainer.identify.boat.trial_legs import START_COURSE_RAD, room_of
+from trainer.identify.experiment import exercise_lines
 from trainer.report.text import ascii_text, titled_table, wrap
 from trainer.units import KNOT
 
@@ -42,7 +43,6 @@ def exercise_text(plan: TrialPlan, path: Path) -> str:
         )
     briefing = [*_leg_lines(plan), RECORD_NOTE.format(interval=plan.sailed.trial.interval)]
     heads = {
-        "schema": "exercise/1",
         "name": f"Trial of {vessel.file.name}"[:MAX_NAME],
         "briefing": "\n".join(briefing),
         "vessel": os.path.relpath(vessel.file.path.resolve(), path.resolve().parent),
@@ -58,11 +58,7 @@ def exercise_text(plan: TrialPlan, path: Path) -> str:
         "depth_m_max": round(plan.waters.deepest, 1),
     }
     lines = ["# What to sail next, by `trainer boat plan-trial`.", f"# {ORDERS_NOTE}", ""]
-    lines += [f"{key} = {toml_value(one)}" for key, one in heads.items()]
-    for name, table in (("initial", start), ("limits", limits)):
-        lines += ["", f"[{name}]", *(f"{key} = {toml_value(one)}" for key, one in table.items())]
-    for seconds, order in orders:
-        lines += ["", "[[orders]]", f"at_s = {seconds:g}", f"order = {toml_value(order)}"]
+    lines += exercise_lines(heads, {"initial": start, "limits": limits}, orders)
     text = "\n".join(lines) + "\n"
     parse_exercise(text, path)
     return text
