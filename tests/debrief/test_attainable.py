@@ -287,3 +287,22 @@ def test_a_mast_that_nobody_raised_is_not_up_and_its_order_is_overdue() -> None:
         mute.follow(())
         assert boat.tick() == 0
     assert "scope raise" in [each.rule.order.text for each in mute.pending(boat.time)]
+
+
+def test_a_shift_under_way_stands_and_a_party_is_not_sent_anew() -> None:
+    for name, seconds, text in (
+        ("leaking-leg", 95.5, "stern planes emergency"),
+        ("fire-aft", 118.0, "fight fire aft"),
+    ):
+        run = explored(name, by_crew(name))
+        given = [e.tick for e in run.crew if e.text == text]
+        moment = run.at(max(2 * round(seconds), given[0] + 2 - given[0] % 2))
+        assert text not in run.search.ways(moment)[0].first
+
+
+@pytest.mark.long
+def test_what_can_be_had_again_later_was_not_lost() -> None:
+    """Hovering on again wins 13 s after it was switched off, and not in the seconds before."""
+    run = explored("bottoming", planted("bottoming", 183.5, "hover off"))
+    fly_points(run)
+    assert max(tick for tick, each in run.points.items() if each.won) >= 2 * 196

@@ -1,5 +1,6 @@
 """Blame that is proved: which order, what was wrong with it, what it cost, until when."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +11,8 @@ from helpers.sessions import start_plan
 from trainer.debrief.attainable.causes import FaultFinder
 from trainer.debrief.attainable.changes import FaultKind, MarkChange, join_changes
 from trainer.debrief.attainable.curve import AttainableCurve, attainable_curve
-from trainer.debrief.attainable.words import change_words
+from trainer.debrief.attainable.search import AttainablePoint
+from trainer.debrief.attainable.words import change_words, until_words
 from trainer.debrief.marks.judgement import costs
 from trainer.debrief.marks.rehearsal import Departure, Rehearsal, fly, fly_rehearsal
 from trainer.debrief.passage.controls import is_wrong_way
@@ -19,6 +21,7 @@ from trainer.debrief.trainees.progress import costs_of
 pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 STEP_S = 0.5  # [s] of the boats that fly here
 KINDS = FaultKind
+Make = Callable[..., Rehearsal]
 # what was done, and the fault that is told of it: kind, order, its moment [s], what was right
 TOLD = (
     (
@@ -204,3 +207,51 @@ def test_it_is_said_not_to_be_carried_out_only_of_what_was_not() -> None:
     assert "it fell short of 80, beside its own marks" in came
     assert "it was not carried out" not in came
     assert "it was not carried out, beside its own marks" in never
+
+
+@pytest.mark.parametrize(
+    ("make", "how", "told"),
+    [
+        (
+            planted,
+            ("flooding-aft", 173.0, "blow aft"),
+            (KINDS.UNDONE, "blow aft", "blow stop"),
+        ),
+        (
+            with_fault,
+            ("rise-jam-shallow", "bell ahead two-thirds", "bell astern two-thirds", 0.0),
+            (KINDS.WRONG_WAY, "bell astern two-thirds", "bell ahead two-thirds"),
+        ),
+        pytest.param(
+            with_fault,
+            ("gyro-stuck", "rudder left 10", "rudder left 10", 60.0),
+            (KINDS.LATE, "rudder left 10", ""),
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_a_rule_s_order_that_comes_again_or_early_is_told_as_what_it_was(
+    make: Make, how: tuple[Any, ...], told: tuple[FaultKind, str, str]
+) -> None:
+    curve = curve_of(how[0], make(*how))
+    assert [(each.fault, each.order, each.right) for each in curve.changes] == [told]
+
+
+def test_a_record_that_ends_early_has_no_point_of_no_return() -> None:
+    points = tuple(
+        AttainablePoint(tick, marks, won=marks > 50.0, lost=False)
+        for tick, marks in ((0, 100.0), (190, 100.0), (192, 0.0))
+    )
+    whole = AttainableCurve(points, ())
+    assert until_words(whole, STEP_S) == "Until 1:35 this could still be won."
+    short = until_words(replace(whole, cut_short=True), STEP_S)
+    assert short == "To its end nothing was lost that decides the exercise."
+
+
+def test_a_debrief_that_may_fly_no_more_says_that_no_cause_was_looked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("trainer.debrief.attainable.causes.MAX_TICKS", 0)
+    curve = curve_of("gyro-stuck", planted("gyro-stuck", 200.0, "rudder right 20"))
+    assert {each.fault for each in curve.changes} == {KINDS.UNSEARCHED}
+    assert "the cause of so long a run is not looked for" in words_of(curve)[0]

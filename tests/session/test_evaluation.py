@@ -126,7 +126,7 @@ def test_what_if_says_what_an_order_would_bring_and_changes_nothing(ship: Crewed
     before = ship.boat.records.state.tobytes()
     sent = len(ship.instructor.sent)
     ship.instructor.waiting = ["what if stern planes dive 10"]
-    answer = "with `stern planes dive 10`: 82, without: 64 (from 00:00:10)"
+    answer = "with `stern planes dive 10` and no other for 30 s: 82, without: 64 (from 00:00:10)"
     ship.settle(lambda: answer in ship.instructor.sent[sent:])
     assert ship.boat.records.state.tobytes() == before
     assert Answering.asked[-1].order == "stern planes dive 10"

@@ -209,8 +209,8 @@ TICKS_A_SECOND = 2
     [
         ((), 90.0, ""),
         (("depth > 200",), 90.0, ""),
-        (("depth > 200",), 140.0, "loses (deeper than 200 m at 2:30.5), "),
-        ((), LATE_S, "loses (deeper than 200 m at 2:30.5), "),
+        (("depth > 200",), 140.0, "loses: deeper than 200 m at 2:30.5;"),
+        ((), LATE_S, "loses: deeper than 200 m at 2:30.5;"),
     ],
 )
 def test_a_way_that_loses_is_not_shown_and_it_is_told_what_was_found(

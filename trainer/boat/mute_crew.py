@@ -11,6 +11,8 @@ from copy import copy
 from operator import itemgetter
 from typing import Final
 
+import numpy as np
+
 from trainer.boat.boat import Boat
 from trainer.boat.crew_hands import TIME_ROUNDING_S
 from trainer.boat.helm import obey_order
@@ -109,9 +111,10 @@ class MuteCrew:
             yield name, hand.look(self.crew.gauges)
 
     def stands(self, order: Order) -> bool:
-        """Return whether an order would change nothing of the boat.
+        """Return whether an order would set no control otherwise.
 
-        The order is tried, and the boat put back: once, until somebody orders anything.
+        What it has begun may go on: a shift of modes, a party under way. The order is tried, and
+        the boat put back: once, until somebody orders anything.
         """
         if order.text not in self._standing:
             self._standing[order.text] = self._would_stand(order)
@@ -122,10 +125,12 @@ class MuteCrew:
         # what is said, or moves what no copy of a state undoes
         if order.name in SAID_ORDERS or order.name in WORLD_PARTS:
             return False
-        before = boat.snapshot()
+        before, places = boat.snapshot(), self.controls.places(order)
         refused = isinstance(obey_order(boat, order), Refused)
-        same = boat.records.state.tobytes() == before.tobytes()
+        after = boat.snapshot()
         boat.restore(before)
+        old, new = (each.view(np.uint64).ravel() for each in (before, after))
+        same = bool((old[places] == new[places]).all() if places else (old == new).all())
         return same and not refused
 
 

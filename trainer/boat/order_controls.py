@@ -41,6 +41,10 @@ class OrderControls:
         effect = self._effects.get(order.words)
         return self._worked(effect) if effect else frozenset({order.name})
 
+    def places(self, order: Order) -> list[int]:
+        """Return the places of the state that an order works; none of one by procedure."""
+        return sorted(each for each in self.of(order) if isinstance(each, int))
+
     def setting(self, order: Order) -> dict[int, float]:
         """Return what an order sets its controls to, by their places."""
         writes = self._effects[order.words].writes if order.words in self._effects else ()

@@ -70,7 +70,7 @@ class Demonstration:
         if refused := self.session.evaluation.consult(come_aboard, "way"):
             return refused
         self.preparing = True
-        return f"the reference crew comes aboard and shows the way for {order.value:g} s"
+        return f"the reference crew looks for the way, to show it for {order.value:g} s"
 
     def _barred(self) -> Refused | None:
         """Return why the way cannot be shown, None if it can."""

@@ -110,17 +110,18 @@ class FaultFinder:
         run = self.run
         had, left = run.points[begin].marks, run.points[end].marks
         loss = had - left
-        told = self._proved(begin, end) if run.search.flown <= MAX_TICKS else []
-        last = self._last_before(begin, end)
+        searched = run.search.flown <= MAX_TICKS
+        told = self._proved(begin, end) if searched else []
+        last = self._last_kept(begin, end)
         whole, parts = sum(each.gain for each in told), []
         if loss - whole > WORTH_MARKS:
-            unproved = MarkChange(begin, end, whole - loss, FaultKind.UNPROVED, until=last)
-            parts = [unproved]
+            fault = FaultKind.UNPROVED if searched else FaultKind.UNSEARCHED
+            parts = [MarkChange(begin, end, whole - loss, fault, until=last)]
             whole = loss
         scale = loss / whole if whole and not parts else 1.0
         for proved in told:
             told_of = proved.edit.told
-            until = last if last > told_of.told_at else None
+            until = last if last and last > told_of.told_at else None
             remedy = proved.edit.put_in
             marks = -proved.gain * scale
             yield replace(told_of, marks=marks, until=until, remedy=remedy)
@@ -131,6 +132,24 @@ class FaultFinder:
         points = self.run.points
         least = points[begin].marks - WORTH_MARKS
         return max(tick for tick in points if tick <= end and points[tick].marks >= least)
+
+    def _last_kept(self, begin: int, end: int) -> int | None:
+        """Return the last tick at which all could still be put right; None if it is not known.
+
+        Points lie further apart where marks go slowly: between two of them it is looked for.
+        """
+        run, least = self.run, self.run.points[begin].marks - WORTH_MARKS
+        last = self._last_before(begin, end)
+        after = min((tick for tick in run.points if tick > last), default=last)
+        while after - last > run.finest:
+            if run.search.flown > MAX_TICKS:
+                return None
+            middle = last + run.finest * max((after - last) // run.finest // 2, 1)
+            if run.point(middle, run.points[begin].marks, won=False).marks >= least:
+                last = middle
+            else:
+                after = middle
+        return last
 
     def _proved(self, begin: int, end: int) -> list[ProvedEdit]:
         """Return the faults that made a fall, the one that its flight proves best first."""
@@ -259,7 +278,7 @@ class FaultFinder:
         before = [(e, o) for e, o in self.orders if e.tick < end and not self._by_own_hand(o)]
         before = before[-MOST_LEFT_OUT:]
         for entry, order in before:
-            if not self._of_rules(order):
+            if not self._is_first(entry, order):
                 told = replace(blank, fault=FaultKind.NEEDLESS, order=entry.text, tick=entry.tick)
                 told = replace(told, who=entry.who)
                 yield Edit(told, entry.tick, frozenset({entry.id}))
@@ -302,27 +321,50 @@ class FaultFinder:
             told = replace(told, fault=FaultKind.LATE, came=moved.tick, who=moved.who)
             yield Edit(told, due, frozenset({moved.id}), ((due, moved.text),))
         since, place = due - round(INSTEAD_S / run.step), round(PLACE_S / run.step)
+        in_time = came.tick if came is not None and came.tick <= due + late else since
         for entry, order in self.orders:
-            if not since <= entry.tick < end or is_same_order(order, rule):
-                continue
             meets = bool(self.controls.of(order) & self.controls.of(rule))
-            if not meets and order.name != rule.name:
-                continue
-            if self._own_due(entry, order) or self._after_hand(entry, order, due):
+            if not since <= entry.tick < end or not (meets or order.name == rule.name):
                 continue
             told = replace(blank, order=entry.text, tick=entry.tick, right=rule.text, who=entry.who)
             again = [e.id for e, _ in self.orders if e.tick > entry.tick and e.text == rule.text]
             instead = frozenset({entry.id, *again})
-            put: tuple[tuple[int, str], ...] = ((entry.tick, rule.text),)
-            if meets and done is not None and done.tick < entry.tick:
-                fault, put, instead = FaultKind.UNDONE, (), frozenset({entry.id})
-            elif meets:
-                fault = self._fault_of(order, rule)
-            elif abs(entry.tick - due) <= place:
-                fault = FaultKind.WRONG_PLACE
-            else:
+            if self._is_another_s(entry, order, rule, due):
                 continue
-            yield Edit(replace(told, fault=fault), entry.tick, instead, put, index)
+            if meets and done is not None and done.tick < entry.tick:
+                if not self._has_skipped(entry, order, index):
+                    told = replace(told, fault=FaultKind.UNDONE)
+                    yield Edit(told, entry.tick, frozenset({entry.id}), (), index)
+            elif entry.tick >= in_time and (meets or abs(entry.tick - due) <= place):
+                told = replace(told, fault=self._fault_of(order, rule))
+                yield Edit(told, entry.tick, instead, ((entry.tick, rule.text),), index)
+
+    def _has_skipped(self, entry: RecordedOrder, order: Order, index: int) -> bool:
+        """Return whether an order is a later rule's, and one between it and a rule is overdue."""
+        if not self._is_first(entry, order):
+            return False
+        ahead = next(i for i, rule in enumerate(self.rules) if is_same_order(order, rule))
+        given = [o for e, o in self.orders if e.tick <= entry.tick]
+        return any(
+            (due := self.run.due_tick(each)) is not None
+            and due <= entry.tick
+            and self.rules[each].name not in CREW_HANDS
+            and not any(is_same_order(o, self.rules[each]) for o in given)
+            for each in range(index + 1, ahead)
+        )
+
+    def _is_another_s(self, entry: RecordedOrder, order: Order, rule: Order, due: int) -> bool:
+        """Return whether an order near a rule's due has nothing to do with it.
+
+        It is the rule's own, or that of another rule that is due, or of a hand that steers then.
+        """
+        early = due - round(EARLY_S / self.run.step)
+        by_hand = self._by_own_hand(order) or order.name in self.run.search.choices.by_hand
+        if is_same_order(order, rule) or (by_hand and entry.tick < early):
+            return True
+        dues = (self.run.due_tick(i) for i, r in enumerate(self.rules) if is_same_order(order, r))
+        own = any(each is not None and each <= entry.tick + 2 for each in dues)
+        return (own and self._is_first(entry, order)) or self._after_hand(entry, order, due)
 
     def _fault_of(self, order: Order, rule: Order) -> FaultKind:
         """Return what is wrong with an order on the controls of a rule's."""
@@ -340,10 +382,10 @@ class FaultFinder:
     def _index(self, order: Order) -> int:
         return next(i for i, rule in enumerate(self.rules) if is_same_order(order, rule))
 
-    def _own_due(self, entry: RecordedOrder, order: Order) -> bool:
-        """Return whether an order is that of a rule whose time had come."""
-        dues = (self.run.due_tick(i) for i, r in enumerate(self.rules) if is_same_order(order, r))
-        return any(due is not None and due <= entry.tick + 2 for due in dues)
+    def _is_first(self, entry: RecordedOrder, order: Order) -> bool:
+        """Return whether an order is a rule's that has not come so often before."""
+        rules = sum(is_same_order(order, rule) for rule in self.rules)
+        return rules > sum(is_same_order(o, order) and e.id < entry.id for e, o in self.orders)
 
     def _by_own_hand(self, order: Order) -> bool:
         """Return whether an order is an angle at a surface that is in the crew's hands."""
@@ -362,11 +404,8 @@ class FaultFinder:
             and order.name in HAND_CONTROLS[rule.name][1] & ANGLE_ORDERS
             and (tick := self.run.due_tick(index)) is not None
         ]
-        switched = max(begin for begin in begun) if begun else None
-        return (
-            switched is not None
-            and switched <= entry.tick
-            and (due < switched or entry.tick > due + early)
+        return any(
+            begin <= entry.tick and (due < begin or entry.tick > due + early) for begin in begun
         )
 
 

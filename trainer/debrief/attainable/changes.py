@@ -21,6 +21,7 @@ class FaultKind(Enum):
     NEEDLESS = "needless"  # no rule wants it
     STEERING = "steering"  # planes or rudder, worked otherwise than by the reference crew
     UNPROVED = "no-order"  # no one edit keeps the marks
+    UNSEARCHED = "not-searched"  # the debrief has flown as much as it may
     RECORD_ENDS = "record-ends"  # before the exercise does
 
 

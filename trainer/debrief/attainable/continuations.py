@@ -22,7 +22,7 @@ from trainer.session.past.plan import Plan
 MODE_ORDERS: Final = frozenset({"rudder-mode", "planes-mode"})
 ANGLE_ORDERS: Final = SURFACE_ORDERS - MODE_ORDERS  # what hands of the reference crew give
 AUTOMATIC_AXES: Final = ("rudder", "planes", "speed")
-LEAST_WATER_KG: Final = 100.0  # that is worth a pump's order
+LEAST_WATER_KG: Final = 10.0  # that is worth a pump's order
 
 
 class ContinuationKind(Enum):
@@ -139,7 +139,12 @@ class Choices:
         They are those carried out or ``due`` by now, in tanks that the crew has worked; or all, in
         any tank. A tank's level counts, since a pump's order takes the place of the one under way.
         """
-        worked = {tank_of(each) for each in own if each.name in WATER_ORDERS}
+        boat = mute.crew.boat
+        moved = [each for each in own if each.name in WATER_ORDERS]
+        worked = {tank_of(each) for each in moved}
+        under_way = {
+            tank_of(e) for e in moved if any(boat.plain[p] for p in self.controls.places(e))
+        }
         wanted: dict[str, float] = {}
         settled = []
         for index, each in enumerate(mute.crew.followed):
@@ -152,12 +157,11 @@ class Choices:
             if late or not (given or due):
                 settled.append(index)
         tanks = worked & set(wanted) if due else worked | set(wanted)
-        water = mute.crew.boat.state.water
         orders = []
         for tank in sorted(tanks):
             index = TANKS.index(tank)
-            mass = wanted.get(tank, 0.0) - (float(water[index]) - self.levels[index])
-            if abs(mass) > LEAST_WATER_KG:
+            mass = wanted.get(tank, 0.0) - (float(boat.state.water[index]) - self.levels[index])
+            if abs(mass) > LEAST_WATER_KG or (tank in under_way and tank not in wanted):
                 orders.append(water_text(tank, mass))
         return tuple(orders), tuple(settled)
 
@@ -219,5 +223,5 @@ def water_text(tank: str, mass: float) -> str:
     """Return the order that moves so much [kg] into that tank, or out of it."""
     tonnes = f"{max(round(abs(mass) / 1000.0, 1), 0.1):g}"
     if tank.startswith("trim"):
-        return f"pump trim {'aft' if mass > 0.0 else 'forward'} {tonnes}"
-    return f"{'flood' if mass > 0.0 else 'pump'} {tank.replace('_', '-')} {tonnes}"
+        return f"pump trim {'aft' if mass > 0.0 else 'forward'} {tonnes} t"
+    return f"{'flood' if mass > 0.0 else 'pump'} {tank.replace('_', '-')} {tonnes} t"

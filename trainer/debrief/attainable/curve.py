@@ -1,6 +1,7 @@
 """What could still be earned over a run, and what made it fall."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 from trainer.debrief.attainable.causes import FaultFinder
@@ -10,6 +11,7 @@ from trainer.debrief.attainable.search import WORTH_MARKS, AttainablePoint
 from trainer.debrief.passage.episodes import ordered_beyond
 from trainer.io.recording.recording import RecordedOrder
 
+LATER_S: Final = (6.0, 14.0, 30.0)  # [s] after a fall, at which it is searched again
 CURVE_SHARE: Final = 0.6  # [-] of the work, which the points take; the rest is what made the falls
 
 
@@ -21,6 +23,7 @@ class AttainableCurve:
     changes: tuple[MarkChange, ...]
     finest: int = 1  # [ticks] down to which a change is followed
     beyond: tuple[RecordedOrder, ...] = ()  # the instructor's, which the marks are not for
+    cut_short: bool = False  # the record ends before the exercise does
 
     @property
     def until_won(self) -> int | None:
@@ -56,7 +59,7 @@ def attainable_curve(run: RunExplorer) -> AttainableCurve:
         changes.append(MarkChange(flown[-1].tick, points[-1].tick, -short, fault))
     run.progress(1.0)
     beyond = ordered_beyond(run.trajectory.orders)
-    return AttainableCurve(points, tuple(join_changes(changes)), run.finest, beyond)
+    return AttainableCurve(points, tuple(join_changes(changes)), run.finest, beyond, run.cut_short)
 
 
 def fly_points(run: RunExplorer) -> None:
@@ -67,7 +70,24 @@ def fly_points(run: RunExplorer) -> None:
     end = max(run.departures) if run.cut_short else run.last
     for tick in (run.last, 0, end):
         run.point(tick)
-    stretches, covered = [(0, end)], 0
+    halve(run, end, 0.0)
+    for before, after in pairwise(sorted(run.points)):
+        first = run.points[before]
+        if first.marks - run.points[after].marks > WORTH_MARKS:  # what could be had may come back
+            for seconds in LATER_S:
+                tick = after + run.finest * round(seconds / run.step / run.finest)
+                if tick < end and run.search.flown <= MAX_TICKS:
+                    run.point(tick, first.marks, won=first.won)
+    halve(run, end, 0.5)
+
+
+def halve(run: RunExplorer, end: int, done: float) -> None:
+    """Halve stretches between whose ends marks or fate differ, down to the finest period.
+
+    ``done`` is the share [-] of the points that was known before.
+    """
+    known = [tick for tick in sorted(run.points) if tick <= end]
+    stretches, covered = list(pairwise(known)), 0
     while stretches:
         begin, after = stretches.pop()
         first, last = run.points[begin], run.points[after]
@@ -75,7 +95,7 @@ def fly_points(run: RunExplorer) -> None:
         alike = first.marks - last.marks <= WORTH_MARKS and first.fate == last.fate
         if alike or not begin < middle < after or run.search.flown > MAX_TICKS:
             covered += after - begin
-            run.progress(CURVE_SHARE * covered / end)
+            run.progress(CURVE_SHARE * (done + 0.5 * covered / end))
         else:
             run.point(middle, first.marks, won=first.won)
             stretches += [(begin, middle), (middle, after)]

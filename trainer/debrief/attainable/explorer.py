@@ -45,7 +45,7 @@ from trainer.io.recording.recording import RecordedOrder
 from trainer.session.past.plan import Plan
 
 FINEST_PERIOD_S: Final = 1.0  # [s] down to which a fall is halved, in a run that is not too long
-MAX_TICKS: Final = 400_000  # flown for one debrief: then the curve and its causes are as they are
+MAX_TICKS: Final = 350_000  # flown for one debrief: then the curve and its causes are as they are
 MAX_FINEST: Final = 4_000  # moments of a run from which to depart
 FILE_GIVER: Final = Giver(GiverKind.SCHEDULE, "schedule", "the file of orders")
 COMPARED_COLUMNS: Final = ("x", "y", "z", "phi", "theta", "psi", "u")  # of a run flown again

@@ -35,7 +35,7 @@ def until_words(curve: AttainableCurve, step: float) -> str:
 
     Where a run is so long that points lie further apart than usual, that is told too.
     """
-    last = curve.points[-1].tick
+    last = curve.points[-2 if curve.cut_short else -1].tick
     sentences = []
     if curve.until_won is None:
         sentences.append("From its start no flight wins this.")
@@ -84,7 +84,10 @@ def _fault_words(change: MarkChange, step: float) -> str:
         return f"{said}{more}: {amount} lost."
     if change.fault is FaultKind.RECORD_ENDS:
         return f"{end}: {amount} not earned, the record ends."
-    return f"{begin} to {end}: {amount} lost; no flight shows by which order."
+    why = "no flight shows by which order"
+    if change.fault is FaultKind.UNSEARCHED:
+        why = "the cause of so long a run is not looked for"
+    return f"{begin} to {end}: {amount} lost; {why}."
 
 
 def _steering_words(change: MarkChange, step: float) -> str:

@@ -14,7 +14,7 @@ from trainer.boat.casualties import broken_gauges
 from trainer.boat.depths import lowest_depth
 from trainer.boat.helm import obey_order
 from trainer.boat.reference_crew import RuleProgress
-from trainer.debrief.attainable.continuations import Continuation
+from trainer.debrief.attainable.continuations import Continuation, is_water
 from trainer.debrief.attainable.search import (
     WORTH_MARKS,
     AttainablePoint,
@@ -25,7 +25,7 @@ from trainer.debrief.attainable.search import (
     parsed,
 )
 from trainer.debrief.marks.rehearsal import depart, last_tick
-from trainer.io.orders.grammar import Reply
+from trainer.io.orders.grammar import Order, Reply, parse
 from trainer.io.recording.facts import REFERENCE_GIVER
 from trainer.io.status_line import clock
 
@@ -55,10 +55,15 @@ class Advisor:
         waited = self.search.best(self._waited(()), self.best.marks, won=self.best.won)
         return max(self.best, waited, key=lambda each: (each.marks, each.won))
 
-    def answer(self) -> Reply:
-        """Return what the boat answers to the order that is given last."""
+    def answer(self, text: str) -> Reply:
+        """Return what the boat answers to an order that is given now."""
         boat = depart(self.search.plan, self.moment.here)
-        return [obey_order(boat, each) for each in parsed(self.search.later[boat.ticks])][-1]
+        given = [*parsed(self.search.later.get(boat.ticks, ())), parse(text)]
+        return [obey_order(boat, each) for each in given if isinstance(each, Order)][-1]
+
+    def marks_after(self, text: str) -> float:
+        """Return what can be had after an order, and no other for WAIT_S [%]."""
+        return self.search.best(self._waited((text,))).marks
 
     def hint(self) -> str:
         """Return what to order now and what it is worth, "" where nothing is missing."""
@@ -85,6 +90,10 @@ class Advisor:
         due = [each.rule.order.text for each in self.pending]
         rules = {each.rule.order.text for each in crew_of(self.moment.here).crew.followed}
         first = [e for e in self.best.way.first if e not in rules or e in due or self._was_given(e)]
+        followed = crew_of(self.moment.here).crew.followed
+        ahead = [followed[each] for each in self.best.way.settled]
+        if any(each not in self.pending and each.given is None for each in ahead):
+            first = [each for each in first if not is_water(each)]
         return list(dict.fromkeys((*due, *first)))
 
     def _steering(self) -> str:
@@ -161,7 +170,7 @@ class Advisor:
         limit = hull.test_depth_m
         if self.best.lost:
             verdict = self.best.card.verdict if self.best.card else None
-            return f"loses ({verdict.reason if verdict else flown.lost}), {at}"
+            return f"loses: {verdict.reason if verdict else flown.lost}"
         if limit is not None and depths[0] < limit <= depths[deepest]:
             return f"goes past test depth, {at}"
         return ""

@@ -40,15 +40,13 @@ from trainer.debrief.page.data import events_of, find_branch, nobody_aboard
 from trainer.debrief.passage.episodes import crew_orders, ordered_beyond
 from trainer.debrief.passage.trajectory import Trajectory
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.facts import SCHEDULE_GIVER, Giver, GiverKind
+from trainer.io.recording.facts import SCHEDULE_GIVER
 from trainer.io.recording.recording import RecordedEvent, RecordedOrder, Recording
 from trainer.session.past.header import open_recording, plan_of
 from trainer.session.past.plan import Plan
-from trainer.session.stations.roles import INSTRUCTOR_ROLE
 
 JOURNAL_TIMEOUT_S: Final = 5.0  # [s] until an order that was given is in the file
 JOURNAL_PERIOD_S: Final = 0.05  # [s] between looks
-ASKER: Final = Giver(GiverKind.STATION, INSTRUCTOR_ROLE.name, INSTRUCTOR_ROLE.name)
 OTHER_PROGRAM: Final = "the run cannot be flown again to the bit"
 
 
@@ -119,13 +117,8 @@ class RunFollower:
         """Return the marks of a whole run."""
         return judge_run(trajectory, self.plan, self.nobody, self.width)
 
-    def advisor(
-        self, past: Trajectory, end: Departure, orders: Sequence[RecordedOrder], text: str = ""
-    ) -> Advisor:
-        """Return who advises at a moment, the orders of its tick given.
-
-        With ``text`` that order is given there too.
-        """
+    def advisor(self, past: Trajectory, end: Departure, orders: Sequence[RecordedOrder]) -> Advisor:
+        """Return who advises at a moment, the orders of its tick given."""
         later: dict[int, list[RecordedOrder]] = defaultdict(list)
         later[end.tick] += [each for each in orders if each.tick == end.tick]
         given = {each.entry for each in orders}
@@ -133,13 +126,9 @@ class RunFollower:
             if index not in given:
                 tick, words = max(due_tick(self.plan, index), end.tick), entry.order.text
                 later[tick].append(order_at(tick, SCHEDULE_GIVER, words, index))
-        own = list(crew_orders(replace(past, orders=tuple(orders))))
-        if text:
-            asked = order_at(end.tick, ASKER, text)
-            later[end.tick].append(asked)
-            own.append(asked)
+        own = crew_orders(replace(past, orders=tuple(orders)))
         search = ContinuationSearch(self.plan, self.judge, self.choices, later)
-        return Advisor(search, OpenMoment(end, past, tuple(own)))
+        return Advisor(search, OpenMoment(end, past, own))
 
 
 class FreeRun(NoCurve):
@@ -196,10 +185,9 @@ class Evaluator:
             "beyond": beyond[-1].text if beyond else "",
         }
         if text := asked.get("order", ""):
-            advisor = self.follower.advisor(past, end, orders, text)
-            reply = advisor.answer()
+            reply = advisor.answer(text)
             answer["refused"] = reply.reason if isinstance(reply, Refused) else ""
-            answer["with"] = advisor.marks().marks
+            answer["with"] = advisor.marks_after(text)
         return answer
 
     def _advise(

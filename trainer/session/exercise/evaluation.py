@@ -353,6 +353,7 @@ def answer_in_words(order: str, seconds: float, answer: Mapping[str, Any]) -> Re
     if why := answer.get("refused", ""):
         return Refused(f"{order}: {why}")
     return (
-        f"with `{order}`: {answer['with']:.0f}, without: {answer['marks']:.0f} "
+        f"with `{order}` and no other for 30 s: {answer['with']:.0f}, "
+        f"without: {answer['marks']:.0f} "
         f"(from {clock(seconds)})"
     )
