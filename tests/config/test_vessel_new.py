@@ -172,6 +172,14 @@ def test_a_new_boat_has_the_name_that_is_given(tmp_path: Path) -> None:
     assert told.endswith(f"next: trainer boat check {tmp_path / 'boat.toml'}")
 
 
+def test_a_scaled_boat_without_a_name_is_called_as_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "halibut.toml"
+
+    write_new(path, "bb2", 60.0, None)
+
+    assert load_vessel(str(path)).name == "halibut"
+
+
 # --- the boat
 
 

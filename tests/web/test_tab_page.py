@@ -69,6 +69,11 @@ FLY = """async (deeds) => {
   return btoa(String.fromCharCode(...bytes.slice(from, from + 8 * boat.state_doubles)));
 }"""
 
+UNSTYLED = """() => [...document.querySelectorAll("svg :is(path, rect, circle, polygon)")]
+  .filter((each) => getComputedStyle(each).fill === "rgb(0, 0, 0)" && !each.closest("defs"))
+  .filter((each) => each.checkVisibility() && each.getBBox().width * each.getBBox().height > 0)
+  .map((each) => `${each.closest("svg").parentNode.localName} ${each.outerHTML}`)"""
+
 
 def text_of(recording: Path | None = None, station: str = "instructor", **options: Any) -> str:
     """Return a page's text."""
@@ -270,6 +275,14 @@ def test_a_boat_in_a_file_begins_with_one_lever_that_dives_her(
 
     expect(page.locator("#first-lever")).to_have_count(0)
     expect(page.locator("#tabs" if size.startswith("phone") else "#find")).to_be_visible()
+
+
+@pytest.mark.parametrize("station", ["instructor", "pilot", "ballast", "observer", "visitor"])
+def test_a_page_in_a_file_has_the_styles_of_all_that_it_draws(opened: Open, station: str) -> None:
+    page = opened(text_of(station=station))
+    expect(page.locator("svg :is(path, rect, circle)").first).to_be_attached()
+
+    assert page.evaluate(UNSTYLED) == []  # what no style fills is black
 
 
 def test_only_the_whole_desk_begins_with_one_lever(opened: Open, drill_page: str) -> None:

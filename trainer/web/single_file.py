@@ -10,7 +10,7 @@ import hashlib
 import json
 import re
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from html import escape
 from typing import Any, Final
@@ -33,7 +33,7 @@ from trainer.web.words import said_in_script
 REPLACED_SCRIPTS: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER_SCRIPT: Final = "js/tab/worker.js"
 SPEAKING_SCRIPTS: Final = ("js/tab/card.js", "js/tab/first-lever.js")
-TAB_STYLES: Final = ("css/controls.css", "css/tab.css")
+TAB_STYLE: Final = "css/tab.css"
 # Orders that such a page takes, beside the boat's own rows, which only write numbers.
 TAB_ORDERS: Final = {word.name for word in ORDER_WORDS.values() if word.in_page}
 TAB_NOTE: Final = (
@@ -84,6 +84,26 @@ def said_in_tab() -> set[str]:
     return {TAB_NOTE}.union(*map(said_in_script, scripts))
 
 
+def find_styles(html: str) -> Iterable[str]:
+    """Return the sheets that a page links, and what its modules need in a file besides.
+
+    A module needs each sheet that all served pages link which run it.
+    """
+    linked, modules = STYLESHEET_TAG.findall(html), run_modules(html, REPLACED_SCRIPTS)
+    served = [render(page) for page in PAGES]
+    sheets = [(run_modules(each, {}), set(STYLESHEET_TAG.findall(each))) for each in served]
+    needed: set[str] = set()
+    for module in modules:
+        if links := [links for run, links in sheets if module in run]:
+            needed |= set.intersection(*links)
+    return dict.fromkeys((*linked, *sorted(needed), TAB_STYLE))
+
+
+def run_modules(html: str, replaced: Mapping[str, str]) -> Iterable[str]:
+    """Return the paths of the modules that a page runs."""
+    return {path for entry in SCRIPT_TAG.findall(html) for path in collect_modules(entry, replaced)}
+
+
 def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> str:
     """Return the station's page with a boat inside."""
     page = next(each for each in PAGES if name in (each.name, each.role))
@@ -93,7 +113,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = render(
         page, said_in_tab() | causes, order_words=partial(order_words, taken), lessons=list
     )
-    sheet = join_styles(dict.fromkeys((*STYLESHEET_TAG.findall(html), *TAB_STYLES)))
+    sheet = join_styles(find_styles(html))
     sheet = FONT_URL.sub(lambda url: f'url("{data_url(url[1])}")', sheet)
     entry = SCRIPT_TAG.findall(html)[0]
     script = close_text(bundle(entry))

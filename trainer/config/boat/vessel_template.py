@@ -133,7 +133,7 @@ def scaled_vessel(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
 def vessel_text(source: str, length: float | None, name: str | None) -> str:
     """Return the text of a new vessel file. It is ``source`` scaled to a length [m], None: a copy.
 
-    ConfigError if there is no such boat.
+    Without a ``name`` it has its source's. ConfigError if there is no such boat.
     """
     path = path_named(source, "vessels")
     text = read_text(path)
@@ -155,7 +155,7 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
             "scaled_from": f"{path.name}: {file.name}, {file.hull.length:g} m",
             "law": "Froude's similarity, docs/vessel-files.md",
         }
-    table["name"] = name or (file.name if factor == SAME_SIZE else f"{path.stem} at {length:g} m")
+    table["name"] = name or file.name
     return "\n".join((*_opening(path, file.hull.length, length), *_body(table, factor))) + "\n"
 
 
@@ -219,7 +219,7 @@ def write_new(path: Path, source: str, length: float | None, name: str | None) -
 
     ConfigError if the file is there, or the boat would be refused.
     """
-    text = vessel_text(source, length, name)
+    text = vessel_text(source, length, name or (path.stem if length else None))
     parse_vessel(text, path)
     write_once(path, text)
     return f"{path} written; next: trainer boat check {as_typed(path)}"
