@@ -72,8 +72,11 @@ NEEDING = {  # what is typed, and of what is hidden that tells
     "export run.trainer --parquet out": "pyarrow",
     "export run.trainer --rrd out.rrd": "rerun",
     "run --headless --speed max --duration 5 --record seen.trainer --rrd out.rrd": "rerun",
+    "run --headless --speed max --duration 5 --no-record --csv kept.csv --rrd out.rrd": "rerun",
+    "serve --speed max --duration 5 --record seen.trainer --rrd out.rrd": "rerun",
 }
 SPREAD = "sweep study.toml --out out.parquet --scheduler tcp://h:1"
+GONE_ON = "resume run.trainer --headless --speed max --duration 9 --rrd out.rrd"
 VIEWED = "run --headless --speed max --duration 5 --no-record --rerun"
 PLAIN = ["check bb2", "exercise check depth-changes", "manoeuvre turning-circle bb2"]
 
@@ -99,6 +102,7 @@ def test_a_command_that_needs_an_extra_names_it_in_one_line_and_no_other_does(
     tmp_path: Path,
 ) -> None:
     lines = [*PLAIN, FIRST, VIEWED, *NEEDING]
+    (tmp_path / "kept.csv").write_text("of a run before")
     told = dict(zip(lines, without(list(EXTRA_BY_LIBRARY), lines, tmp_path), strict=True))
     (told[SPREAD],) = without(["distributed"], [SPREAD], tmp_path)
 
@@ -111,6 +115,11 @@ def test_a_command_that_needs_an_extra_names_it_in_one_line_and_no_other_does(
         assert library in text
         assert f"pip install '{PACKAGE_NAME}[{EXTRA_BY_LIBRARY[library]}]'" in text
     assert not (tmp_path / "seen.trainer").exists()  # it was refused before it flew
+    assert (tmp_path / "kept.csv").read_text() == "of a run before"
+    flown = (tmp_path / "run.trainer").read_bytes()
+    ((code, text),) = without(["rerun"], [GONE_ON], tmp_path)
+    assert (code, "--rrd needs rerun" in text) == (2, True), text
+    assert (tmp_path / "run.trainer").read_bytes() == flown
 
 
 def imported(path: Path) -> set[str]:

@@ -456,6 +456,8 @@ def refused(
         ("--speed nan", "'nan' is not a speed of time"),
         ("--speed 1000", "'1000' is not a speed of time"),
         ("--duration x", "'x' is not a time such as 90, 10m or 1h30m"),
+        ("--duration 1hour", "'1hour' is not a time such as 90, 10m or 1h30m; did you mean 1h?"),
+        ("--duration 1,5hrs,5min", "or 1h30m; did you mean 1.5h5m?"),
         ("--duration 0", "a run lasts longer than 0 s"),
         ("--duration=-5", "is not a time"),
         ("--integrator rk5", "--integrator 'rk5': give one of euler, adams2, best2, "),

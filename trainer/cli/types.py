@@ -169,8 +169,13 @@ def text_option(flag: str, text: Callable[[], str], told: str) -> Callable[[Any]
     )
 
 
+SPOKEN_TIME: Final = re.compile(
+    r"(\d+(?:\.\d+)?)\s*(h(?:ours?|rs?)?|m(?:in(?:ute)?s?)?|s(?:ec(?:ond)?s?)?)\b[\s,]*(?:and\b)?\s*"
+)
+
+
 class Duration(click.ParamType[float]):
-    """A time: 90, 90s, 10m, 1h, 1h30m."""
+    """A time: 90, 90s, 10m, 1h, 1h30m. It answers other wordings with the nearest of these."""
 
     name = "duration"
     units = {"h": 3600.0, "m": 60.0, "s": 1.0}  # noqa: RUF012 (read only)
@@ -184,10 +189,19 @@ class Duration(click.ParamType[float]):
             return self._positive(float(text), value, param, ctx)
         parts = re.fullmatch(r"((\d+(?:\.\d*)?)h)?((\d+(?:\.\d*)?)m)?((\d+(?:\.\d*)?)s)?", text)
         if not text or not parts:
-            self.fail(f"{value!r} is not a time such as 90, 10m or 1h30m", param, ctx)
+            wording = self._nearest(text)
+            near = f"; did you mean {wording}?" if wording else ""
+            self.fail(f"{value!r} is not a time such as 90, 10m or 1h30m{near}", param, ctx)
         amounts = (parts[2], parts[4], parts[6])
         total = sum(float(a) * u for a, u in zip(amounts, self.units.values(), strict=True) if a)
         return self._positive(total, value, param, ctx)
+
+    def _nearest(self, text: str) -> str:
+        """Return the wording of a time in other words, such as 1 hour. "": none."""
+        said = re.sub(r"(?<=\d),(?=\d)", ".", re.sub(r"\ban?\b", "1", text))
+        amounts = {unit[0]: number for number, unit in SPOKEN_TIME.findall(said)}
+        whole = not SPOKEN_TIME.sub("", said)
+        return "".join(f"{amounts[unit]}{unit}" for unit in self.units if whole and unit in amounts)
 
     def _positive(self, seconds: float, value: Any, param: Any, ctx: Any) -> float:
         if seconds <= 0.0:

@@ -43,6 +43,7 @@ from trainer.session.past.journal import order_of, restore_world
 from trainer.session.past.layout import LAYOUT, numbers_of, read_state
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan
+from trainer.session.rerun.request import refuse_missing
 from trainer.session.run import (
     MAX_NAME_TRIES,
     LastingParts,
@@ -62,6 +63,7 @@ def resume_boat(
 
     One of another layout stays as it is, and a copy in today's layout goes on beside it.
     """
+    refuse_missing(options)
     course = course_of(options)
     made: Path | None = None  # such a copy
     with refusing_damage():

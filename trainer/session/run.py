@@ -48,7 +48,7 @@ from trainer.session.past.plan import OVERRULED_SETTINGS, Plan, plan_run
 from trainer.session.people.briefing import Briefing
 from trainer.session.ready import crew_talk, ready_boat
 from trainer.session.rerun.batch import Subject
-from trainer.session.rerun.request import open_log
+from trainer.session.rerun.request import open_log, refuse_missing
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.past import recalled_past
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE
@@ -162,6 +162,7 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         )
     with remembering() as texts:
         plan = plan_run(options)
+    refuse_missing(options)
     boat = ready_boat(plan, options)
     set_garbage_aside()
     path: Path | None = None

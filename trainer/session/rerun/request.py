@@ -44,6 +44,12 @@ POLL_PERIOD_S: Final = 0.1  # [s] between looks whether it has
 BATCH_TICKS: Final = 4096  # [ticks] of a recording written at a time
 
 
+def refuse_missing(options: RunOptions) -> None:
+    """Raise ConfigError if a file for Rerun is asked for, and no library makes one."""
+    if options.rrd is not None:
+        require_library("rerun", "--rrd")
+
+
 def open_log(
     sending: Publisher | PromptSender, ledger: Ledger, subject: Subject, options: RunOptions
 ) -> Log | None:
@@ -56,8 +62,6 @@ def open_log(
     host, port = parse_address(options.rerun_at or "")
     if path is None and not wanted:
         return None
-    if path is not None:
-        require_library("rerun", "--rrd")
     if find_spec("rerun") is None:
         click.echo(f"trainer: {advise_install('rerun', '--rerun')}", err=True)
         return None
