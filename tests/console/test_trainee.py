@@ -108,11 +108,14 @@ def test_the_window_of_an_exercise_tells_how_much_of_its_debrief_is_written(role
     assert line.orders[-1] == "debrief"
 
     line.items += ScriptedLine(
-        ("600.0", "debriefing", ""), ("600.0", "reason", "71.5,1:11: 30 marks lost")
+        ("600.0", "debriefing", ""),
+        ("600.0", "debrief", "drill.html"),
+        ("600.0", "reason", "71.5,1:11: 30 marks lost"),
     ).items
     model.hear()
     drawn = plain(window.draw(80, 24))
     assert "being written" not in drawn
+    assert ": drill.html" in drawn
     assert "1:11: 30 marks lost" in drawn
 
 

@@ -49,6 +49,7 @@ class Exercise:
     wrong_at: float | None = None  # [s] of the reason that cost most
     releases: int = 0  # of marks to the crew
     debriefing: str = ""  # how much of a debrief is written, while it is
+    page: str = ""  # the file of the debrief, once it is written
     rings: int = 0  # how often a bell has been due
     _old_lines: int = 0  # of the briefing that came before the line was lost last
 
@@ -111,10 +112,14 @@ class Exercise:
         """Take how much of a debrief is written."""
         self.debriefing = f"{float(share):.0%}" if share else ""
 
+    def take_page(self, _seconds: float, file: str) -> None:
+        """Take the file of a debrief that is written."""
+        self.page = file
+
     def go_on(self) -> None:
         """Forget the end, because the exercise or another one is flown now."""
         self.outcome, self.over_at = "", 0.0
-        self.undone, self.following = (), ""
+        self.undone, self.following, self.page = (), "", ""
         self.marks.clear()
 
     def lose_line(self) -> None:

@@ -447,6 +447,8 @@ class EndView(TextView):
     def _says(self, key: str) -> str:
         """Return what a key does, or that it is to be pressed once more."""
         step = steps_after(self._model)[key]
+        if step.order == "debrief" and self._model.exercise.page:
+            return f"{step.does}: {self._model.exercise.page}"
         if key != self._chosen:
             return step.does
         once_more = f"{step.does}: press {key.upper()} once more"

@@ -154,6 +154,7 @@ class SessionModel:
             "marks": exercise.take_marks,
             "reason": exercise.take_reason,
             "debriefing": exercise.take_debriefing,
+            "debrief": exercise.take_page,
         }
 
     @property

@@ -10,18 +10,20 @@ A line may give a secret token with a role. No answer and no log repeats it. It 
 place in the line, before the words are understood, because those before it may be misspelt.
 """
 
-import difflib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import NamedTuple
 
+from trainer.io.orders.nearest import join_names, kindred_orders, meant_order, nearest_word
 from trainer.io.orders.phrases import meaning, nearest_phrase
 from trainer.io.orders.quantities import NUMBER_KINDS, Number, RefusedError, Unit, quantity
 from trainer.io.orders.table import (
     FORMS,
+    GOING_WORDS,
     MEANT_ORDERS,
+    NAME_SLOTS,
     SIDE_SIGNS,
     WORD_SETS,
     Form,
@@ -45,7 +47,7 @@ TOKEN_PATTERN = re.compile(
     re.IGNORECASE,
 )
 HELP_HEAD = "help"
-GOING_WORDS = ("go", "come")  # before a direction that says what is meant
+SIDE_WORDS = {"down": "dive", "up": "rise"}  # as they are said of planes
 CREW_HEAD = "order"  # heads an order to the crew; the side of its course is a word of it
 KEPT_ORDERS = 1024  # of the wordings that were understood last
 MAX_LINE_LETTERS = 80  # [characters]  of a line, its comment included
@@ -71,6 +73,7 @@ PLAN_PATTERN = re.compile(
 )
 WHAT_IF_PATTERN = re.compile(r"\s*what\s+if\s+(\S.*?)\s*", re.IGNORECASE)
 ORDER_HEADS = {heading_word(form) for form in FORMS}
+NAMING_HEADS = {heading_word(form) for form in FORMS if NAME_SLOTS.keys() & form.pattern.split()}
 
 
 def hide_token(text: str) -> str:
@@ -233,9 +236,30 @@ def understood_order(*words: str) -> Order:
             goes = len(tokens) == 2 and tokens[0] in GOING_WORDS and tokens[1] in MEANT_ORDERS
             near = "" if goes or tokens[0] in ORDER_HEADS else nearest_phrase(tokens)
             reason = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
-            hint = moved_word(tokens) if len(tokens) <= MAX_MOVED_WORDS else ""
+            hint = (moved_word(tokens) if len(tokens) <= MAX_MOVED_WORDS else "") or meant_line(
+                tokens
+            )
             raise RefusedError(reason if near else hint or str(refused)) from None
     return replace(order(read_form(tokenise(phrase.order))), crew=phrase.crew)
+
+
+def meant_line(tokens: list[str]) -> str:
+    """Return the hint of a line that means an order in other words, "" where none helps."""
+    head, *rest = tokens
+    said = f'"{" ".join(tokens)}" is no order;'
+    if rest and head not in NAMING_HEADS and MEANT_ORDERS.get(tokens[-1]) == "casualty":
+        return f"{said} did you mean casualty {'-'.join(tokens)}?"
+    heads = (each for each in ("in", "at", "when") if each.startswith(head) and each != head)
+    plans = [parse(" ".join((each, *rest))) for each in heads]
+    if planned := next((each for each in plans if isinstance(each, Order)), None):
+        return f"{said} did you mean {planned.text}?"
+    meant = [head, *(SIDE_WORDS.get(token, token) for token in rest)]
+    if meant == tokens:
+        return ""
+    try:
+        return f"{said} did you mean {order(read_form(meant)).text}?"
+    except RefusedError as refused:  # which is of help where it asks for more
+        return "" if str(refused).startswith('"') else f"{said} {refused}"
 
 
 def moved_word(tokens: list[str]) -> str:
@@ -385,28 +409,6 @@ def refuse_doubt(tokens: list[str], alive: list[PartialReading]) -> None:
             raise RefusedError(f'"{token}" may be {join_names(sorted(spellings.values()))}')
 
 
-def nearest_word(token: str, known: Iterable[str]) -> str:
-    """Return the known word that was mistyped, "" if none is near.
-
-    A word with another first letter must be more alike, because few mistype the first letter.
-    """
-    whole = difflib.get_close_matches(token, sorted(known), n=1, cutoff=0.8)
-    begun = [word for word in sorted(known) if word[0] == token[0]]
-    near = whole or difflib.get_close_matches(token, begun, n=1, cutoff=0.65)
-    return near[0] if near else ""
-
-
-def meant_order(tokens: list[str]) -> str:
-    """Return the order that is meant by words that are none, "" for none.
-
-    "go deeper" is about depth, mistyped too, though "go" alone is about time.
-    """
-    if tokens[0] in GOING_WORDS and len(tokens) > 1:
-        known = nearest_word(tokens[1], MEANT_ORDERS.keys() - {*GOING_WORDS})
-        return MEANT_ORDERS.get(known, "")
-    return MEANT_ORDERS.get(tokens[0], "")
-
-
 def describe_unexpected(
     tokens: list[str], i: int, slots: list[Slot], readings: list[PartialReading]
 ) -> str:
@@ -421,10 +423,12 @@ def describe_unexpected(
     spelled = {said for slot in slots if isinstance(slot, Word) for said, _ in slot.spellings}
     heads = before in ("", HELP_HEAD)
     near = (meant_order(tokens[i:]) if heads else "") or nearest_word(token, spelled)
-    hint = f"; did you mean {near}?" if near else ""
+    kindred = "" if near or i > 1 or before == HELP_HEAD else kindred_orders(token, before)
+    hint = f"; did you mean {near or kindred}?" if near or kindred else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'
-    return f'"{token}" after "{before}"{hint or f": expected {join_names(describe_slots(slots))}"}'
+    expected = "" if near else f": expected {join_names(describe_slots(slots))}"
+    return f'"{token}" after "{before}"{expected}{hint}'
 
 
 def describe_slots(slots: list[Slot]) -> list[str]:
@@ -442,11 +446,6 @@ def describe_slots(slots: list[Slot]) -> list[str]:
         else:
             descriptions |= dict.fromkeys(unit.names[0] for unit in slot.number.units)
     return list(descriptions)
-
-
-def join_names(names: list[str]) -> str:
-    """Return the names as `a, b or c`."""
-    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def order(reading: PartialReading) -> Order:

@@ -101,13 +101,7 @@ PHRASES: Final = (
     Phrase("make 8 knots", "make N KNOTS", "turns {n}", "order speed {n}"),
     Phrase(
         "make your depth 60 metres",
-        "make your depth N [UNIT]",
-        "depth {n} {unit}",
-        "order depth {n} {unit}",
-    ),
-    Phrase(
-        "ordered depth 200 feet",
-        "ordered depth N [UNIT]",
+        "[make] your|ordered depth N [UNIT]",
         "depth {n} {unit}",
         "order depth {n} {unit}",
     ),
@@ -125,7 +119,7 @@ PHRASES: Final = (
     ),
     Phrase(
         "dive to 60 metres",
-        "dive|descend|ascend to N [UNIT]",
+        "dive|descend|ascend|take|bring [her|the] [boat] [up|down] to N [UNIT]",
         "depth {n} {unit}",
         "order depth {n} {unit}",
     ),

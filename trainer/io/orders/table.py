@@ -38,6 +38,7 @@ WORD_SETS = {
 SESSION_TOPIC = "session"  # what `help` is asked for the other overview
 WHICH_WAY = "say which way: {} or {}"
 WHICH_PLANES = "which planes? say stern planes or bow planes"
+GOING_WORDS = ("go", "come")  # before a direction that says what is meant
 # Words that beginners type, and the order that the answer then suggests.
 MEANT_ORDERS = {
     **dict.fromkeys(("pause", "hold"), "freeze"),
@@ -45,7 +46,7 @@ MEANT_ORDERS = {
     **dict.fromkeys(("undo", "rewind"), "backtrack"),
     "save": "snapshot",
     "load": "restore",
-    **dict.fromkeys(("break", "fail", "jam", "fault", "failure"), "casualty"),
+    **dict.fromkeys(("break", "fail", "jam", "stuck", "fault", "failure"), "casualty"),
     **dict.fromkeys(("repair", "fix", "mend"), "clear"),
     **dict.fromkeys(("ship", "ships", "target", "vessel", "contacts"), "contact"),
     **dict.fromkeys(("look", "bearing", "mast"), "scope"),
@@ -152,6 +153,7 @@ FORMS = (
     Form("BOW [planes] ANGLE", refusal=WHICH_WAY.format("bow planes dive", "bow planes rise")),
     Form("planes MODE", "both pairs by hand, or automatic"),
     Form("planes zero", "both pairs by hand, to zero"),
+    Form("planes TILT", refusal=WHICH_PLANES),
     Form("planes TILT ANGLE", refusal=WHICH_PLANES),
     Form("lever TILT ANGLE", "both pairs by one lever: bow to this angle, stern to 0.6 of it"),
     Form("lever zero", "both pairs by one lever, to zero"),
@@ -240,6 +242,7 @@ FORMS = (
     Form("end exercise", "end the exercise here: time stands still, the session goes on"),
     Form("release marks", "let everybody have the marks", name="release-marks"),
     Form("debrief", "write the debrief of what has been flown so far"),
+    Form("what now", refusal="say hint, which tells what to order now, briefing or status"),
     Form("what if ORDER", "the marks still to be had with an order and without", name="what-if"),
     Form("again", "the exercise again, from the start"),
     Form("again from LABEL", "from a moment kept, or from `here`: the end comes at its time"),
