@@ -105,6 +105,9 @@ def test_the_container_copies_what_there_is_and_runs_the_tested_python() -> None
     assert [name for name in names if not (ROOT / name).exists()] == []
     made_of = project["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["fragments"]
     assert {"pyproject.toml", *(each["path"] for each in made_of)} <= set(names)
+    for part in made_of:  # or nothing can be installed
+        text = (ROOT / part["path"]).read_text(encoding="utf-8")
+        assert all(part.get(key, "") in text for key in ("start-at", "start-after", "end-before"))
     assert {*project["project"]["license-files"], *wheel["packages"]} <= set(names)
     assert set(wheel["force-include"]) <= set(names)
     assert set(re.findall(r"^FROM \S+/python:([\d.]+)-slim", CONTAINERFILE, re.MULTILINE)) == set(
