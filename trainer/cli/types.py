@@ -185,8 +185,7 @@ class Duration(click.ParamType[float]):
         if isinstance(value, float):
             return value
         text = str(value).strip().lower()
-        if re.fullmatch(r"\d+(\.\d*)?", text):
-            return self._positive(float(text), value, param, ctx)
+        text += "s" if re.fullmatch(r"\d+(\.\d*)?", text) else ""
         parts = re.fullmatch(r"((\d+(?:\.\d*)?)h)?((\d+(?:\.\d*)?)m)?((\d+(?:\.\d*)?)s)?", text)
         if not text or not parts:
             wording = self._nearest(text)
@@ -194,7 +193,9 @@ class Duration(click.ParamType[float]):
             self.fail(f"{value!r} is not a time such as 90, 10m or 1h30m{near}", param, ctx)
         amounts = (parts[2], parts[4], parts[6])
         total = sum(float(a) * u for a, u in zip(amounts, self.units.values(), strict=True) if a)
-        return self._positive(total, value, param, ctx)
+        if total <= 0.0:
+            self.fail(f"{value!r}: a run lasts longer than 0 s", param, ctx)
+        return total
 
     def _nearest(self, text: str) -> str:
         """Return the wording of a time in other words, such as 1 hour. "": none."""
@@ -202,11 +203,6 @@ class Duration(click.ParamType[float]):
         amounts = {unit[0]: number for number, unit in SPOKEN_TIME.findall(said)}
         whole = not SPOKEN_TIME.sub("", said)
         return "".join(f"{amounts[unit]}{unit}" for unit in self.units if whole and unit in amounts)
-
-    def _positive(self, seconds: float, value: Any, param: Any, ctx: Any) -> float:
-        if seconds <= 0.0:
-            self.fail(f"{value!r}: a run lasts longer than 0 s", param, ctx)
-        return seconds
 
 
 class Speed(click.ParamType[float]):

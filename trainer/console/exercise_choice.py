@@ -93,11 +93,6 @@ def side_choice() -> ExerciseChoice:
     return ExerciseChoice("What do you want?", rows, advice, size=(76, 14))
 
 
-def row_title(each: Lesson) -> str:
-    """Return title, length and what is in hand, in columns."""
-    return f"{each.title:<{TITLE_COLUMNS}} {each.length:>7}  {each.in_hand}".rstrip()
-
-
 def exercise_choice(
     offered: Sequence[Lesson], *, trains: bool = False, progress: Progress | None = None
 ) -> ExerciseChoice:
@@ -114,7 +109,8 @@ def exercise_choice(
     ]
     lessons = [
         ChoiceRow(
-            (f"{progress.best(each.name):>5}  " if progress else "") + row_title(each),
+            (f"{progress.best(each.name):>5}  " if progress else "")
+            + f"{each.title:<{TITLE_COLUMNS}} {each.length:>7}  {each.in_hand}".rstrip(),
             each.name,
             "",
             reasons.get(each, "") + " ".join(each.briefing.split()),

@@ -19,6 +19,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.crew_orders import ordered_fact
 from trainer.boat.helm import obey_order
 from trainer.boat.world.scope import periscope_of
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Record
 from trainer.core.state import STATE
@@ -43,7 +44,6 @@ from trainer.session.past.journal import order_of, restore_world
 from trainer.session.past.layout import LAYOUT, numbers_of, read_state
 from trainer.session.past.options import RunOptions
 from trainer.session.past.plan import Plan
-from trainer.session.rerun.request import refuse_missing
 from trainer.session.run import (
     MAX_NAME_TRIES,
     LastingParts,
@@ -63,7 +63,8 @@ def resume_boat(
 
     One of another layout stays as it is, and a copy in today's layout goes on beside it.
     """
-    refuse_missing(options)
+    if options.rrd is not None:
+        require_library("rerun", "--rrd")
     course = course_of(options)
     made: Path | None = None  # such a copy
     with refusing_damage():

@@ -23,6 +23,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise.class_course import NO_COURSE, ClassCourse
 from trainer.config.exercise.class_file import load_class
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, remembering
 from trainer.core.kernel import INTERPRETED
 from trainer.io import paths as paths_module
@@ -48,7 +49,7 @@ from trainer.session.past.plan import OVERRULED_SETTINGS, Plan, plan_run
 from trainer.session.people.briefing import Briefing
 from trainer.session.ready import crew_talk, ready_boat
 from trainer.session.rerun.batch import Subject
-from trainer.session.rerun.request import open_log, refuse_missing
+from trainer.session.rerun.request import open_log
 from trainer.session.session import ColumnFile, Session
 from trainer.session.stations.past import recalled_past
 from trainer.session.stations.roles import INSTRUCTOR_ROLE, STRANGER_ROLE, TRAINEE_ROLE
@@ -162,7 +163,8 @@ def run_once(options: RunOptions, begun: LastingParts) -> RunResult:
         )
     with remembering() as texts:
         plan = plan_run(options)
-    refuse_missing(options)
+    if options.rrd is not None:
+        require_library("rerun", "--rrd")
     boat = ready_boat(plan, options)
     set_garbage_aside()
     path: Path | None = None

@@ -85,21 +85,19 @@ def said_in_tab() -> set[str]:
 
 
 def find_styles(html: str) -> Iterable[str]:
-    """Return the sheets that a page links, and what its modules need in a file besides.
+    """Return the sheets that a page links, and those that its modules need besides.
 
     A module needs each sheet that all served pages link which run it.
     """
-    linked, modules = STYLESHEET_TAG.findall(html), run_modules(html, REPLACED_SCRIPTS)
-    served = [render(page) for page in PAGES]
-    sheets = [(run_modules(each, {}), set(STYLESHEET_TAG.findall(each))) for each in served]
-    needed: set[str] = set()
-    for module in modules:
-        if links := [links for run, links in sheets if module in run]:
-            needed |= set.intersection(*links)
+    linked, needed = STYLESHEET_TAG.findall(html), set[str]()
+    served = [(run_modules(each, {}), STYLESHEET_TAG.findall(each)) for each in map(render, PAGES)]
+    for module in run_modules(html, REPLACED_SCRIPTS):
+        links = [set(sheets) for run, sheets in served if module in run]
+        needed |= set.intersection(*links) if links else set()
     return dict.fromkeys((*linked, *sorted(needed), TAB_STYLE))
 
 
-def run_modules(html: str, replaced: Mapping[str, str]) -> Iterable[str]:
+def run_modules(html: str, replaced: Mapping[str, str]) -> set[str]:
     """Return the paths of the modules that a page runs."""
     return {path for entry in SCRIPT_TAG.findall(html) for path in collect_modules(entry, replaced)}
 

@@ -35,17 +35,13 @@ def thrust_of(rows: Sequence[ThrustSet], drag_astern: float) -> ThrustRows:
         ahead.append(ThrustSet(eta_min=MIN_ETA, a=ahead[-1].a, b=0.0, c=bollard))
     if not astern:
         # c is that of the row ahead with the same turning, so that the rows join at u = 0.
-        drag = drag_astern * abs(_row_at_rest(ahead).a)
+        at_rest = next((row for row in ahead if row.eta_min <= 0.0), ahead[-1])
+        drag = drag_astern * abs(at_rest.a)
         astern = [
             ThrustSet(eta_min=0.0, a=drag, b=0.0, c=ahead[-1].c, going="astern"),
             ThrustSet(eta_min=MIN_ETA, a=drag, b=0.0, c=ahead[0].c, going="astern"),
         ]
     return ThrustRows(tuple(ahead), (astern[0], astern[-1]))
-
-
-def _row_at_rest(ahead: Sequence[ThrustSet]) -> ThrustSet:
-    """Return the row in force with the propeller stopped, going ahead."""
-    return next((row for row in ahead if row.eta_min <= 0.0), ahead[-1])
 
 
 def row_problems(rows: Sequence[ThrustSet]) -> list[str]:

@@ -244,7 +244,7 @@ def understood_order(*words: str) -> Order:
 
 
 def meant_line(tokens: list[str]) -> str:
-    """Return the hint of a line that means an order in other words, "" where none helps."""
+    """Return the order that other words mean, as a hint; "" where none helps."""
     head, *rest = tokens
     said = f'"{" ".join(tokens)}" is no order;'
     if rest and head not in NAMING_HEADS and MEANT_ORDERS.get(tokens[-1]) == "casualty":

@@ -40,7 +40,7 @@ def meant_order(tokens: list[str]) -> str:
 
 
 def kindred_orders(token: str, head: str) -> str:
-    """Return the orders, as far as this word of theirs, that may be meant; "": none, or many.
+    """Return the few orders, up to this word, that may be meant; "": none.
 
     ``head`` is the order that does not take the word: others that stand in help beside it may.
     """

@@ -198,14 +198,9 @@ def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:
             f"--nmea {url}: {count} sentences of {size} bytes at "
             f"{outlets.rate:g} Hz are {size * outlets.rate:.0f} bytes a second; the line carries "
             f"{capacity} at {baud} baud: give --nmea-rate "
-            f"{round_rate_down(capacity / size):g} or less, fewer "
+            f"{int(capacity / size * 100.0) / 100.0:g} or less, fewer "
             f"--nmea-sentences or a faster --nmea-baud"
         )
-
-
-def round_rate_down(rate: float) -> float:
-    """Return a rate [Hz] rounded down, to be given as an option."""
-    return int(rate * 100.0) / 100.0
 
 
 def parse_address(text: str) -> tuple[str, int]:

@@ -168,7 +168,11 @@ class Lane:
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     """Return the lanes of the boat, but those of casualties: ``casualty_lanes`` has them."""
     lanes = [
-        Lane("lanes/run", lambda block: 2 * block.branch + block.replaying, _describe_run),
+        Lane(
+            "lanes/run",
+            lambda block: 2 * block.branch + block.replaying,
+            lambda code: f"{'replay of ' if code % 2 else ''}branch {code // 2}",
+        ),
         *(_by_hand(name) for name in (*SURFACES, "speed") if boat.toward.get(name, 1.0)),
         _several("held", tuple(f"held_{part}" for part in FREEZABLE_PARTS), FREEZABLE_PARTS),
     ]
@@ -207,10 +211,6 @@ def _casualty(kind: int) -> Lane:
 
 def _whole(column: np.ndarray) -> IntArray:
     return column.astype(np.int64)
-
-
-def _describe_run(code: int) -> str:
-    return f"{'replay of ' if code % 2 else ''}branch {code // 2}"
 
 
 def _by_hand(what: str) -> Lane:

@@ -20,7 +20,7 @@ import click
 
 from trainer.boat.boat import Boat
 from trainer.boat.world.world import world_of
-from trainer.config.extras import advise_install, require_library
+from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.io.outputs import open_output, replacing
 from trainer.io.paths import DEFAULT_HOST
@@ -42,12 +42,6 @@ PROBE_TIMEOUT_S: Final = 0.5  # [s] that a viewer has to answer
 START_TIMEOUT_S: Final = 20.0  # [s] that a viewer has to open its window
 POLL_PERIOD_S: Final = 0.1  # [s] between looks whether it has
 BATCH_TICKS: Final = 4096  # [ticks] of a recording written at a time
-
-
-def refuse_missing(options: RunOptions) -> None:
-    """Raise ConfigError if a file for Rerun is asked for, and no library makes one."""
-    if options.rrd is not None:
-        require_library("rerun", "--rrd")
 
 
 def open_log(
