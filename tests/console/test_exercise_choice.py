@@ -38,6 +38,7 @@ from trainer.console.exercise_choice import (
     side_choice,
 )
 from trainer.console.pane import Pane, plain
+from trainer.session.past import header
 from trainer.session.past.options import RunOptions
 
 OFFERED = (
@@ -320,7 +321,7 @@ def test_who_sat_there_goes_on_under_the_name_of_the_recording_unless_another_do
     path, name = tmp_path / "a.trainer", "first-depth-change"
     kept = record(path, name, {}, duration=1.0, trainee=names, train=alone)
     begun: list[RunOptions] = []
-    monkeypatch.setattr(command, "account_names", lambda: ("ann",))
+    monkeypatch.setattr(header, "account_names", lambda: ("ann",))
     monkeypatch.setattr(command, "set_out", lambda asked, *_, **__: begun.append(asked))
     for words in ([], ["--train"], ["--instruct"]):
         assert CliRunner().invoke(cli, ["resume", str(kept), *words]).exit_code == 0

@@ -16,12 +16,14 @@ from trainer.config.exercise.reference_crew import CREW_HANDS, SAID_ORDERS
 from trainer.core.ballast.tanks import TANKS
 from trainer.debrief.passage.controls import HAND_CONTROLS, SURFACE_ORDERS
 from trainer.io.orders.grammar import Order, parse
-from trainer.io.orders.words import BOAT_ORDERS, ORDER_WORDS
+from trainer.io.orders.words import BOAT_ORDERS, HAND_AXES, ORDER_WORDS
 from trainer.session.past.plan import Plan
 
 MODE_ORDERS: Final = frozenset({"rudder-mode", "planes-mode"})
 ANGLE_ORDERS: Final = SURFACE_ORDERS - MODE_ORDERS  # what hands of the reference crew give
-AUTOMATIC_AXES: Final = ("rudder", "planes", "speed")
+AUTOMATIC_ORDERS: Final = {  # by axis, where there is one of that name
+    axis: order for axis in HAND_AXES if isinstance(order := parse(f"{axis} auto"), Order)
+}
 LEAST_WATER_KG: Final = 10.0  # that is worth a pump's order
 
 
@@ -120,9 +122,7 @@ class Choices:
 
     def _automatic(self, mute: MuteCrew, own: Sequence[Order]) -> Iterator[str]:
         """Yield what gives back to the autopilot axes that the crew has no business with."""
-        for axis in AUTOMATIC_AXES:
-            automatic = parse(f"{axis} auto")
-            assert isinstance(automatic, Order)  # noqa: S101 (a wording of the table)
+        for axis, automatic in AUTOMATIC_ORDERS.items():
             worked = any(axis in _moves(each) and each.name not in MODE_ORDERS for each in own)
             hands = {AXES_OF_HANDS[hand] for hand in self.hands}
             ours = axis in {*self.plan.hand, *hands} or bool(
