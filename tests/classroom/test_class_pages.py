@@ -346,7 +346,7 @@ def test_the_way_is_shown_in_all_chosen_boats_at_once(lesson: Class, look: Look)
     page.click("[data-words=demonstrate]")
     expect(page.locator("#answer")).to_contain_text("obeyed by 2 of 2")
     for boat in (1, 2):
-        expect(tile(page, boat).locator(".said")).to_contain_text("shows the way for 120 s")
+        expect(tile(page, boat).locator(".said")).to_contain_text("to show it for 120 s")
         expect(tile(page, boat).locator(".state")).to_have_text("RUNNING")
     expect(tile(page, 3).locator(".said")).to_have_text("")
     page.fill("#order", "demonstrate off")
