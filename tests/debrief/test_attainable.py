@@ -300,7 +300,7 @@ def test_a_shift_under_way_stands_and_a_party_is_not_sent_anew() -> None:
         assert text not in run.search.ways(moment)[0].first
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_what_can_be_had_again_later_was_not_lost() -> None:
     """Hovering on again wins 13 s after it was switched off, and not in the seconds before."""
     run = explored("bottoming", planted("bottoming", 183.5, "hover off"))

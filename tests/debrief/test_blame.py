@@ -88,7 +88,7 @@ def costs_by_kind(curve: AttainableCurve) -> dict[str, float]:
     ("make", "how", "told"),
     [
         pytest.param(
-            *each, id=each[2][0].value, marks=[pytest.mark.long] if i not in (0, 2, 5) else []
+            *each, id=each[2][0].value, marks=[pytest.mark.slow] if i not in (0, 2, 5) else []
         )
         for i, each in enumerate(TOLD)
     ],
