@@ -7,7 +7,7 @@
 #   index_types of what is there alone the same messages have no such group, and no error.
 # Guess before: a writer states an offset only of a group that it wrote.
 # Versions: mcap 1.6.0, pymcap-cli 0.34.0
-# Source: https://mcap.dev/spec#summary-offset-section; mcap/writer.py, finish
+# Source: the format's page at mcap.dev, Summary Offset; mcap/writer.py, finish
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

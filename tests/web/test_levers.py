@@ -74,8 +74,10 @@ class Finger:
     def down(self, x: float, y: float) -> Iterator[None]:
         """Hold a finger down at a place while the block lasts."""
         self.send("touchStart", (x, y))
-        yield
-        self.send("touchEnd")
+        try:
+            yield
+        finally:  # else it stays on a page that others get, and they fail too
+            self.send("touchEnd")
 
 
 def box_of(found: Locator) -> dict[str, float]:

@@ -16,18 +16,31 @@ import numpy as np
 
 # of 64 bits, low byte first; and from byte 16 on: not linked, for x86-64
 ELF_BEGINNING: Final = b"\x7fELF\x02\x01", b"\x01\x00\x3e\x00"
-SECTION: Final = np.dtype("u4,u4,u8,u8,u8,u8,u4,u4,u8,u8")
-SECTION.names = ("name", "kind", "flags", "address", "begin", "size", "link", "info", "step", "row")
-SYMBOL: Final = np.dtype("u4,u1,u1,u2,u8,u8")
-SYMBOL.names = ("name", "kind", "seen", "section", "value", "size")
-RELOCATION: Final = np.dtype("u8,u4,u4,i8")
-RELOCATION.names = ("place", "kind", "symbol", "added")
+SECTION_LAYOUT: Final = np.dtype("u4,u4,u8,u8,u8,u8,u4,u4,u8,u8")
+SECTION_LAYOUT.names = (
+    "name",
+    "kind",
+    "flags",
+    "address",
+    "begin",
+    "size",
+    "link",
+    "info",
+    "step",
+    "row",
+)
+SYMBOL_LAYOUT: Final = np.dtype("u4,u1,u1,u2,u8,u8")
+SYMBOL_LAYOUT.names = ("name", "kind", "seen", "section", "value", "size")
+RELOCATION_LAYOUT: Final = np.dtype("u8,u4,u4,i8")
+RELOCATION_LAYOUT.names = ("place", "kind", "symbol", "added")
 PLAIN, SYMBOLS, TEXTS, RELOCATIONS = 1, 2, 3, 4  # kinds of sections
 WRITTEN, LOADED = 1, 2  # flags of a section
 KNOWN_FLAGS: Final = 0x77  # with these: runs, is to be merged, has texts, is about another
-SEALED: Final = b".data.rel.ro\0"  # where only addresses are written, before anything runs
-ORDINARY: Final = 5  # the last kind of a symbol that is where it says
-SPECIAL: Final = 0xFF00  # from where on numbers of sections are of none
+SEALED_SECTION_NAME: Final = (
+    b".data.rel.ro\0"  # where only addresses are written, before anything runs
+)
+LAST_PLAIN_SYMBOL_KIND: Final = 5  # the last kind of a symbol that is where it says
+FIRST_RESERVED_SECTION: Final = 0xFF00  # from where on numbers of sections are of none
 # kinds of relocations: an address, and the way from their place to what is here or is called
 ADDRESS, WAY, CALL = 1, 2, 4
 
@@ -45,13 +58,13 @@ class ObjectImage:
         begin, count, naming = (
             int.from_bytes(code[a:b], "little") for a, b in ((40, 48), (60, 62), (62, 64))
         )
-        sections = np.frombuffer(code, SECTION, count, begin)
+        sections = np.frombuffer(code, SECTION_LAYOUT, count, begin)
         full = sections[sections["size"] > 0]
         loaded = full[full["flags"] & LOADED > 0]
         written = loaded[loaded["flags"] & WRITTEN > 0]["name"] + sections[naming]["begin"]
         (table,) = full[full["kind"] == SYMBOLS]
-        symbols = _rows(code, SYMBOL, table)
-        own = (symbols["section"] > 0) & (symbols["section"] < SPECIAL)
+        symbols = _rows(code, SYMBOL_LAYOUT, table)
+        own = (symbols["section"] > 0) & (symbols["section"] < FIRST_RESERVED_SECTION)
         steps = np.maximum(loaded["step"], 1)
         if (
             not np.isin(full["kind"], (PLAIN, SYMBOLS, TEXTS, RELOCATIONS)).all()
@@ -59,8 +72,11 @@ class ObjectImage:
             or (loaded["kind"] != PLAIN).any()
             or (loaded["begin"] % steps).any()
             or (mmap.PAGESIZE % steps).any()
-            or any(code[at : at + len(SEALED)] != SEALED for at in written.tolist())
-            or (symbols["kind"] % 16 > ORDINARY).any()
+            or any(
+                code[at : at + len(SEALED_SECTION_NAME)] != SEALED_SECTION_NAME
+                for at in written.tolist()
+            )
+            or (symbols["kind"] % 16 > LAST_PLAIN_SYMBOL_KIND).any()
             or (symbols["section"][1:] == 0).any()  # the first is none, by the format
         ):
             raise ValueError("has a section or a symbol of an unknown kind")
@@ -70,7 +86,7 @@ class ObjectImage:
         image = np.frombuffer(memory, np.uint8)
         offsets = sections["begin"][np.where(own, symbols["section"], 0)] + symbols["value"]
         for each in full[full["kind"] == RELOCATIONS]:
-            target, rows = sections[each["info"]], _rows(code, RELOCATION, each)
+            target, rows = sections[each["info"]], _rows(code, RELOCATION_LAYOUT, each)
             kinds, places = rows["kind"], (target["begin"] + rows["place"]).astype(np.int64)
             values = offsets[rows["symbol"]].astype(np.int64) + rows["added"]
             within = (np.minimum(places, values) >= 0) & (np.maximum(places, values) < len(code))

@@ -13,7 +13,7 @@ from trainer.io.orders.table import (
 )
 from trainer.io.orders.words import BOAT_TOPICS, SESSION_TOPICS
 
-TOPICS = BOAT_TOPICS + SESSION_TOPICS
+ORDER_TOPICS = BOAT_TOPICS + SESSION_TOPICS
 MAX_KINDRED_ORDERS = 3  # that are offered for one word
 
 
@@ -44,7 +44,9 @@ def kindred_orders(token: str, head: str) -> str:
 
     ``head`` is the order that does not take the word: others that stand in help beside it may.
     """
-    beside = next((topic for topic in TOPICS if head in {word.name for word in topic.words}), None)
+    beside = next(
+        (topic for topic in ORDER_TOPICS if head in {word.name for word in topic.words}), None
+    )
     names = {word.name for word in beside.words} if beside else set()
     found: dict[str, None] = {}
     for form in FORMS:
