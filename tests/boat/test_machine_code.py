@@ -393,10 +393,14 @@ def _change(code: bytes, kind: int, field: str, value: int) -> bytes:
     """Return an object with a field of its first full section of a kind, or of what is in it."""
     changed = bytearray(code)
     begin, count = (int.from_bytes(code[a:b], "little") for a, b in ((40, 48), (60, 62)))
-    sections = np.frombuffer(changed, object_image.SECTION, count, begin)
+    sections = np.frombuffer(changed, object_image.SECTION_LAYOUT, count, begin)
     first = np.flatnonzero((sections["kind"] == kind) & (sections["size"] > 0))[0]
     section = sections[first]
-    rows = {2: object_image.SYMBOL, 4: object_image.RELOCATION}[kind] if " " in field else None
+    rows = (
+        {2: object_image.SYMBOL_LAYOUT, 4: object_image.RELOCATION_LAYOUT}[kind]
+        if " " in field
+        else None
+    )
     if rows is not None:
         number = int(section["size"]) // rows.itemsize
         found = np.frombuffer(changed, rows, number, section["begin"])
